@@ -15,12 +15,14 @@ from tracerisk.twin.urdf.xacro_files import Expanded, LackingError, expanded_xac
 from tracerisk.twin.workspace.absent_macros import Completed, with_shipped_robots
 from tracerisk.twin.workspace.description_files import DescriptionFile
 
-_MOST_EXPANDED = 12  # xacro files a controller; each costs up to a second
+_MOST_EXPANDED = 12  # xacro files of each kind; each costs up to a second
 _MOST_TRIED = 40  # with those that cannot be expanded: parts of others, which end soon
 _ROBOTS_NAME = "name"  # the argument of xacro that many files want and give no default
 _MOVES = re.compile(rb"<joint\b[^>]*type=[\"'](?:revolute|continuous|prismatic)")
 _OLD = "its xacro has forms of older releases (tags without prefix, `__name`), read as then"
 _Key = tuple[Path, tuple[tuple[str, str], ...]]
+_Kind = tuple[bool, bool]
+"""Whether files are SRDF, and whether anything names them."""
 
 
 @dataclass(eq=False)
@@ -34,12 +36,21 @@ class DescriptionTexts:
     _launched: Mapping[Path, LaunchedDescription]
     _limits: Limits
     _expanded: dict[_Key, Expanded | RobotError] = field(default_factory=dict)
+    _counted: dict[_Kind, list[_Key]] = field(default_factory=dict)
     _read_for: dict[Path, tuple[Path, ...]] = field(default_factory=dict)
     _completed: dict[Path, Completed] = field(default_factory=dict)
 
-    def of(self, file: DescriptionFile, arguments: Mapping[str, str] | None = None) -> bytes:
+    def of(
+        self,
+        file: DescriptionFile,
+        arguments: Mapping[str, str] | None = None,
+        *,
+        is_named: bool = False,
+    ) -> bytes:
         """Return the XML of a file; `arguments` are for xacro where no launch file gives any.
 
+        A file that something names (`is_named`) is read however many others were: they are
+        counted apart, and so are SRDF files.
         Raises RobotError where it cannot be expanded, or too many were before it; LimitError
         where that takes too long or too much memory.
         """
@@ -49,12 +60,14 @@ class DescriptionTexts:
         given = dict(launched.arguments) if launched is not None else dict(arguments or {})
         key = (file.path, tuple(sorted(given.items())))
         if key not in self._expanded:
-            expanded = sum(isinstance(each, Expanded) for each in self._expanded.values())
-            if expanded >= _MOST_EXPANDED or len(self._expanded) >= _MOST_TRIED:
+            before = self._counted.setdefault((file.is_srdf, is_named), [])
+            expanded = sum(isinstance(self._expanded[one], Expanded) for one in before)
+            if expanded >= _MOST_EXPANDED or len(before) >= _MOST_TRIED:
                 raise RobotError(
-                    f"not looked at: {len(self._expanded)} xacro files were tried before it, of "
-                    f"which {expanded} could be expanded"
+                    f"not looked at: {len(before)} xacro files were tried before it, of which "
+                    f"{expanded} could be expanded"
                 )
+            before.append(key)
             try:
                 self._expanded[key] = self._expand_named(file, given)
             except RobotError as error:

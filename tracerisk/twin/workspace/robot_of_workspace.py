@@ -178,7 +178,7 @@ class _Search:
         read: list[tuple[DescriptionFile, Srdf]] = []
         for file in sorted(files, key=self._rank):
             try:
-                text = self._texts.of(file)
+                text = self._texts.of(file, is_named=self._is_first(file))
                 read.append((file, read_srdf(text, file.shown)))
             except RobotError as error:
                 self._skip(file, error.message, is_meant=len(files) == 1 or self._is_meant(file))
@@ -240,7 +240,8 @@ class _Search:
             if not is_near and (self._is_part(urdf) or not choice.is_needed(urdf)):
                 continue
             try:
-                text = self._texts.of(urdf, choice.arguments(urdf))
+                is_named = self._is_first(urdf) or choice.is_named(urdf)
+                text = self._texts.of(urdf, choice.arguments(urdf), is_named=is_named)
                 robot = read_urdf(text, urdf.shown, srdf=srdf)
             except RobotError as error:
                 # Another arm of the same joints may stand elsewhere, but it is not this one.
@@ -259,7 +260,7 @@ class _Search:
             if not only and not starts and not self._is_meant(file):
                 continue
             try:
-                text = self._texts.of(file)
+                text = self._texts.of(file, is_named=self._is_first(file))
             except RobotError as error:
                 self._skip(file, error.message, is_meant=not self._is_part(file))
                 continue
@@ -336,9 +337,7 @@ class _Search:
         that the controller, its launch file or its manifest names.
         """
         in_named = bool(file.robot_name) and self._is_in_named(file)
-        is_launched = self._launched_as(file) != _UNNAMED
-        is_spoken = bool(self._spoken.among(file.words)) or self._is_named(file)
-        return is_launched or is_spoken or in_named
+        return in_named or self._is_first(file) or bool(self._spoken.among(file.words))
 
     def _is_part(self, file: DescriptionFile) -> bool:
         """Return whether another file includes this one, which is then no whole robot."""
@@ -356,6 +355,10 @@ class _Search:
 
     def _is_named(self, file: DescriptionFile) -> bool:
         return bool({file.robot_name, file.stem} & self._spoken.words)
+
+    def _is_first(self, file: DescriptionFile) -> bool:
+        """Return whether a launch file or the controller names a file or its robot."""
+        return self._launched_as(file) != _UNNAMED or self._is_named(file)
 
     def _srdf_rank(
         self, file: DescriptionFile, srdf: Srdf

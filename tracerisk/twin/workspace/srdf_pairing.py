@@ -96,10 +96,14 @@ class UrdfChoice:
         """Return the arguments of the assistant's file, `None` for another file."""
         return self.noted.arguments if self.noted is not None and self.is_noted(urdf) else None
 
+    def is_named(self, urdf: DescriptionFile) -> bool:
+        """Return whether a file has the name of the SRDF or of its file, or made it."""
+        own = {self.srdf.name, self.file.stem}
+        return self.is_noted(urdf) or bool(own & {urdf.robot_name, urdf.stem})
+
     def is_near(self, urdf: DescriptionFile) -> bool:
-        """Return whether a file has the SRDF's name or some of its joints, or made it."""
-        has_name = self.srdf.name in (urdf.robot_name, urdf.stem)
-        return self.is_noted(urdf) or has_name or bool(self.srdf.words & urdf.words)
+        """Return whether a file is the SRDF's by its name, or has some of its joints."""
+        return self.is_named(urdf) or bool(self.srdf.words & urdf.words)
 
     def rank(self, urdf: DescriptionFile) -> tuple[bool, bool, bool, int, int, str]:
         """Return how a file is ranked, the best one first."""
