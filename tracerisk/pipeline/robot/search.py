@@ -22,7 +22,7 @@ from tracerisk.pipeline.robot.installed_descriptions import installed_in
 from tracerisk.pipeline.robot.speech import strings_of
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
-from tracerisk.pipeline.workspace.workspace import find_workspace
+from tracerisk.pipeline.workspace.workspace import own_workspace
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
 from tracerisk.twin.robots.names_in_source import Spoken
 from tracerisk.twin.robots.prefix import with_numbered, with_prefix
@@ -72,7 +72,7 @@ def stand_in(controller: Controller, chosen_by: str) -> RobotChoice:
 def _generic(
     controller: Controller, whole: Controller, spoken: Spoken, asked: NamesAsked, chosen_by: str
 ) -> RobotChoice:
-    packages = find_workspace(controller.root).packages
+    packages = own_workspace(controller).packages
     found = spoken_srdf((controller.root, *packages.values()), spoken, controller.path)
     robot = None if found is None else srdf_stand_in(found[0], asked)
     if found is None or robot is None:

@@ -43,7 +43,7 @@ from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.trace.run_files import IDLE_S
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
+from tracerisk.pipeline.workspace.workspace import own_workspace, project_top
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, move_aside, stands_free
 from tracerisk.ros.drafts.named_numbers import Reach
@@ -121,7 +121,7 @@ class Rounds:
         self._kept = kept
         root = controller.root.resolve()
         script = controller.path.resolve()
-        program = program_of(script, root, find_workspace(root))
+        program = program_of(script, root, own_workspace(controller))
         self._written = WrittenValues(project_top(controller.root), program)
         self._usable: dict[EntryKey, Draft] = {}
         self._cannot: dict[EntryKey, Draft] = {}

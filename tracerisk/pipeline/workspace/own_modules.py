@@ -11,7 +11,7 @@ from tracerisk.common.records import replace
 from tracerisk.instrument.source.dotted_names import imports_in
 from tracerisk.instrument.source.python_source import decoded, parsed
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import find_workspace, project_top
+from tracerisk.pipeline.workspace.workspace import own_workspace, project_top
 
 _MOST_MODULES = 100
 
@@ -73,7 +73,7 @@ def with_own_modules(controller: Controller) -> Controller:
 def _bases(controller: Controller) -> tuple[Path, ...]:
     """Return the folders in which a build, or Python itself, would look for modules."""
     root = controller.root.resolve()
-    workspace = find_workspace(root)
+    workspace = own_workspace(controller)
     folders = (
         controller.path.resolve().parent,
         root,

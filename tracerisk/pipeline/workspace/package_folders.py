@@ -16,9 +16,12 @@ from collections import deque
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import Literal
 
 from tracerisk.common.records import dataclass
 from tracerisk.common.text.patterns import pattern
+
+RosVersion = Literal[1, 2]
 
 PACKAGE_FILE = "package.xml"
 NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
@@ -44,6 +47,8 @@ _IGNORED_MARKS = ("COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE")
 _MOST_BYTES = 256 * 1024
 _NAME = pattern(r"<name>\s*([\w.-]+)\s*</name>")
 _NEED = pattern(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
+_BUILT_BY = pattern(r"<(?:build_type|buildtool_depend)\b[^>]*>\s*(ament|catkin|cmake)\w*\s*<")
+_COMMENT = pattern(r"<!--.*?-->", re.DOTALL)
 
 
 def packages_below(
@@ -99,6 +104,22 @@ def name_of(folder: Path) -> str:
     """Return the name of the package in a folder: by its manifest, else the folder's."""
     found = _NAME.search(manifest_text(folder))
     return found[1] if found else folder.name
+
+
+def ros_of_package(folder: Path) -> RosVersion | None:
+    """Return the ROS for which the manifest in a folder has its package built.
+
+    catkin builds for ROS 1, ament for ROS 2. `None` where it names neither, or both.
+    """
+    tools = set(_BUILT_BY.findall(_COMMENT.sub("", manifest_text(folder)))) - {"cmake"}
+    if len(tools) != 1:
+        return None
+    return 2 if "ament" in tools else 1
+
+
+def is_of_other_ros(folder: Path, ros: RosVersion | None) -> bool:
+    """Return whether the package in a folder is built for the other ROS than a given one."""
+    return ros is not None and ros_of_package(folder) not in (None, ros)
 
 
 def declared_needs(folder: Path) -> tuple[str, ...]:
@@ -160,10 +181,11 @@ def packages_of_sibling(folder: Path) -> Iterator[Path]:
     yield from packages_below(folder, _DEEPEST_BESIDE, most=_MOST_SEEN_BESIDE)
 
 
-def needed_beside(root: Path, siblings: Siblings | None) -> dict[str, Path]:
+def needed_beside(root: Path, siblings: Siblings | None, ros: RosVersion | None) -> dict[str, Path]:
     """Return the packages beside `root` that it needs, and those that these need.
 
-    Besides what is around it in two folders, they are those of the `siblings` of its project.
+    Besides what is around it in two folders, they are those of the `siblings` of its project. Of
+    several with one name, those that are built for the other ROS than `ros` come last.
     """
     beside: dict[str, Path] = {}
     around = (each for each in root.parents[:_ABOVE] if each not in (Path.home(), Path("/")))
@@ -174,7 +196,9 @@ def needed_beside(root: Path, siblings: Siblings | None) -> dict[str, Path]:
         for package in packages_of_sibling(folder)
     )
     for package in (*near, *far):
-        beside.setdefault(name_of(package), package)
+        known = beside.setdefault(name_of(package), package)
+        if known != package and is_of_other_ros(known, ros):
+            beside[name_of(package)] = package
     found: dict[str, Path] = {}
     waiting = [root]
     while waiting:

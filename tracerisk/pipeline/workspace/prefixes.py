@@ -18,7 +18,6 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Literal
 
 from tracerisk.common.records import dataclass, replace
 from tracerisk.common.sandbox.ros_prefix import (
@@ -33,14 +32,14 @@ from tracerisk.common.text.patterns import pattern
 from tracerisk.pipeline.workspace.package_folders import (
     PACKAGE_FILE,
     SOURCES,
+    RosVersion,
     head_of,
+    is_of_other_ros,
     name_of,
     packages_below,
     packages_of_sibling,
     siblings_of,
 )
-
-RosVersion = Literal[1, 2]
 
 PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "CMAKE_PREFIX_PATH")
 """The variables of the environment that list prefixes."""
@@ -74,6 +73,8 @@ class Prefix:
     """Whether packages are anywhere below it, and not in its `share`."""
     fills_in: bool = False
     """Whether nothing of it goes before what is provided without it."""
+    ros: RosVersion | None = None
+    """The ROS of the controller, of which a package in sources goes before one of the other."""
 
 
 def find_prefixes(
@@ -102,7 +103,7 @@ def find_prefixes(
         for prefix in _parts(candidate):
             key = os.path.realpath(prefix.path)
             if key not in found and _ros_of(prefix) in (None, ros):
-                found[key] = prefix
+                found[key] = replace(prefix, ros=ros) if prefix.is_sources else prefix
             if len(found) >= _MOST_PREFIXES:
                 return tuple(found.values())
     return tuple(found.values())
@@ -197,13 +198,18 @@ def _ros_of(prefix: Prefix) -> RosVersion | None:
 
 
 def installed_packages(prefixes: Iterable[Prefix]) -> dict[str, Path]:
-    """Return the packages of prefixes with the folders of their files, sorted by their names."""
+    """Return the packages of prefixes with the folders of their files, sorted by their names.
+
+    One in sources that is built for the other ROS counts where no other has its name.
+    """
     found: dict[str, Path] = {}
+    of_other_ros: dict[str, Path] = {}
     for prefix in prefixes:
         for name, folder in _packages_of(prefix):
+            is_other = prefix.is_sources and is_of_other_ros(folder, prefix.ros)
             if len(found) < _MOST_PACKAGES:
-                found.setdefault(name, folder)
-    return dict(sorted(found.items()))
+                (of_other_ros if is_other else found).setdefault(name, folder)
+    return dict(sorted({**of_other_ros, **found}.items()))
 
 
 def _packages_of(prefix: Prefix) -> Iterator[tuple[str, Path]]:

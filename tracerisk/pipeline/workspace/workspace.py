@@ -7,9 +7,9 @@ import os
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
-from tracerisk.common.records import dataclass, replace
+from tracerisk.common.records import dataclass
 from tracerisk.common.text.patterns import pattern
-from tracerisk.config import Settings
+from tracerisk.config import RosDistro, Settings
 from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.package_folders import (
@@ -18,10 +18,13 @@ from tracerisk.pipeline.workspace.package_folders import (
     PACKAGE_FILE,
     REPOSITORY,
     SOURCES,
+    RosVersion,
     declared_needs,
+    is_of_other_ros,
     name_of,
     needed_beside,
     packages_below,
+    ros_of_package,
     siblings_of,
 )
 from tracerisk.pipeline.workspace.prefixes import Prefix, find_prefixes, installed_packages
@@ -36,8 +39,8 @@ _TOP_MARKS = frozenset(
 )  # fmt: skip
 _MOST_MODULES = 300
 _MOST_FOLDERS = 5000
-_INSOURCES = 4  # repository, stack, family, package
 _WORD = pattern(r"[\w.-]+")
+_SHIPPED_FOR: Mapping[RosVersion, tuple[RosDistro, ...]] = {1: ("noetic",), 2: ("humble", "jazzy")}
 _LAUNCH_ENDINGS = (".launch", ".py", ".xml", ".yaml")
 
 
@@ -165,8 +168,32 @@ def _holds_python(folder: Path) -> bool:
 
 
 def workspace_of(controller: Controller, settings: Settings) -> Workspace:
-    """Return the packages around a controller, and those that are installed for its ROS."""
-    return replace(find_workspace(controller.root), prefixes=prefixes_of(controller, settings))
+    """Return the packages around a controller, and those that are installed for its ROS.
+
+    A package of its workspace that is built for the other ROS gives way to one that is installed,
+    or whose messages are shipped, for its own.
+    """
+    from tracerisk.ros.messages.interface_texts import shipped_packages
+
+    found, prefixes = own_workspace(controller), prefixes_of(controller, settings)
+    ros = _ros_of(controller)
+    other = {name for name, folder in found.packages.items() if is_of_other_ros(folder, ros)}
+    if other:
+        # Only then: to list them all may take a moment.
+        installed = installed_packages(prefixes).items()
+        there = {name for name, folder in installed if not is_of_other_ros(folder, ros)}
+        other &= there.union(*map(shipped_packages, _SHIPPED_FOR[ros]))
+    packages = {name: folder for name, folder in found.packages.items() if name not in other}
+    return Workspace(packages, prefixes)
+
+
+def own_workspace(controller: Controller) -> Workspace:
+    """Return the packages around a controller, of its own ROS where there are several of a name."""
+    return find_workspace(controller.root, _ros_of(controller))
+
+
+def _ros_of(controller: Controller) -> RosVersion:
+    return ros_version(controller.path.resolve(), controller.root.resolve())
 
 
 def prefixes_of(controller: Controller, settings: Settings) -> tuple[Prefix, ...]:
@@ -175,13 +202,13 @@ def prefixes_of(controller: Controller, settings: Settings) -> tuple[Prefix, ...
     return find_prefixes(
         root,
         project_top(root),
-        ros_version(controller.path.resolve(), root.resolve()),
+        _ros_of(controller),
         settings.ros_prefixes,
         settings.ros_distro,
     )
 
 
-def find_workspace(root: Path) -> Workspace:
+def find_workspace(root: Path, ros: RosVersion | None = None) -> Workspace:
     """Return the packages below a controller's root and, where that is one itself, around it.
 
     A root that is no package has those around it where it lies in the `src` of a workspace, or
@@ -194,19 +221,32 @@ def find_workspace(root: Path) -> Workspace:
     in the same `src`.
     Packages at any depth are found. The search begins at `root` and goes on upwards, so that what
     a very large project has in other places is left out first.
-    Where two packages have one name, the one that contains `root` or is nearest to it wins.
+    Where two packages have one name, one that is not built for the other ROS than `ros` wins, else
+    the one that contains `root` or is nearest to it. Without `ros` it is that of the package of
+    `root`.
     """
-    top = project_top(root)
+    top, ros = project_top(root), ros or ros_of_package(root)
     packages: dict[str, Path] = {}
+
+    def rank(folder: Path) -> tuple[bool, int]:
+        return is_of_other_ros(folder, ros), _apart(folder, root.resolve())
+
     for folder in packages_below(top, first=root.resolve()):
         known = packages.setdefault(name_of(folder), folder)
-        if _apart(folder, root.resolve()) < _apart(known, root.resolve()):
+        if known != folder and rank(folder) < rank(known):
             packages[name_of(folder)] = folder
     is_package = (root / PACKAGE_FILE).is_file()
     siblings = siblings_of(root.resolve(), top)
     is_alone = is_package and top == root.resolve() and not (top / REPOSITORY).exists()
     if siblings is not None or is_alone:
-        packages = {**needed_beside(root.resolve(), siblings), **packages}
+        beside = needed_beside(root.resolve(), siblings, ros)
+        own = {name for name in packages if not is_of_other_ros(packages[name], ros)}
+        better = {
+            name: folder
+            for name, folder in beside.items()
+            if name not in own and not is_of_other_ros(folder, ros)
+        }
+        packages = {**beside, **packages, **better}
     if is_package:
         packages[name_of(root.resolve())] = root.resolve()
     return Workspace(dict(sorted(packages.items())))
