@@ -89,6 +89,18 @@ LOST = [
         "/panda_arm_controller/follow_joint_trajectory",
     ),
     (
+        "ROS 1, after other publishers and a commander",
+        ARM,
+        """
+        arm = moveit_commander.MoveGroupCommander("panda_arm")
+        publisher = rospy.Publisher(NAME, JointTrajectory, queue_size=1)
+        others = [rospy.Publisher(f"/other{n}", JointTrajectory, queue_size=1) for n in range(5)]
+        publisher.publish(trajectory(0.4))  # here
+        rospy.sleep(2.0)
+        """,
+        COMMAND,
+    ),
+    (
         "only the first of two",
         ARM,
         """
@@ -173,6 +185,55 @@ SOUND = [
         """,
     ),
     (
+        "ROS 1, the robot is loaded",
+        ARM,
+        """
+        publisher = rospy.Publisher(NAME, JointTrajectory, queue_size=1)
+        robot = moveit_commander.RobotCommander()
+        publisher.publish(trajectory(0.4))
+        rospy.sleep(2.0)
+        """,
+    ),
+    (
+        "ROS 1, a plan is made",
+        ARM,
+        """
+        arm = moveit_commander.MoveGroupCommander("panda_arm")
+        publisher = rospy.Publisher(NAME, JointTrajectory, queue_size=1)
+        assert arm.plan([0.2, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])[0]
+        publisher.publish(trajectory(0.4))
+        rospy.sleep(2.0)
+        """,
+    ),
+    (
+        "ROS 1, another server is waited for",
+        ARM,
+        """
+        import actionlib
+        from control_msgs.msg import FollowJointTrajectoryAction
+
+        publisher = rospy.Publisher(NAME, JointTrajectory, queue_size=1)
+        name = "/position_joint_trajectory_controller/follow_joint_trajectory"
+        actionlib.SimpleActionClient(name, FollowJointTrajectoryAction).wait_for_server()
+        publisher.publish(trajectory(0.4))
+        rospy.sleep(2.0)
+        """,
+    ),
+    (
+        "ROS 2, clients are made and their packages imported",
+        ARM2,
+        """
+        publisher = node.create_publisher(JointTrajectory, NAME, 1)
+        from moveit_msgs.srv import GetPositionIK
+        from std_srvs.srv import Trigger
+
+        solver = node.create_client(GetPositionIK, "/compute_ik")
+        ActionClient(node, FollowJointTrajectory, "/panda_arm_controller/follow_joint_trajectory")
+        publisher.publish(trajectory(0.4))
+        time.sleep(2.0)
+        """,
+    ),
+    (
         "ROS 1, a stream",
         ARM,
         """
@@ -218,7 +279,7 @@ def trace_of(folder, head, body):
     return path.read_text().splitlines(), trace
 
 
-@pytest.mark.parametrize(("title", "head", "body", "name"), slow_but(LOST[:4], LOST))
+@pytest.mark.parametrize(("title", "head", "body", "name"), slow_but(LOST[:5], LOST))
 def test_what_was_lost_is_a_reason_with_its_line(tmp_path, title, head, body, name):
     lines, trace = trace_of(tmp_path, head, body)
     assert trace.verdict.kind == "faulted"
@@ -229,8 +290,42 @@ def test_what_was_lost_is_a_reason_with_its_line(tmp_path, title, head, body, na
     assert trace.end.cause == "ended"
 
 
-@pytest.mark.parametrize(("title", "head", "body"), slow_but((SOUND[0], *SOUND[3:6]), SOUND))
+@pytest.mark.parametrize(("title", "head", "body"), slow_but((SOUND[0], *SOUND[3:9]), SOUND))
 def test_who_waits_latches_or_streams_loses_nothing(tmp_path, title, head, body):
     _, trace = trace_of(tmp_path, head, body)
     assert [reason.words for reason in trace.verdict.open_reasons] == []
     assert trace.commands
+
+
+NUDGE = """\
+import baxter_interface
+import rospy
+
+JOINTS = [f"right_{joint}" for joint in ("s0", "s1", "e0", "e1", "w0", "w1", "w2")]
+NEUTRAL = dict(zip(JOINTS, [0.0, -0.55, 0.0, 0.75, 0.0, 1.26, 0.0]))
+BENCH = {**NEUTRAL, "right_s0": 0.9}
+
+rospy.init_node("nudge")
+limb = baxter_interface.Limb("right")
+"""
+
+
+def test_a_blocking_motion_to_where_the_arm_begins_is_not_over_before_the_connection(tmp_path):
+    """Where a real arm stands before nobody knows: it would have had to go there."""
+    (tmp_path / "pyproject.toml").touch()
+    path = tmp_path / "nudge.py"
+    path.write_text(
+        f"{NUDGE}limb.move_to_joint_positions(NEUTRAL)\n"
+        "limb.move_to_joint_positions(BENCH, timeout=0.0)\nrospy.sleep(1.0)\n"
+        "assert 0.004 < limb.joint_angle('right_s0') < 0.03\n"
+    )
+    trace = pipeline.trace_controller(pipeline.load_controller(path), Settings(robot="baxter"))
+    assert [reason.words for reason in trace.verdict.open_reasons] == []
+
+
+def test_a_nudge_of_a_new_limb_reaches_nobody(tmp_path):
+    (tmp_path / "pyproject.toml").touch()
+    path = tmp_path / "nudge.py"
+    path.write_text(f"{NUDGE}limb.move_to_joint_positions(BENCH, timeout=0.0)\nrospy.sleep(1.0)\n")
+    trace = pipeline.trace_controller(pipeline.load_controller(path), Settings(robot="baxter"))
+    assert [reason.code for reason in trace.verdict.reasons] == ["sent-early", "no-command"]

@@ -90,6 +90,11 @@ def current() -> Runtime:
     return _active[-1] if process is None else process.runtime
 
 
+def running() -> Runtime | None:
+    """Return the runtime that is active, `None` outside a run."""
+    return current() if _active else None
+
+
 @contextmanager
 def activate(runtime: Runtime) -> Iterator[Runtime]:
     """Make `runtime` the active one within the block."""

@@ -21,6 +21,7 @@ from pathlib import Path
 from types import CodeType, FrameType, MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from tracerisk.ros.graph.runtime import running
 from tracerisk.ros.imports.cfg_modules import cfg_module
 from tracerisk.ros.imports.compiled_modules import compiled_module
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, is_installed, missing_module
@@ -42,10 +43,22 @@ _CODE_WITH_INTERFACES = frozenset(
 
 def _is_from_import() -> bool:
     """Return whether a statement imports, and no call of `__import__`."""
+    frame = _importing()
+    return frame is None or frame.f_code.co_code[frame.f_lasti] == opmap["IMPORT_NAME"]
+
+
+def _is_by_stand_in() -> bool:
+    """Return whether a stand-in imports for itself: how long it takes is known as a whole."""
+    frame = _importing()
+    return frame is not None and frame.f_code.co_filename.startswith(str(STAND_INS))
+
+
+def _importing() -> FrameType | None:
+    """Return the frame that imports, `None` where there is none."""
     frame: FrameType | None = sys._getframe(1)
     while frame is not None and frame.f_code.co_filename.startswith((__file__, "<frozen")):
         frame = frame.f_back
-    return frame is None or frame.f_code.co_code[frame.f_lasti] == opmap["IMPORT_NAME"]
+    return frame
 
 
 class StandInFinder(MetaPathFinder):
@@ -271,7 +284,10 @@ class _InterfaceLoader(Loader):
         return self._make(spec)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Do nothing: the module makes its classes when they are asked for."""
+        """Count the time of the import: the module makes its classes when they are asked for."""
+        runtime = running()
+        if runtime is not None and isinstance(module, _InterfaceModule) and not _is_by_stand_in():
+            runtime.graph.carrier.owe("import")
 
 
 class _InterfaceModule(ModuleType):

@@ -13,7 +13,7 @@ from tracerisk.common.worlds.world import World
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.controller.node_process import NodeProcess
 from tracerisk.ros.time.scheduler import CallTracer, Scheduler
-from tracerisk.ros.world.connecting import ConnectionTimes, Early, EndKind
+from tracerisk.ros.world.connecting import ConnectionTimes, Early, EndKind, Work
 
 _LONG_PLANS = 0.75  # of the range of times that a plan takes: where long ones begin
 _MOST_LOST = 20  # of one run: the first say what is wrong
@@ -41,6 +41,7 @@ class Carrier:
         self.times = ConnectionTimes() if times is None else times
         self._joined_ns: defaultdict[NodeProcess | None, list[int]] = defaultdict(list)
         self._latest_ns = 0
+        self._owed_ns = 0
         self._scheduler = scheduler
         self._tracer = tracer
         self._numbers = itertools.count()
@@ -96,9 +97,25 @@ class Carrier:
         self._latest_ns = max(self._latest_ns, due_ns)
 
     def pass_connections(self) -> None:
-        """Wait until all ends are connected: what makes so much takes longer than that."""
+        """Wait until all ends are connected: what the controller does takes longer than that."""
         if self._may_wait and self._scheduler.now_ns < self._latest_ns:
             self._scheduler.pass_until(self._latest_ns)
+
+    def owe(self, work: Work) -> None:
+        """Count the time of some work, in which nothing may wait, to the work that comes next."""
+        if self._joined_ns[self._scheduler.process]:
+            self._owed_ns += round(self.times.takes_s(work) * 1e9)
+
+    def pass_work(self, work: Work) -> None:
+        """Wait while the running code makes something, but no longer than until all is connected.
+
+        Only then does it matter how long that takes.
+        """
+        self.owe(work)
+        due_ns = min(self._scheduler.now_ns + self._owed_ns, self._latest_ns)
+        self._owed_ns = 0
+        if self._may_wait and self._scheduler.now_ns < due_ns:
+            self._scheduler.pass_until(due_ns)
 
     def note_early(
         self,
@@ -199,7 +216,8 @@ class Carrier:
             self._pass_time(self._latency_ns(name))
 
     def pass_planning(self) -> None:
-        """Wait while a plan is made."""
+        """Wait while a plan is made, which takes longer than a connection."""
+        self.pass_connections()
         if self._may_wait:
             self._pass_time(self.planning_ns())
 

@@ -13,6 +13,8 @@ from baxter_core_msgs.msg import EndpointState, JointCommand
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from tracerisk.ros.graph.runtime import current
+
 from . import settings
 
 __all__ = ["Limb"]
@@ -186,6 +188,10 @@ class Limb:
                 if joint in self._joint_angle
             )
 
+        if is_there():
+            # Where the arm begins is assumed. A real one has to go there, which takes longer than
+            # to connect what the limb has made.
+            current().graph.carrier.pass_connections()
         step()
         baxter_dataflow.wait_for(
             is_there,

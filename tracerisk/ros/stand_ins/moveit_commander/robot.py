@@ -4,6 +4,7 @@ from collections.abc import Collection
 from typing import Any
 
 from tracerisk.errors import one_of
+from tracerisk.ros.graph.runtime import current
 
 from . import conversions
 from ._server import server
@@ -14,7 +15,8 @@ from .move_group import MoveGroupCommander
 class RobotCommander:
     """The robot as MoveIt knows it; groups, joints and links are attributes too.
 
-    `robot_description` and `ns` are taken and change nothing: there is one robot.
+    `robot_description` and `ns` are taken and change nothing: there is one robot. What the program
+    made before is connected when the commander is made.
     """
 
     class Joint:
@@ -87,6 +89,8 @@ class RobotCommander:
         self._ns = ns
         self._server = server()
         self._groups: dict[str, MoveGroupCommander] = {}
+        # It loads the robot with its meshes and solvers, which takes longer than any connection.
+        current().graph.carrier.pass_connections()
 
     def get_planning_frame(self) -> str:
         """Return the frame in which plans are made."""

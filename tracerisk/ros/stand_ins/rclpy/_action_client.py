@@ -129,6 +129,7 @@ class ActionClient(Entity):
             node=node.get_fully_qualified_name(),
             copy=copy_message,
         )
+        run().graph.carrier.pass_work("action client")
         self._bare: BareActionServer | None = None
         node.add_waitable(self)
 

@@ -40,6 +40,7 @@ class Client(ServiceEnd):
         self._pending: list[Future] = []
         self._responses: deque[tuple[Future, Any, int]] = deque()
         run().graph.become_caller(srv_name, srv_type._ros_type, connects=True)
+        run().graph.carrier.pass_work("end")
 
     def call(self, request: Any, *timeout: float | None, **named: float | None) -> Any:
         """Call the service and wait for the response; another thread has to spin.

@@ -59,6 +59,7 @@ class Publisher:
             on_connect=self._send_history,
         )
         self._publication.has_history = qos_profile.is_latching
+        run().graph.carrier.pass_work("end")
         self._events.watch(topic)
         self._life.sign()
 

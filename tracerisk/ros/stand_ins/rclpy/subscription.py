@@ -70,6 +70,7 @@ class Subscription(Entity):
             node=node.get_fully_qualified_name(),
             takes_latched=qos_profile.is_latching,
         )
+        run().graph.carrier.pass_work("end")
         self._events.watch(topic)
 
     @property
