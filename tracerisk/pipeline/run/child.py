@@ -479,6 +479,7 @@ def note_given(recorder: Recorder, scenario: Scenario) -> None:
         ],
         accept=[asdict(each) for each in scenario.accept],
         unconfirmed=[asdict(each) for each in scenario.unconfirmed],
+        modules=[name for name, _ in scenario.modules],
     )
 
 

@@ -33,6 +33,7 @@ from tracerisk.pipeline.trace.run_files import (
 )
 from tracerisk.pipeline.trace.run_verdict import placed_findings, run_verdict
 from tracerisk.pipeline.trace.sensors import RunActivity, elements_of, with_sensors
+from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.like_commands import like_commands
 from tracerisk.trace import Coverage, Cycle, Exposure, Finding, ObjectOffset, Trace, Visit
@@ -103,7 +104,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
         assumptions=_assumptions(ran),
         cycle=_cycle(recording, attribution, settings),
         files=tuple(file for file in _files(controller, recording) if file != controller.file),
-        inputs=tuple(_launched(recording)["inputs"]),
+        inputs=_inputs(controller, recording),
         verdict=verdict,
         outcome=run_outcome(ran, samples, contacts) if samples is not None else None,
         commands=traced_commands(recording.commands, recording.refused),
@@ -204,6 +205,18 @@ def _with_objects(scene: str, recording: Recording) -> str:
     if not count:
         return scene
     return f"{scene} with {count} object{'' if count == 1 else 's'} of the scenario"
+
+
+def _inputs(controller: Controller, recording: Recording) -> tuple[str, ...]:
+    """Return the files that a run depended on besides its sources.
+
+    For a module with a placeholder they are where the real one would be found first.
+    """
+    given = recording.note(GIVEN) or {}
+    names = [name for name in given.get("modules", ()) if name.isidentifier()]
+    real = (file for name in names for file in (f"{name}.py", f"{name}/__init__.py"))
+    folder, root = controller.path.resolve().parent, controller.root.resolve()
+    return (*_launched(recording)["inputs"], *(from_root(root, folder / file) for file in real))
 
 
 def _launched(recording: Recording) -> Mapping[str, Any]:
