@@ -60,6 +60,17 @@ def test_what_python_3_11_has_removed_is_reported_with_the_new_one():
 @pytest.mark.parametrize(
     "error",
     [
+        TypeError("MoveIt2.__init__() got an unexpected keyword argument 'execute_via_moveit'"),
+        AttributeError("'MoveIt2' object has no attribute 'remove_collision_mesh'"),
+    ],
+)
+def test_what_an_earlier_release_of_pymoveit2_has_needs_its_sources(error):
+    assert removed_name_hint(error).startswith("put the sources of the release of pymoveit2")
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
         AttributeError("module 'collections' has no attribute 'nope'"),
         AttributeError("'Arm' object has no attribute 'move'"),
         TypeError("move() missing 1 required positional argument: 'pose'"),

@@ -93,6 +93,12 @@ _PATTERNS: tuple[tuple[str, str], ...] = (
         r"^a bytes-like object is required, not 'str'",
         "write text.encode(): in Python 3 bytes and texts differ",
     ),
+    (
+        r"^(MoveIt2|MoveIt2Gripper|Gripper(Command|Interface))\.\w+\(\) got an unexpected keyword "
+        r"|^'(MoveIt2|MoveIt2Gripper|Gripper(Command|Interface))' object has no attribute ",
+        "put the sources of the release of pymoveit2 for which the program was written into the "
+        "workspace: without them, the release of the package index runs",
+    ),
 )
 REMOVED_MODULES = {
     "imp": "Python 3.12 has removed it: write importlib in its place",
