@@ -2,7 +2,8 @@
 
 Three ways to wait beside an executor that a thread spins, as releases of AndrejOrsula/pymoveit2
 have them: by a rate (up to 4.0), by `rclpy.spin_once` (from 4.1 on, which takes the node from its
-executor), and that of the stand-in. The wrapper of these tests is one of their own.
+executor), and beside it (5.0, which runs where the workspace has no other). The wrapper of these
+tests is one of their own.
 """
 
 from __future__ import annotations
@@ -221,7 +222,7 @@ PACKAGE = "<package format='3'><name>{}</name>{}</package>\n"
 
 
 def sort_with(example, way: str | None = None, sorter: str = SORTER):
-    """Run the sorter on a wrapper of its workspace that waits in one way, or on the stand-in."""
+    """Run the sorter on a wrapper of its workspace that waits in one way, or on the release 5.0."""
     depends = "" if way is None else "<exec_depend>pymoveit2</exec_depend>"
     example.write("src/sorter/package.xml", PACKAGE.format("sorter", depends))
     example.write("src/sorter/sorter/sorter.py", sorter)
@@ -236,8 +237,8 @@ def sort_with(example, way: str | None = None, sorter: str = SORTER):
 
 @pytest.fixture(scope="module")
 def sorted_by(tmp_path_factory, example_in):
-    """The sorter's run on the stand-in."""
-    outcome = sort_with(example_in(tmp_path_factory.mktemp("stand_in")))
+    """The sorter's run on the release 5.0 of the package index."""
+    outcome = sort_with(example_in(tmp_path_factory.mktemp("from_index")))
     assert outcome.code == 0, outcome.err
     return outcome
 

@@ -107,27 +107,31 @@ publish:
   - {topic: /ft/raw, type: geometry_msgs/WrenchStamped}
 """
 PUSHER = """\
+from threading import Thread
 import rclpy
 from geometry_msgs.msg import WrenchStamped
 from pymoveit2 import MoveIt2
 from rclpy.node import Node
 
 rclpy.init()
-node = Node("pusher")
+node, reader = Node("pusher"), Node("reader")
 JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
           "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"]
 felt = []
 
 
 def push():
-    wrench = node.create_subscription(
+    wrench = reader.create_subscription(
         WrenchStamped, "/force_torque_sensor_broadcaster/wrench", felt.append, 10)
     began = node.get_clock().now()
     while (node.get_clock().now() - began).nanoseconds < 2_000_000_000:
-        rclpy.spin_once(node, timeout_sec=0.1)
-    node.destroy_subscription(wrench)
+        rclpy.spin_once(reader, timeout_sec=0.1)
+    reader.destroy_subscription(wrench)
 
 
+executor = rclpy.executors.MultiThreadedExecutor(2)
+executor.add_node(node)
+Thread(target=executor.spin, daemon=True).start()
 arm = MoveIt2(node, JOINTS, "base_link", "tool0", "ur_manipulator")
 arm.move_to_configuration([0.1, -1.57, 0.0, -1.57, 0.0, 0.0])
 arm.wait_until_executed()

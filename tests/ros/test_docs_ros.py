@@ -1,4 +1,4 @@
-"""`docs/ros.md` lists the libraries that the finder serves, no more and no less."""
+"""The pages list the libraries that the finder serves, no more and no less."""
 
 from __future__ import annotations
 
@@ -6,13 +6,15 @@ import re
 from pathlib import Path
 
 from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES
 from tracerisk.ros.messages.ros1 import Interfaces
 
-TEXT = (Path(__file__).parents[2] / "docs" / "ros.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
 
 
-def section(title: str) -> str:
-    return TEXT.split(f"## {title}\n")[1].split("\n## ")[0]
+def section(title: str, page: str = "ros.md") -> str:
+    text = (DOCS / page).read_text(encoding="utf-8")
+    return text.split(f"## {title}\n")[1].split("\n## ")[0]
 
 
 def served(kind: str) -> set[str]:
@@ -26,3 +28,13 @@ def test_every_library_is_listed():
 def test_every_package_used_for_its_code_is_named():
     named = set(re.findall(r"`(\w+)`", section("Message packages")))
     assert named == set(Interfaces().packages) - served("interfaces")
+
+
+def test_every_stand_in_says_why_it_stays_and_whether_it_gives_way():
+    rows = re.findall(
+        r"^\| (`[^|]+) \|[^|]+\| (yes|no) \|$",
+        section("Stand-ins for libraries of ROS", "dependencies.md"),
+        re.MULTILINE,
+    )
+    said = {name: way for names, way in rows for name in re.findall(r"`(\w+)`", names)}
+    assert said == {name: "yes" if name in VENDOR_LIBRARIES else "no" for name in served("library")}

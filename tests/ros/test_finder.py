@@ -9,6 +9,7 @@ import types
 import pytest
 
 from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.vendor_libraries import distributions
 from tracerisk.ros.messages.ros1 import Interfaces
 
@@ -151,6 +152,15 @@ def test_a_vendors_stand_in_gives_way_to_an_installed_library(finder, tmp_path, 
     with pytest.raises(ModuleNotFoundError, match=r"^No module named 'interbotix_xs_modules.arm'$"):
         importlib.import_module("interbotix_xs_modules.arm")
     del sys.modules["interbotix_xs_modules"]
+
+
+def test_a_copy_in_a_prefix_goes_before_the_release_of_the_package_index(tmp_path):
+    package = tmp_path / "pymoveit2"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    spec = InstalledLibraries([tmp_path]).find_spec("pymoveit2")
+    assert spec is not None
+    assert spec.origin == str(package / "__init__.py")
 
 
 def test_other_unknown_modules_are_left_to_python(finder):

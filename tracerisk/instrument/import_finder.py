@@ -27,7 +27,8 @@ class ControllerFinder(MetaPathFinder):
     """Finds what a controller imports of its own.
 
     A module below `root` is traced. `packages` maps the name of a Python package of the
-    workspace to the folder that holds it; those are importable as if they were installed.
+    workspace to the folder that holds it; those are importable as if they were built, and go
+    before what is installed for Python.
     Top names in `reserved` are another finder's; those in `shared` too, but where the controller
     has a whole Python package of that name (a script may be called as the messages it uses are).
     `elsewhere` is asked last: for the folder of a module that is nowhere on the path.
@@ -68,8 +69,9 @@ class ControllerFinder(MetaPathFinder):
         if top in self._reserved or fullname in sys.builtin_module_names:
             return None
         spec = PathFinder.find_spec(fullname, path, target)
-        if path is None and fullname in self._packages and not _is_package(spec):
-            # As if built: what `import` finds beside the script comes first, as a whole package.
+        if path is None and fullname in self._packages and not _is_beside_script(spec):
+            # As if built: what `import` finds beside the script comes first, as a whole package,
+            # and what is installed for Python comes last.
             spec = PathFinder.find_spec(fullname, [str(self._packages[fullname])], target)
         if spec is None and path is None and self._is_unknown(fullname):
             folder = self._elsewhere(fullname)
@@ -165,6 +167,12 @@ class _TracedLoader(SourceFileLoader):
 
 def _is_package(spec: ModuleSpec | None) -> bool:
     return spec is not None and bool(spec.submodule_search_locations) and spec.loader is not None
+
+
+def _is_beside_script(spec: ModuleSpec | None) -> bool:
+    """Return whether a package was found, and not among what is installed for Python."""
+    installed = sysconfig.get_path("purelib")
+    return _is_package(spec) and not Path(str(spec and spec.origin)).is_relative_to(installed)
 
 
 def _foreign_folders() -> tuple[Path, ...]:

@@ -83,11 +83,7 @@ from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names
 from tracerisk.ros.imports.placeholder_modules import PlaceholderFinder, PlaceholderValues
 from tracerisk.ros.imports.python_names import removed_python_names
-from tracerisk.ros.imports.vendor_libraries import (
-    VENDOR_LIBRARIES,
-    is_of_python_2,
-    without_their_users,
-)
+from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, giving_way
 from tracerisk.ros.messages.interface_texts import ENDINGS as INTERFACE_ENDINGS
 from tracerisk.ros.messages.interface_texts import InterfaceText
 from tracerisk.ros.messages.ros1 import Interfaces
@@ -263,16 +259,11 @@ def _run(
         if fate is not None:
             fate.note_end()
 
-    old = {
-        name: folder / name
-        for name, folder in workspace.python_packages.items()
-        if name in VENDOR_LIBRARIES and is_of_python_2(folder / name)
-    }
-    for name, folder in old.items():
+    ways = giving_way(workspace.python_packages)
+    for name, folder in ways.python_2.items():
         words = f"{name} of the workspace is for Python 2; tracerisk's stand-in for it runs instead"
         recorder.finding("removed_name", words, Location(str(folder)), object_name=name)
-    giving_way = VENDOR_LIBRARIES - old.keys() - without_their_users(workspace.python_packages)
-    stand_ins = StandInFinder(interfaces, giving_way)
+    stand_ins = StandInFinder(interfaces, ways.names)
     missing = MissingModules(script, root, stand_ins.provides)
     end = ControllerEnd(
         recorder,
@@ -288,7 +279,7 @@ def _run(
     scheduler.on_abort = end.abort
     replaced = request.replaced_bytes
     kinds = stand_ins.provides.items()
-    libraries = {name for name, kind in kinds if kind.startswith("library")} - giving_way
+    libraries = {name for name, kind in kinds if kind.startswith("library")} - ways.names
     installed, beside = (
         InstalledLibraries(
             python_folders(prefix for prefix in workspace.prefixes if prefix.fills_in == fills_in),
@@ -302,7 +293,7 @@ def _run(
         root,
         packages=workspace.python_packages,
         reserved=libraries,
-        shared=set(stand_ins.provides) - libraries - giving_way,
+        shared=set(stand_ins.provides) - libraries - ways.names,
         elsewhere=lambda name: _found_elsewhere(name, workspace, root, recorder),
         is_library=Libraries(script, root, request.states).holds,
         replaced=replaced,

@@ -1,9 +1,9 @@
 """The import finder that serves stand-ins for ROS libraries and message packages.
 
 It goes first in `sys.meta_path`, so that the stand-ins win over an installed ROS, and it leaves
-every name it does not provide to Python. The stand-ins for libraries of robot makers give way to
-an installed library, or one of the workspace. A second finder at the end of the path turns the
-failed import of what looks like a ROS package into an error that says what to do.
+every name it does not provide to Python. Some stand-ins give way to the author's own source
+(`vendor_libraries`). A second finder at the end of the path turns the failed import of what looks
+like a ROS package into an error that says what to do.
 """
 
 from __future__ import annotations
@@ -24,7 +24,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from tracerisk.ros.graph.runtime import running
 from tracerisk.ros.imports.cfg_modules import cfg_module
 from tracerisk.ros.imports.compiled_modules import compiled_module
-from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, is_installed, missing_module
+from tracerisk.ros.imports.vendor_libraries import (
+    FROM_INDEX,
+    VENDOR_LIBRARIES,
+    is_installed,
+    missing_module,
+)
 from tracerisk.ros.messages.ros1 import Interfaces
 
 if TYPE_CHECKING:
@@ -197,7 +202,8 @@ class StandInFinder(MetaPathFinder):
         return ModuleNotFoundError(missing_name(parent, leaf, names), name=parent)
 
     def _take_out_provided(self) -> dict[str, ModuleType]:
-        names = [name for name in list(sys.modules) if name.partition(".")[0] in self.provides]
+        ours = self.provides.keys() | FROM_INDEX
+        names = [name for name in list(sys.modules) if name.partition(".")[0] in ours]
         return {name: sys.modules.pop(name) for name in names}
 
 
@@ -214,6 +220,10 @@ class _MissingRosFinder(MetaPathFinder):
         target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
         if path is not None:
+            if fullname.startswith("pymoveit2.robots."):
+                from tracerisk.ros.imports.fork_robots import robot_of_a_fork
+
+                return robot_of_a_fork(fullname)
             return cfg_module(fullname, path) or compiled_module(fullname, path)
         message = missing_module(fullname, self._stand_ins.provides)
         if message is not None:

@@ -1,7 +1,9 @@
 """Python libraries of robot makers: those with a stand-in, and those that need real hardware.
 
-A vendor's library is written on rospy or rclpy, so that its own source runs where the workspace or
-the environment has it. The stand-in serves only where neither has.
+One rule says whose source of a library runs. ROS itself is always the stand-in, so that a run does
+not depend on an installed ROS. A library that is written on ROS is its author's own source, of the
+workspace, a prefix or the environment. Where none has it, the package index's release runs if
+tracerisk requires it, otherwise the stand-in.
 """
 
 from __future__ import annotations
@@ -32,7 +34,6 @@ VENDOR_LIBRARIES = frozenset(
         "interbotix_perception_modules",
         "interbotix_xs_modules",
         "moveit_python",
-        "pymoveit2",
         "ros2_numpy",
         "ros_numpy",
         "rospy_message_converter",
@@ -41,6 +42,9 @@ VENDOR_LIBRARIES = frozenset(
     }
 )
 """The stand-ins that give way to a module of the same name, by their top names."""
+
+FROM_INDEX = frozenset({"pymoveit2"})
+"""The libraries for controllers that tracerisk requires: their releases give way as stand-ins."""
 
 # What each speaks to, after its own documentation; none of them goes through ROS.
 _HARDWARE = {
@@ -109,7 +113,9 @@ _MESSAGES = re.compile(r"\w+_(msgs|srvs|interfaces|actions)")
 
 
 def is_installed(name: str) -> bool:
-    """Return whether the import path has a module `name` of its own."""
+    """Return whether the import path has a module `name`, which tracerisk does not bring."""
+    if name in FROM_INDEX:
+        return False
     try:
         spec = PathFinder.find_spec(name, sys.path)
     except (ImportError, ValueError):
@@ -125,17 +131,36 @@ _TOGETHER = {
 """Libraries of one release with the one that uses them, whose stand-in uses their stand-ins."""
 
 
-def without_their_users(packages: Collection[str]) -> frozenset[str]:
-    """Return the libraries among Python packages which the one that uses them is not beside."""
-    return frozenset(
+@dataclass(frozen=True, slots=True)
+class GivingWay:
+    """Which stand-ins give way to the author's own source."""
+
+    names: frozenset[str]
+    """The top names of those that do."""
+    python_2: Mapping[str, Path]
+    """The folders of the workspace's copies that only Python 2 can run, by their top names."""
+
+
+def giving_way(packages: Mapping[str, Path]) -> GivingWay:
+    """Return which stand-ins give way in a workspace.
+
+    `packages` maps its Python packages to the folders that hold them.
+    """
+    copies = VENDOR_LIBRARIES & packages.keys()
+    python_2 = {
+        name: packages[name] / name
+        for name in packages
+        if name in copies and _is_of_python_2(packages[name] / name)
+    }
+    without_their_users = {
         name
         for name, user in _TOGETHER.items()
-        if name in packages and user not in packages and not is_installed(user)
-    )
+        if name in copies and user not in copies and not is_installed(user)
+    }
+    return GivingWay(VENDOR_LIBRARIES - python_2.keys() - without_their_users, python_2)
 
 
-def is_of_python_2(package: Path) -> bool:
-    """Return whether a module of a Python package is nothing that Python 3 can parse."""
+def _is_of_python_2(package: Path) -> bool:
     return any(parsed(file.read_bytes()) is None for file in sorted(package.glob("*.py")))
 
 
