@@ -332,7 +332,7 @@ def test_each_code_has_a_section_and_each_section_a_code():
     raised = codes_of(TraceRiskError) - {TraceRiskError.code}
     ends = {RunEnd(cause, "", None).code for cause in get_args(EndCause) if cause not in GOOD_ENDS}
     assert set(SECTIONS) == raised | ends | set(get_args(FindingKind)) | {"usage"}
-    # tests/test_dependencies.py, tests/report/png, tests/pipeline: errors of the machine
+    # tests/common/test_dependencies.py, tests/report/png, tests/pipeline: errors of the machine
     others = {"edit", "unequal", "contact", "dependency", "limit", "machine", "render", "sandbox"}
     assert set(SECTIONS) == {*STATIC, *RUNS, *CHECKS, *VERDICTS, *others}
 

@@ -258,6 +258,14 @@ def test_no_folder_hides_what_is_in_it():
     assert crowded == {}
 
 
+def test_each_folder_of_tests_is_named_after_the_folder_that_it_tests():
+    tests = Path(__file__).parent
+    folders = {path.parent.relative_to(tests) for path in tests.rglob("test_*.py")}
+    apart = ("fuzz", "probe")  # the readers of every room, and a distribution of its own
+    missing = {folder for folder in folders if not (PACKAGE / folder).is_dir()}
+    assert sorted(str(folder) for folder in missing if folder.parts[0] not in apart) == []
+
+
 def test_no_circle_of_imports_has_more_than_three_files_and_prm_has_none():
     modules = {
         ".".join(("tracerisk", *parts_of(path))).removesuffix(".__init__"): path

@@ -7,8 +7,8 @@ from itertools import product
 
 import pytest
 
-from tests.adder.test_computed import compute as compute
-from tests.adder.test_computed import moved, ref, trace_of
+from tests.adder.figures.test_computed import compute as compute
+from tests.adder.figures.test_computed import moved, ref, trace_of
 from tests.slow import slow_but_every
 from tracerisk.adder.blocks.block import Field, RiskBlock
 from tracerisk.prm import build_model

@@ -99,7 +99,7 @@ def test_a_fault_that_nothing_needs_changes_nothing(moving):
         ("panda_joint1:broken@1", "unknown mode 'broken'; allowed: absent, dead, frozen, jam"),
         ("panda_joint1:jam@soon", "'soon' is not a time in seconds from 0"),
         ("panda_joint9:jam@0.3", "has no unit 'panda_joint9' that can fail; did you mean"),
-        # tests/twin/test_faults.py has the same words.
+        # tests/twin/faults/test_faults.py has the same words.
         pytest.param(
             "panda_joint1:opens@0.3",
             "has no mode 'opens'; allowed: dead, jam",

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.pipeline.evidence.test_judgement import CELL
-from tests.pipeline.test_branches import check_equal
+from tests.pipeline.run.branching.test_branches import check_equal
 from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell
 from tracerisk.pipeline.evidence import cell_runs

@@ -1,0 +1,18 @@
+"""What the tool makes of random histories of branches, compared with what each branch typed."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.pipeline.history.merge_histories import run_history
+
+
+def test_a_history(tmp_path) -> None:
+    """Ranks of another branch beside the first lines of this one, in a shallow clone."""
+    run_history(tmp_path / "r", seed=130)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(204))
+def test_two_hundred_histories(seed: int, tmp_path) -> None:
+    run_history(tmp_path / "r", seed)
