@@ -1,7 +1,5 @@
 """Prefixes of ROS as colcon and catkin lay them out, made for tests."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

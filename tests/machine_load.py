@@ -1,7 +1,5 @@
 """A machine under load: whatever a command starts gets one twentieth of the time."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

@@ -3,8 +3,6 @@
 No variable of the environment does that: a process that runs what is a stranger's heeds none.
 """
 
-from __future__ import annotations
-
 import sys
 import venv
 from pathlib import Path

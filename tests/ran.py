@@ -1,7 +1,5 @@
 """What a program left that a test ran on the twin."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

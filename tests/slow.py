@@ -1,7 +1,5 @@
 """Cases of which each run of the tests takes a few of every kind, and the slow run the others."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any
 

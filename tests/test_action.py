@@ -1,7 +1,5 @@
 """The steps of the GitHub Action, run as the runner would, in a repository of their own."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

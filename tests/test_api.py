@@ -1,7 +1,5 @@
 """The functions of the verbs give what the commands print."""
 
-from __future__ import annotations
-
 import pytest
 
 import tracerisk

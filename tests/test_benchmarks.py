@@ -1,7 +1,5 @@
 """What the programs that measure the project say."""
 
-from __future__ import annotations
-
 import argparse
 import csv
 import hashlib

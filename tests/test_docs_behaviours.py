@@ -1,7 +1,5 @@
 """The list of behaviours: each row has a distribution, a source and a test that exists."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What docs/blocks.md shows is what happens."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import subprocess

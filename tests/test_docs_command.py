@@ -1,7 +1,5 @@
 """docs/command.md lists every verb, every exit code, options that exist and JSON as it is printed."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import subprocess

@@ -1,7 +1,5 @@
 """docs/errors.md has a section for each code, with a message as the command prints it."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

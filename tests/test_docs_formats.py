@@ -1,7 +1,5 @@
 """What docs/formats.md shows of Open-PSA, OpenPRA and the command is what happens."""
 
-from __future__ import annotations
-
 import doctest
 import re
 from pathlib import Path

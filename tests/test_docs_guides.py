@@ -4,8 +4,6 @@ In a page, blocks of `sh` and `console` are run in their order (what stands belo
 output, `...` for anything), those with a `title` are written as files, and a `diff` is applied.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import re

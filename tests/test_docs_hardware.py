@@ -1,7 +1,5 @@
 """What docs/hardware.md shows is what happens, and it names every key."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

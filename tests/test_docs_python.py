@@ -1,7 +1,5 @@
 """What docs/python.md shows is what happens, and what comes out."""
 
-from __future__ import annotations
-
 import doctest
 import math
 import re

@@ -1,7 +1,5 @@
 """The commands and the code that docs/report.md shows do what it says."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import subprocess

@@ -1,7 +1,5 @@
 """The commands and the code that docs/review.md shows do what it says."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

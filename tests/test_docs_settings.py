@@ -1,7 +1,5 @@
 """`docs/settings.md` lists every setting with its default and its option."""
 
-from __future__ import annotations
-
 import argparse
 import re
 from dataclasses import fields

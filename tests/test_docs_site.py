@@ -1,7 +1,5 @@
 """The documentation as a whole: the site builds without a warning, links and names lead somewhere."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

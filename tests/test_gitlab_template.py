@@ -1,7 +1,5 @@
 """The script of the GitLab job, run as its runner would, with a server of notes on loopback."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

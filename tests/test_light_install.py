@@ -1,7 +1,5 @@
 """What works where nothing but tracerisk and its base is installed, and what says what to add."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -4,8 +4,6 @@ It is committed without outputs: they would differ in the last digits from machi
 bury every change of its words. What they must show stands here.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a release is made of: one version, a workflow and an image that take nothing unpinned."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import shutil

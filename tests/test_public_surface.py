@@ -5,8 +5,6 @@ somebody's script: keep the older name, or say so in CHANGELOG.md. After a chang
 `python tests/test_public_surface.py > tests/data/public_surface.json`.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import dataclasses

@@ -1,7 +1,5 @@
 """What the README shows is what happens; CI runs its two set-up commands."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

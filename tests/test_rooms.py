@@ -3,8 +3,6 @@
 Nothing below knows what stands above it. An import within a function counts as any other.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 from functools import cache

@@ -1,7 +1,5 @@
 """The tests run in a shell that has sourced a ROS."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The text that users read: plain English, in the field's own words."""
 
-from __future__ import annotations
-
 import ast
 import re
 import tokenize

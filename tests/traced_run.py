@@ -1,7 +1,5 @@
 """Run a program of a test on the twin, traced and in virtual time, as the command does."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """From a trace to the mission: how it is cut into functions moves no redundant group's risk."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 

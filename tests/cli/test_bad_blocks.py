@@ -1,7 +1,5 @@
 """A bad block is told with its place and what is allowed, by every verb, and nothing is written."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What a run prints on a terminal fits a screen; `-v` and a pipe have all of it."""
 
-from __future__ import annotations
-
 import os
 import pty
 import re

@@ -1,7 +1,5 @@
 """`tracerisk diff` as a user calls it: formats, limits, exit codes, and `git diff` with it."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

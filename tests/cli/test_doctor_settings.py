@@ -1,7 +1,5 @@
 """`tracerisk doctor FILE` says what each setting is and where it comes from."""
 
-from __future__ import annotations
-
 import dataclasses
 
 from tracerisk.config import Settings

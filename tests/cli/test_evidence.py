@@ -1,7 +1,5 @@
 """`tracerisk evidence`: failures tried on the twin, kept, resumed, merged, and in the blocks."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

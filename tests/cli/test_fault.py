@@ -1,7 +1,5 @@
 """`run --fault`: the same run with a unit that fails, which writes nothing that stays."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

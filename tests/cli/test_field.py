@@ -1,7 +1,5 @@
 """`tracerisk field` and `hardware update`: recorded missions and failures, into the model."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

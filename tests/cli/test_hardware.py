@@ -1,7 +1,5 @@
 """`tracerisk hardware`: descriptions shown, begun and written in the other format."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """What stands beside a controller: its hardware description and its settings."""
 
-from __future__ import annotations
-
 import pytest
 
 FAULTS = {

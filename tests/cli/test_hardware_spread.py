@@ -1,7 +1,5 @@
 """How a run reports the uncertainty of its figure."""
 
-from __future__ import annotations
-
 from argparse import Namespace
 
 import pytest

@@ -1,7 +1,5 @@
 """What `--help` shows: readable in 80 columns, alike for every verb."""
 
-from __future__ import annotations
-
 import argparse
 import re
 

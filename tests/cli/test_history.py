@@ -1,7 +1,5 @@
 """`tracerisk history`: the risk over commits, from the blocks that git holds."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from xml.etree import ElementTree as ET

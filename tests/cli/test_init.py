@@ -1,7 +1,5 @@
 """`tracerisk init`: what a repository needs, shown first, written once, and never over a file."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """`tracerisk lock-merge`, by hand and as git's driver, and what git leaves without it."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """`solve`, `cut-sets` and `convert` on model files of other tools."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

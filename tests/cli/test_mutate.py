@@ -1,7 +1,5 @@
 """`tracerisk mutate`: how much of a mission is declared, and a gate on it."""
 
-from __future__ import annotations
-
 import pytest
 
 MUTATE = ("mutate", "controller.py", "--most", "3", "-j1")

@@ -1,7 +1,5 @@
 """`tracerisk overrides`: what was set by hand, why, and how far it lies from what is computed."""
 
-from __future__ import annotations
-
 import pytest
 
 PINNED = """\

@@ -1,7 +1,5 @@
 """What others named or raised is only shown: by a terminal, and by the log of a CI job."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 

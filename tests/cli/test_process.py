@@ -1,7 +1,5 @@
 """The command as a process: pipes, signals, neighbours, and what it imports."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import random

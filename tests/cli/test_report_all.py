@@ -1,7 +1,5 @@
 """`report --all`: a page over every controller; `report --history`: how one went."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

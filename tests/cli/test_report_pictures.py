@@ -1,7 +1,5 @@
 """`tracerisk report --png`: pictures of a run, from its recording or from the run done again."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

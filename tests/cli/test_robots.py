@@ -1,7 +1,5 @@
 """`tracerisk robots`: the list, one robot, and what is said of a name that is none."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`--sarif` of check, diff and run, in a repository as code scanning finds it."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """`tracerisk scenario`: what it lists, and that what it writes runs as it stands."""
 
-from __future__ import annotations
-
 import itertools
 from types import SimpleNamespace
 

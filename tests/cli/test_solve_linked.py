@@ -1,7 +1,5 @@
 """`solve` of a linked model."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """`tracerisk sweep`: every combination is run once, and nothing but the cache is written."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 
 import pytest

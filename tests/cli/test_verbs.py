@@ -1,7 +1,5 @@
 """Each verb as a user calls it: what it prints, what it writes, how it exits."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

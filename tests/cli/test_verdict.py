@@ -1,7 +1,5 @@
 """The verdict of a run as settings, scenarios and reviews see it."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,7 +1,5 @@
 """`run --watch`: the figure follows each save."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

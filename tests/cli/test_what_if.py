@@ -1,7 +1,5 @@
 """`solve` asked what if, how sure and what matters."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`tracerisk run --worlds`, and `check` with `require_worlds`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What a user accepts of a verdict, as it stands in settings and scenarios."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.config import read_settings

@@ -1,7 +1,5 @@
 """A package that cannot be imported is named, with the interpreter and what to do."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The names of states that are one instance of several."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Processes with limits: what counts, and what ends with which message."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal

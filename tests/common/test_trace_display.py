@@ -1,7 +1,5 @@
 """A trace shows itself in a notebook."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """An annotated controller of two steps, and an editor on it."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator
 from pathlib import Path

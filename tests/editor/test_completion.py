@@ -1,7 +1,5 @@
 """Completion in blocks, and in files that a JSON Schema describes."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the editor is told without asking is what `tracerisk check` gives."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

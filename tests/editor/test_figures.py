@@ -1,7 +1,5 @@
 """Hover, code lens and folding, asked by a real client of the server."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """Quick fixes: what is offered, and that each edit does what its title says."""
 
-from __future__ import annotations
-
 import pytest
 from lsprotocol import types as lsp
 

@@ -1,7 +1,5 @@
 """The server in a real editor: a headless Neovim, where it is installed."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

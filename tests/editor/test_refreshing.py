@@ -1,7 +1,5 @@
 """The refresh that an editor asks for."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import subprocess

@@ -1,7 +1,5 @@
 """The extension for VS Code: its names are the server's, and its own tests pass where npm is."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -7,8 +7,6 @@ ours, within 10 s of processor time and 1 GB of further memory; each that does n
 its traceback and, with `--keep`, written to a folder. Seed, reader and number make an input again.
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import random

@@ -4,8 +4,6 @@ A reader of a model solves it too, as `solve` does. Further examples are the fil
 a folder a reader.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -5,8 +5,6 @@ quick subset runs always; with `-m slow`, TRACERISK_FUZZ_EXAMPLES (20,000) input
 number of inputs over all readers, in processes with limits: `python tests/fuzz/many.py --help`.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import sys

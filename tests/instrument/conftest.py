@@ -1,7 +1,5 @@
 """Run a few lines of controller under a real tracer."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Columns and qualified names, which Python 3.10 does not keep itself."""
 
-from __future__ import annotations
-
 import ast
 import sys
 import textwrap

@@ -3,8 +3,6 @@
 Each controller runs for real; `command()` stands for what makes hardware act.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Sequence
 from typing import Any

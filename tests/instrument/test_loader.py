@@ -1,7 +1,5 @@
 """The controller runs as a program of its own would, and sees no tracerisk."""
 
-from __future__ import annotations
-
 import inspect
 import re
 import sys

@@ -1,7 +1,5 @@
 """Visits, live intervals, and the owner of every physics step."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Sequence
 from typing import get_args

@@ -1,7 +1,5 @@
 """Which frames of a stack enter a state, and what its instance is called."""
 
-from __future__ import annotations
-
 import pytest
 
 BASE = """

@@ -1,7 +1,5 @@
 """The stack at a command: which functions, which activations, called from where."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

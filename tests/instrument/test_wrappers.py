@@ -1,7 +1,5 @@
 """A traced function is to its callers, and to `inspect`, the function it was."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from typing import Any

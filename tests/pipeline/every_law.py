@@ -3,8 +3,6 @@
 How a controller's code is cut into functions may change neither.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

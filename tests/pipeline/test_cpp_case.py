@@ -1,7 +1,5 @@
 """The published case study on a C++ controller: annotated from its log, checked, reviewed."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.pipeline.test_published_case import HARDWARE, LOG, PUBLISHED, printed

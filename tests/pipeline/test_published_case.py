@@ -4,8 +4,6 @@ Grimmeisen, Golwalkar, Ma, Morozov, "Automated and Continuous Risk Assessment fo
 Software-Defined Robotic Systems", 2024: listing 1, tables I and II.
 """
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

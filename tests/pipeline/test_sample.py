@@ -1,7 +1,5 @@
 """The sample controller through the whole path."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -3,8 +3,6 @@
 `pick_and_place.py` has tests of its own, `test_sample.py` and `test_refactoring.py`.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import time

@@ -1,7 +1,5 @@
 """Run controllers under the probe, in a process of their own."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """What is recorded of the calls of rospy and rclpy, and how callbacks stand on the stack."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import textwrap

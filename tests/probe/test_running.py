@@ -1,7 +1,5 @@
 """A controller under the probe behaves as without it, and nothing that it commanded is lost."""
 
-from __future__ import annotations
-
 import ast
 import signal
 import subprocess

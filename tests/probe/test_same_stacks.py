@@ -1,7 +1,5 @@
 """The probe's stacks are those of `run`, in the sample controllers and where stacks are hard."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib.util
 import inspect

@@ -1,7 +1,5 @@
 """The table of a controller's changes: first what nobody notices."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Instances beside their components, and the assumed figures that a result hangs on."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

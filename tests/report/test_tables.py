@@ -1,7 +1,5 @@
 """Tables that are written without the library are those that it would write."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

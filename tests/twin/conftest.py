@@ -1,7 +1,5 @@
 """One run of the whole errand, which many tests look at from different sides."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path

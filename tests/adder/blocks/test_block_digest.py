@@ -1,7 +1,5 @@
 """The digest on a block's first line: which values it vouches for, and which it does not."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

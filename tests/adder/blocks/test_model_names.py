@@ -1,7 +1,5 @@
 """Functions of one name in several files keep apart in the model."""
 
-from __future__ import annotations
-
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.trace import FunctionRef, QualifiedName
 

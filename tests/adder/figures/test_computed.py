@@ -1,7 +1,5 @@
 """From use to blocks: which components a block has, how its figure adds up, what is assumed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

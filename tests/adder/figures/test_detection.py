@@ -1,7 +1,5 @@
 """When hidden failures are detected: from the hardware description into blocks."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

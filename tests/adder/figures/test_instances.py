@@ -1,7 +1,5 @@
 """The instances behind a block's value: by function, over the mission, and in the lock."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks

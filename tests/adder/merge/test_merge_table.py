@@ -4,8 +4,6 @@ The promise is worked out here from three texts alone: what the lock says was wr
 in the file, what the tool computes now.
 """
 
-from __future__ import annotations
-
 import itertools
 import re
 from dataclasses import dataclass

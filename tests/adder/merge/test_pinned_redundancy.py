@@ -1,7 +1,5 @@
 """A redundancy set by hand, over units that are alike and over such that are not."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.adder.annotate import Changed, SourceBlocks, Unchanged, annotate_sources

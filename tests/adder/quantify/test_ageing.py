@@ -1,7 +1,5 @@
 """Weibull ageing, against 60 digits."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

@@ -1,7 +1,5 @@
 """Wear by load: what counts, and what a trace must tell for it."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st

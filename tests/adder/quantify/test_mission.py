@@ -4,8 +4,6 @@ What a unit does is drawn as stretches of time, each in one state or several at 
 up here, so that neither the unions of states nor the totals are those of the code under test.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Figures after failures in the field, against an integration of prior times likelihood."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

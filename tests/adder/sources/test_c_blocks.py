@@ -1,7 +1,5 @@
 """Risk blocks in C and C++: put in at the right place, read back, taken out to the byte."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

@@ -1,7 +1,5 @@
 """Where functions stand in a source, and that a search for them can be ended."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

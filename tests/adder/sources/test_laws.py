@@ -1,7 +1,5 @@
 """The laws of insertion and removal, on generated sources and on the standard library."""
 
-from __future__ import annotations
-
 import ast
 import os
 import sysconfig

@@ -1,7 +1,5 @@
 """What annotated files mean to other tools, and what reading them costs."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Blocks in plain comments, of C, C++, Java and Python."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.adder.sources.read import read_blocks

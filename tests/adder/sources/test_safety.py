@@ -1,7 +1,5 @@
 """The proof refuses what is wrong, whoever made it."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.adder.sources.edits import Edit, apply_edits

@@ -1,7 +1,5 @@
 """`tracerisk serve`: what its pages show, and to whom; the server is a real one."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

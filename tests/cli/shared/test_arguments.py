@@ -1,7 +1,5 @@
 """Where options may be given on the command line."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.cli import VERBS, _plain

@@ -1,7 +1,5 @@
 """The command at a terminal of its own: colours, width, progress, and what is left behind."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os

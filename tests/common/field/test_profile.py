@@ -1,7 +1,5 @@
 """Intervals of what recorded missions show: they hold what is true as often as they say."""
 
-from __future__ import annotations
-
 import math
 import random
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Broken descriptions, each with what is said of it."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

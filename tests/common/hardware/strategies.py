@@ -1,7 +1,5 @@
 """Hardware descriptions of every kind that a reader accepts, for Hypothesis."""
 
-from __future__ import annotations
-
 from hypothesis import strategies as st
 
 from tracerisk.common.hardware.model import (

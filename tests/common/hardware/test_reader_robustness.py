@@ -1,7 +1,5 @@
 """Whatever stands in a description, it is read or refused with a place, never more."""
 
-from __future__ import annotations
-
 import copy
 import json
 import random

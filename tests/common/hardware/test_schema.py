@@ -1,7 +1,5 @@
 """The published JSON Schema: it takes what the reader takes, and refuses what has no such form."""
 
-from __future__ import annotations
-
 import json
 from importlib.resources import files
 from pathlib import Path

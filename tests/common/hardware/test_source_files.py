@@ -1,7 +1,5 @@
 """Which files a hardware description is read from."""
 
-from __future__ import annotations
-
 from tracerisk.common.hardware.source_files import source_files
 from tracerisk.config import Settings
 from tracerisk.pipeline.freshness.freshness import hardware_digest

@@ -1,7 +1,5 @@
 """A description that is written as YAML reads back as the same."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 from pathlib import Path

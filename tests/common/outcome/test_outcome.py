@@ -1,7 +1,5 @@
 """The value of what a run brought about: its form in the lock, and how two of them are compared."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from itertools import pairwise

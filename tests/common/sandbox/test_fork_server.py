@@ -1,7 +1,5 @@
 """A process that a server forks is as one that is started afresh, and leaves as little behind."""
 
-from __future__ import annotations
-
 import json
 import os
 import resource

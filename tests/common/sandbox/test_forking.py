@@ -1,7 +1,5 @@
 """What two processes cannot share keeps one of them from being forked."""
 
-from __future__ import annotations
-
 import os
 import socket
 

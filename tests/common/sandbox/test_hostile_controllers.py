@@ -1,7 +1,5 @@
 """Hostile controllers: things to try, times ways to try them; none gets out of its run."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import socket

@@ -1,7 +1,5 @@
 """Our own processes import what is ours; what a controller legitimately does works contained."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

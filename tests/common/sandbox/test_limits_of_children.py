@@ -1,7 +1,5 @@
 """What a controller's process hands back is bounded, and nothing in it is taken on trust."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import time

@@ -1,7 +1,5 @@
 """A path of the author's machine or start leads to the same file here, and is reported."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a controller writes, and is refused, is known by the paths that it gave."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

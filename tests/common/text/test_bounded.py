@@ -1,7 +1,5 @@
 """Numbers and JSON of others, within bounds."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common.text.bounded import MOST_DIGITS, finite_number, loads_json, whole_number

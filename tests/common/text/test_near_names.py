@@ -1,7 +1,5 @@
 """Which known name another one is likely a slip of."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common.text.near_names import near_names

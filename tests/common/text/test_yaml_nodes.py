@@ -1,7 +1,5 @@
 """YAML read by libyaml: the values of the core schema, the place of each key, what is refused."""
 
-from __future__ import annotations
-
 import json
 import math
 import time

@@ -1,7 +1,5 @@
 """YAML files with the place of each key: what is read, and what is not YAML."""
 
-from __future__ import annotations
-
 import warnings
 
 import pytest

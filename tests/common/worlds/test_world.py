@@ -1,7 +1,5 @@
 """The table of worlds: names, groups and what is drawn of them."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a run in a world depends on, and how the lock keeps it."""
 
-from __future__ import annotations
-
 from tracerisk.common.worlds.world_run import (
     WorldRun,
     dependence_line,

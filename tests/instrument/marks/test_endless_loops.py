@@ -1,7 +1,5 @@
 """Which loops have no end of their own, and where their iterations are told."""
 
-from __future__ import annotations
-
 import ast
 import textwrap
 from pathlib import Path

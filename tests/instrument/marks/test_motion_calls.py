@@ -1,7 +1,5 @@
 """Which calls at given places command motion."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.instrument.marks.call_log import Calls

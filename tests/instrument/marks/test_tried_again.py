@@ -1,7 +1,5 @@
 """Whether a loop makes up for a call in it that failed."""
 
-from __future__ import annotations
-
 import ast
 import textwrap
 

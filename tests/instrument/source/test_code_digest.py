@@ -1,7 +1,5 @@
 """What makes a source another, and what does not."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.instrument.source.code_digest import code_digest

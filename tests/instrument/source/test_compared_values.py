@@ -1,7 +1,5 @@
 """Words that a field may hold, by what the code and the files of its package do with it."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

@@ -1,7 +1,5 @@
 """The type of a service, read from the proxy that is made further down."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.errors import Location

@@ -1,7 +1,5 @@
 """Which ROS a controller is of is told by what its own sources import."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.instrument.source.ros_version import ros_version

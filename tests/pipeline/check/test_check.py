@@ -1,7 +1,5 @@
 """Freshness: what `check` tells without a run, and what `refresh` does about it."""
 
-from __future__ import annotations
-
 import json
 import re
 import subprocess

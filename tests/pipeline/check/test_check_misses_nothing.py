@@ -1,7 +1,5 @@
 """`check` passes only what `solve` accepts, reports what is gone, and never crashes."""
 
-from __future__ import annotations
-
 import json
 import re
 import textwrap

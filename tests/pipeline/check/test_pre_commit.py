@@ -1,7 +1,5 @@
 """The hooks of `.pre-commit-hooks.yaml`, run by pre-commit itself in a git repository."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import re

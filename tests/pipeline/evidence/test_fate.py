@@ -1,7 +1,5 @@
 """A run with a failure ends once its fate is decided, at the same instant wherever it runs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A campaign on a full disk says so, makes nothing of what it could not record, and goes on later."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """A campaign that is interrupted, at any moment and however, goes on and ends with the same bytes."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

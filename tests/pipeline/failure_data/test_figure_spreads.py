@@ -1,7 +1,5 @@
 """Error factors of a hardware description, in the uncertainty of a model of blocks."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Functions that settings and blocks name, and a function whose name is taken."""
 
-from __future__ import annotations
-
 import pytest
 
 STEPS = """\

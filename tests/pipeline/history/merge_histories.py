@@ -4,8 +4,6 @@ What each branch typed is written down as it is typed: the model to which every 
 tool is compared. Values are computed from a log that is made of the code, without a simulation.
 """
 
-from __future__ import annotations
-
 import ast
 import os
 import random

@@ -1,7 +1,5 @@
 """Many commands at once on one repository leave what each of them alone would have left."""
 
-from __future__ import annotations
-
 import random
 import shutil
 import subprocess

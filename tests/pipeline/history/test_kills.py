@@ -1,7 +1,5 @@
 """A refresh that is killed at any moment, and two refreshes at once."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

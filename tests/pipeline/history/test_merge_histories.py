@@ -1,7 +1,5 @@
 """What the tool makes of random histories of branches, compared with what each branch typed."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.pipeline.history.merge_histories import run_history

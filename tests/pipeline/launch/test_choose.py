@@ -1,7 +1,5 @@
 """Which launch file a controller is run with, and what is said of it."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """The names that a launch file gives a controller tell of its robot too."""
 
-from __future__ import annotations
-
 import ast
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What a launch file leaves open of the robot is filled with the one that was chosen, openly."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.conftest import quick_controller

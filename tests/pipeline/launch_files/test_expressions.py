@@ -1,7 +1,5 @@
 """The expressions of launch files: no more than arithmetic and texts."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.pipeline.launch_files.expressions import evaluate

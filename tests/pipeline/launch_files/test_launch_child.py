@@ -1,7 +1,5 @@
 """ROS 2 launch files, read in their process: what they start and give (docs.ros.org, launch)."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -4,8 +4,6 @@ Sources: ros2/launch (branch rolling, commit 02595baf) `launch/launch/substituti
 `actions/include_launch_description.py`, `launch_description.py`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.pipeline.launch_files.stand_ins.launch import LaunchContext, LaunchDescription

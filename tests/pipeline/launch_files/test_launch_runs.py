@@ -1,7 +1,5 @@
 """Controllers that need what their launch file gives them, run end to end."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """ROS 1 launch files: what they start and give, as roslaunch has it (wiki.ros.org/roslaunch/XML)."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch

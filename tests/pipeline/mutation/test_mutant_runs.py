@@ -1,7 +1,5 @@
 """Changed controllers are run from memory, beside the run without a change, and kept."""
 
-from __future__ import annotations
-
 from concurrent.futures import Future
 from dataclasses import replace
 

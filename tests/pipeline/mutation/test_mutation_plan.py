@@ -1,7 +1,5 @@
 """The changes of a source: each is one edit that gives another program, and nothing else."""
 
-from __future__ import annotations
-
 import ast
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Broken recordings are refused with what is wrong, in bounded time."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import random

@@ -1,7 +1,5 @@
 """What a real robot did is read from recordings of any tool, and what is lost is said."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from types import SimpleNamespace

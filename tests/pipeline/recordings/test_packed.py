@@ -1,7 +1,5 @@
 """Packed MCAP files are those of the public writer, whatever the messages."""
 
-from __future__ import annotations
-
 from io import BytesIO
 
 import numpy as np

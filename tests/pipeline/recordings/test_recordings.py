@@ -1,7 +1,5 @@
 """A run is written as MCAP, opens with public readers, and is read back to the byte."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import xml.etree.ElementTree as ET

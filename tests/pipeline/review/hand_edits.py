@@ -1,7 +1,5 @@
 """Random edits of risk blocks by hand: pins, edits, omissions, and what is deleted."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable
 from typing import Any

@@ -4,8 +4,6 @@ The blocks that a run would write are made up, with their digests and the lock, 
 takes milliseconds. Every output that compares versions is then asked for.
 """
 
-from __future__ import annotations
-
 import ast
 import io
 import json

@@ -1,7 +1,5 @@
 """Why a value changed: by the user's pins, the digest of its block, and what the lock says."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

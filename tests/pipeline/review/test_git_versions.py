@@ -1,7 +1,5 @@
 """Which two versions are compared, and what of them: git's many states."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """What a diff says of two runs that brought about other things: first, and before any figure."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict, replace
 

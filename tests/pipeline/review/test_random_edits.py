@@ -1,7 +1,5 @@
 """No edit of a controller, its blocks or its lock ends a comparison in an internal error."""
 
-from __future__ import annotations
-
 import random
 import re
 import shutil

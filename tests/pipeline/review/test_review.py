@@ -1,7 +1,5 @@
 """What a review tells: controllers of several files, causes, renames, and the library's `diff`."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

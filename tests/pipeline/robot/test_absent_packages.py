@@ -1,7 +1,5 @@
 """Descriptions that need packages or arguments that are not there are read all the same."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

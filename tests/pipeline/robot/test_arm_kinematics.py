@@ -1,7 +1,5 @@
 """Controllers that read the robot's description and solve its kinematics themselves."""
 
-from __future__ import annotations
-
 REACH = """\
 import PyKDL
 import rospy

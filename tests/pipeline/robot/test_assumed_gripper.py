@@ -1,7 +1,5 @@
 """An arm that is sold without a gripper gets one, assumed, where the controller commands one."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Joints whose names no source tells, for the controller puts them together as it runs."""
 
-from __future__ import annotations
-
 SOURCE = """\
 import rclpy
 from control_msgs.action import FollowJointTrajectory

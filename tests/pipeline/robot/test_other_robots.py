@@ -1,7 +1,5 @@
 """A failure that another robot of the workspace would not have is a matter of the choice."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Of several robots that fit a controller, the one that its project names is taken."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What speaks for a robot has points, and the one for which most speaks is taken."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A loop that publishes without a wait advances as its publisher would."""
 
-from __future__ import annotations
-
 import pytest
 
 HEAD = """\

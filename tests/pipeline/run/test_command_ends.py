@@ -1,7 +1,5 @@
 """How commands end, in whole runs: what was replaced, left on, aborted or cut is a reason."""
 
-from __future__ import annotations
-
 import pytest
 
 ARM2 = """\

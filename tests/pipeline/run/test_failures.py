@@ -1,8 +1,6 @@
 """Controllers that fail, hang, die or ask for what is not there: one clear message each, the
 documented exit code, the trace so far, and no byte of the folder changed."""
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

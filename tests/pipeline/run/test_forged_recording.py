@@ -1,7 +1,5 @@
 """A recording is the controller's to write: what it says of a refusal names an error at most."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.errors import InputError, RobotError, TraceRiskError

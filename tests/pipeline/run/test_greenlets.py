@@ -1,7 +1,5 @@
 """A controller whose threads are greenlets leaves the same recording as on real threads."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Controllers that read single keys of a terminal."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

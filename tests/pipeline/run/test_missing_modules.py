@@ -1,7 +1,5 @@
 """Modules that are not there: all at once, each with what to do; one hint for Python 2."""
 
-from __future__ import annotations
-
 import csv
 
 import pytest

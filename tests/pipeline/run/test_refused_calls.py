@@ -1,7 +1,5 @@
 """Calls that a stand-in refuses: reported although the controller catches the exception."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.slow import slow_but

@@ -1,7 +1,5 @@
 """When a run without an end of its own is over."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.slow import slow_but

@@ -1,7 +1,5 @@
 """What a controller sends before anybody is connected is lost, named, and the run goes on."""
 
-from __future__ import annotations
-
 import textwrap
 
 import pytest

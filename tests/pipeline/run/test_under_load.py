@@ -1,7 +1,5 @@
 """A busy machine changes no figure: every child process of a command is slowed twenty times."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a controller publishes and nobody receives: a command that moves nothing is reported."""
 
-from __future__ import annotations
-
 import pytest
 
 COMMANDS = {

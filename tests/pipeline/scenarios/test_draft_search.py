@@ -1,7 +1,5 @@
 """What a search for a draft runs, what it leaves out again, and where it ends."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 

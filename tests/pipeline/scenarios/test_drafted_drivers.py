@@ -1,7 +1,5 @@
 """A controller of messages of its own, whose driver nobody has described, runs on a drafted one."""
 
-from __future__ import annotations
-
 import pytest
 
 PACKAGE = "<package format='3'><name>{}</name>{}</package>\n"

@@ -1,7 +1,5 @@
 """A run that shows no risk for want of something goes on with values that nobody has confirmed."""
 
-from __future__ import annotations
-
 import shutil
 
 import pytest

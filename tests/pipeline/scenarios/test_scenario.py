@@ -1,7 +1,5 @@
 """Scenarios end to end: what lacks is told, and pasting what is told makes the run go on."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

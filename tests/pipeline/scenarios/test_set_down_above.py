@@ -1,7 +1,5 @@
 """Drafts of calls that follow one another: what is taken at a pose is set down from above it."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from tracerisk.pipeline.scenarios.entries import Entries, set_down_above

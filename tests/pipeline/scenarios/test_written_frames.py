@@ -1,7 +1,5 @@
 """Frames for which a repository starts a static publisher."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.pipeline.launch.program import Program

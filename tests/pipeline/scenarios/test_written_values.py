@@ -1,7 +1,5 @@
 """Values that a repository writes: commands, configuration, launch files, other programs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -4,8 +4,6 @@ What is tested is DESIGN's rule: a command's owner is found on the stack at the 
 threads, futures and `await` inherit the stack that made them, a callback is a root of its own.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common import trace_json

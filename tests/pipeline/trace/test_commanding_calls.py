@@ -1,7 +1,5 @@
 """Calls that command: the verdict rests on those that were executed, however they are written."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.slow import slow_but

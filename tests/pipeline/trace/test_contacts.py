@@ -1,7 +1,5 @@
 """Collisions of a run: the shipped table with all that stands on it as it is, and 10 cm higher."""
 
-from __future__ import annotations
-
 import json
 import re
 

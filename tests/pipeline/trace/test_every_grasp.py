@@ -3,8 +3,6 @@
 What is grasped stands below the open hand, on a post through which the robot passes.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

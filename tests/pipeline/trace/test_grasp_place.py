@@ -1,7 +1,5 @@
 """Where a gripper closed on nothing, and what stood nearest."""
 
-from __future__ import annotations
-
 import math
 
 import mujoco

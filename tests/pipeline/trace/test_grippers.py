@@ -1,7 +1,5 @@
 """What the verdict makes of grippers, whichever way their joints turn."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.slow import slow_but

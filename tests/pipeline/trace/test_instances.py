@@ -1,7 +1,5 @@
 """The instances of a run, from the trace to the lock, the table and the errors."""
 
-from __future__ import annotations
-
 import json
 import math
 

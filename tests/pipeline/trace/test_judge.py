@@ -1,7 +1,5 @@
 """The verdict of a run, judged over what was recorded: no simulation."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

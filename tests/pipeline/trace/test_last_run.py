@@ -1,7 +1,5 @@
 """What the lock keeps of a run for a reviewer: motions that never ran, and contacts."""
 
-from __future__ import annotations
-
 import json
 import random
 

@@ -1,7 +1,5 @@
 """What the twin measures of a payload, and what that does to the figures of those who carry it."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The law of refactoring: how the code is cut into functions is no risk."""
 
-from __future__ import annotations
-
 import json
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Things that fall or tip, told from recorded poses: no simulation."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

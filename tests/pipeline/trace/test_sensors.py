@@ -1,7 +1,5 @@
 """Sensors end to end: in the trace, in the blocks, and by whom they are read."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """State machines and behaviour trees: each of their states is a state of the chain."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common.trace_log import read_log

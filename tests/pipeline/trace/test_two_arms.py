@@ -1,7 +1,5 @@
 """Two arms moved at once by two functions: each function answers for its own arm."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common import trace_json

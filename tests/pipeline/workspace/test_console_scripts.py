@@ -1,7 +1,5 @@
 """The commands that a package installs, as its files list them."""
 
-from __future__ import annotations
-
 from tracerisk.pipeline.workspace.console_scripts import ConsoleScript, console_scripts
 
 

@@ -1,7 +1,5 @@
 """Controllers that are installed as a command: what starts them."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.conftest import quick_controller

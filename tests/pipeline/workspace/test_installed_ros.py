@@ -1,7 +1,5 @@
 """Runs that use packages of overlays and of the installed ROS."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

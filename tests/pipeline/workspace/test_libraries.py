@@ -1,7 +1,5 @@
 """Library code of the same repository: its functions are helpers, as an installed library's are."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.pipeline.workspace import libraries

@@ -6,8 +6,6 @@ executor), and beside it (5.0, which runs where the workspace has no other). The
 tests is one of their own.
 """
 
-from __future__ import annotations
-
 import re
 
 import pytest

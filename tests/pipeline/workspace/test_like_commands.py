@@ -1,7 +1,5 @@
 """Which functions of a run that commanded nothing look as if they command."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.pipeline.workspace.like_commands import like_commands

@@ -1,7 +1,5 @@
 """What a source asks for, read without running it, and the command lines that it takes."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.pipeline.scenarios.command_lines import command_lines

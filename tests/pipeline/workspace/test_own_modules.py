@@ -1,7 +1,5 @@
 """What a controller imports of its own is found, and speaks for its robot, without running it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tracerisk import pipeline

@@ -1,7 +1,5 @@
 """Where packages of both ROS have one name, the controller's own ROS decides which is taken."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

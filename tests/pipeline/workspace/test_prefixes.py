@@ -1,7 +1,5 @@
 """The prefixes of overlays and of the installed ROS, and the packages in them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What a node's source is seen to provide, and what it is not."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

@@ -1,7 +1,5 @@
 """The distribution of ROS is that of the settings, the workspace or the installed ROS."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Controllers of several files, packages and workspaces."""
 
-from __future__ import annotations
-
 import pytest
 
 SCRIPT = """\

@@ -1,7 +1,5 @@
 """Which packages belong to a controller's own project."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

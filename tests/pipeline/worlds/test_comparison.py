@@ -1,7 +1,5 @@
 """What of two runs counts as a dependence on a world, and what a world changes by itself."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """A loop without an end is compared by what each cycle does, not by where it is cut."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from tests.pipeline.worlds.test_comparison import depends, run

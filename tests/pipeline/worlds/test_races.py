@@ -1,7 +1,5 @@
 """Programs that a race or a lucky start decides are named by a world, sound ones by none."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

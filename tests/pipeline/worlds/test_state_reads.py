@@ -1,7 +1,5 @@
 """The lines that read joint states, which a world names that lists the joints otherwise."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The compiled loops: built where there is a compiler, used where they fit, the same to the bit."""
 
-from __future__ import annotations
-
 import ctypes
 import importlib.util
 import random

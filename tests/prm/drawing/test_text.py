@@ -1,7 +1,5 @@
 """Models and results where no drawing can be shown."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -4,8 +4,6 @@ Numbers have 150 digits. A group with spares is a chain over the sets of its fai
 exponential is summed as a power series; a mission is solved from the last sets to the first.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

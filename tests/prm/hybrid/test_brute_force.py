@@ -1,7 +1,5 @@
 """Random missions with every redundancy, against an enumeration of every set of failed units."""
 
-from __future__ import annotations
-
 from decimal import Decimal, localcontext
 from random import Random
 

@@ -1,7 +1,5 @@
 """The published case study: Grimmeisen et al. 2024, Tables I and II."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

@@ -1,7 +1,5 @@
 """Missions whose numbers of cycles are counted: the fixed reading holds."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction

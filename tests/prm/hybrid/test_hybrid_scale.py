@@ -1,7 +1,5 @@
 """The work of hybrid models grows with their size, and no faster: instructions are counted."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Importance over the mission against differences in 250 digits, hidden failures included."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

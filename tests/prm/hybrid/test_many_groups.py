@@ -1,7 +1,5 @@
 """Redundant groups too many for one chain: each by itself, and certified bounds of all together."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from random import Random

@@ -1,7 +1,5 @@
 """How the code is cut into functions is no risk: whatever the redundancy, the mission stays."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Second-order importance against mixed differences in 250 digits."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import product
 

@@ -1,7 +1,5 @@
 """Figures along the mission time."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

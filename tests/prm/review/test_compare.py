@@ -1,7 +1,5 @@
 """What changed between two models, and what each change does to the mission's figure."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

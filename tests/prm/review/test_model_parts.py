@@ -1,7 +1,5 @@
 """A model taken apart: every edit together turns the earlier version into the later one."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

@@ -1,7 +1,5 @@
 """Failure models against mpmath, against formulas on paper and against SCRAM."""
 
-from __future__ import annotations
-
 import math
 import re
 import shutil

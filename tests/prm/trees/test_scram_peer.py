@@ -1,7 +1,5 @@
 """Fault trees beside SCRAM, an independent solver, and beside the published Aralia models."""
 
-from __future__ import annotations
-
 import csv
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Groups with spares, against formulas on paper."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """What is printed of a derivation, recomputed from the trace's JSON with arithmetic of its own."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """What is printed from the blocks up to the mission, recomputed by hand."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """Text on its ground has the contrast of WCAG 2.2 at level AA; states are told apart, whoever looks."""
 
-from __future__ import annotations
-
 import math
 import re
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Contacts and payload in the report: one row a function and pair of bodies."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

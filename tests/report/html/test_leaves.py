@@ -1,7 +1,5 @@
 """The leaves of fault trees are the robot's units, and make what the model says."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What the page is given to replay a run."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

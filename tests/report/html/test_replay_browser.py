@@ -1,7 +1,5 @@
 """Replay and timeline in a browser: they show what the run did, and one cursor moves both."""
 
-from __future__ import annotations
-
 import math
 import re
 import shutil

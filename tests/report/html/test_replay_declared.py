@@ -1,7 +1,5 @@
 """Declared bodies in the replay: when each is there, and where."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

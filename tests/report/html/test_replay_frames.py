@@ -1,7 +1,5 @@
 """Poses packed and unpacked."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

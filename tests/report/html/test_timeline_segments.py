@@ -1,7 +1,5 @@
 """What the rows of the timeline show, against what the trace says."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Pictures are drawn, and what they show is what they were told to."""
 
-from __future__ import annotations
-
 import io
 import re
 import subprocess

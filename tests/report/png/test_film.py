@@ -1,7 +1,5 @@
 """A film shows the whole run, from one place, and says how fast it is."""
 
-from __future__ import annotations
-
 import io
 import itertools
 from dataclasses import replace

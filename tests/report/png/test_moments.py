@@ -1,7 +1,5 @@
 """The moment that stands for a function is the one that the rule names."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st

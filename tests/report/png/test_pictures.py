@@ -1,7 +1,5 @@
 """What is in a picture, and what is said of it."""
 
-from __future__ import annotations
-
 import math
 import re
 import string

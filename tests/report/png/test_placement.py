@@ -1,7 +1,5 @@
 """Bodies are where the simulation has them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a controller asked for in vain is kept, and written as scenario lines that can be read."""
 
-from __future__ import annotations
-
 import io
 import itertools
 import math

@@ -1,7 +1,5 @@
 """Hints for names and calls that newer Pythons and libraries have removed."""
 
-from __future__ import annotations
-
 import array
 import collections
 import itertools

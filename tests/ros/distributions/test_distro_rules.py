@@ -1,7 +1,5 @@
 """One table says what differs between the distributions of ROS; it is read, reported and shown."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

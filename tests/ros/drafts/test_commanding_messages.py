@@ -1,7 +1,5 @@
 """Which messages that nobody receives would have moved something, and which only say something."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.drafts.commanding_messages import commands_something

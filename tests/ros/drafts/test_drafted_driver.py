@@ -1,7 +1,5 @@
 """What a driver that nobody has described does, inferred from names and comments of its messages."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

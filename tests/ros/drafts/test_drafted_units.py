@@ -1,7 +1,5 @@
 """Drafted numbers are in the units that names, comments, docstrings and code say."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.errors import Location

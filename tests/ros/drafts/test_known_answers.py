@@ -1,7 +1,5 @@
 """The answers that a source knows to its own question."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.errors import Location

@@ -1,7 +1,5 @@
 """Pictures that a scenario describes are drawn as it says."""
 
-from __future__ import annotations
-
 import sys
 from types import ModuleType
 

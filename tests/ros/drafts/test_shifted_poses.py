@@ -1,7 +1,5 @@
 """Where a drafted pose is moved to, and what of an entry moves with it."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.drafts.shifted_poses import reachable_shift, shifted

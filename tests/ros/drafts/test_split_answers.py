@@ -1,7 +1,5 @@
 """Numbers for a question whose answer the code takes apart."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.errors import Location

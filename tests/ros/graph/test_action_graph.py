@@ -1,7 +1,5 @@
 """Actions between clients and servers, whatever the version of ROS."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.graph.action_goal import GoalState, GoalStateError

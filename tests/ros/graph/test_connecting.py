@@ -1,7 +1,5 @@
 """How long the ends of a controller need to find those of its cell, in each distribution."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the controller reads of sensors: spans of time from messages and questions."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -4,8 +4,6 @@ Sources: ros2/rcl `rcl_yaml_param_parser/src/parse.c` (`find_node`, `find_parame
 `lib/yaml/constructor.py` (`construct_mapping`).
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common.text.yaml_reader import read_yaml

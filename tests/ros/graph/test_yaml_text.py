@@ -3,8 +3,6 @@
 Source: yaml/pyyaml `lib/yaml/resolver.py` (the truth values of its safe loader, without y and n).
 """
 
-from __future__ import annotations
-
 import warnings
 
 import pytest

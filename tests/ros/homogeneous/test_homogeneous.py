@@ -1,7 +1,5 @@
 """Matrices, quaternions and Euler angles: identities, and figures worked out by hand."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

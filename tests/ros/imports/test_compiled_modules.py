@@ -1,7 +1,5 @@
 """Cython modules of a workspace that nobody has built."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """The pages list the libraries that the finder serves, no more and no less."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Names that NumPy has removed, and that the NumPy of older ROS has."""
 
-from __future__ import annotations
-
 PROGRAM = """\
 import moveit_commander, rospy
 import numpy as np

@@ -1,7 +1,5 @@
 """Names of `cv2.aruco` that OpenCV has removed, and windows, which a run does not open."""
 
-from __future__ import annotations
-
 import pytest
 
 # An OpenCV of today, as far as these names go.

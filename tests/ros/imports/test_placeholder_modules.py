@@ -1,7 +1,5 @@
 """Modules that are not here, for which a scenario has placeholders."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 from collections import deque

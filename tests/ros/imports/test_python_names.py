@@ -1,7 +1,5 @@
 """Names that Python has removed, and that the Python of Noetic has."""
 
-from __future__ import annotations
-
 import pytest
 
 PROGRAM = """\

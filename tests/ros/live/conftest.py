@@ -1,7 +1,5 @@
 """A live run needs rospy of ROS 1, which few machines have."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.errors import DependencyError

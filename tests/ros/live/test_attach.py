@@ -1,7 +1,5 @@
 """`tracerisk attach`: it hears a robot, and neither publishes nor serves anything."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

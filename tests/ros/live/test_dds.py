@@ -1,7 +1,5 @@
 """`tracerisk attach --dds`: it hears a robot of ROS 2 by readers alone, on loopback if asked to."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -3,8 +3,6 @@
 `test_live_run.py` compares `goals_and_services` on each run, these are for the slow one.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Frames between the processes of a live run."""
 
-from __future__ import annotations
-
 import socket
 import struct
 

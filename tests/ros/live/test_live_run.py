@@ -1,7 +1,5 @@
 """`run --live` and `trace --live`: the published log and block from real rospy, and no way out."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """A live run has a network of its own, and what the host has set up decides nothing."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """Packages that the installed ROS lacks are made from our texts, with the sums of the public ones."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from pathlib import Path

@@ -3,8 +3,6 @@
 `data/known_fields.csv` holds fields as the public files have them, read apart from the archive.
 """
 
-from __future__ import annotations
-
 import csv
 import gzip
 import io

@@ -4,8 +4,6 @@ Source: ros2/rosidl_python `rosidl_generator_py/resource/_msg.py.em`, and its
 `test_interfaces.py`.
 """
 
-from __future__ import annotations
-
 import array
 import copy
 import pickle

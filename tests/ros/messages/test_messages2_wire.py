@@ -1,7 +1,5 @@
 """CDR of ROS 2 messages, against that of rosbags."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore

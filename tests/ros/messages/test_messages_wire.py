@@ -1,7 +1,5 @@
 """Our bytes are those that rosbags, an implementation of its own, reads and writes."""
 
-from __future__ import annotations
-
 import io
 import random
 from typing import Any

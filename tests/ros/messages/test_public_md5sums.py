@@ -9,8 +9,6 @@ control_msgs 36e2e305, ros_control 633c3746);
 `rosserial`: `getMD5` of the headers that rosserial has generated in jgdo/arips_arm (edb1e0a4).
 """
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

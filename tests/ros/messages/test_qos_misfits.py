@@ -1,7 +1,5 @@
 """Subscriptions that their own program's publisher never reaches, for their QoS does not fit."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

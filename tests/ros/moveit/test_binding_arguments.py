@@ -1,7 +1,5 @@
 """What moveit_commander's compiled binding refuses, and with what; what it takes all the same."""
 
-from __future__ import annotations
-
 import pytest
 
 START = """\

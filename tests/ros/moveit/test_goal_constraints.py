@@ -1,7 +1,5 @@
 """Goals of several constraints: a state is found that meets all of them, or a code says no."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

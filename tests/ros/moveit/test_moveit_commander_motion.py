@@ -1,7 +1,5 @@
 """Programs of moveit_commander, end to end on the twin."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The planning scene, and pick and place in it."""
 
-from __future__ import annotations
-
 import struct
 from pathlib import Path
 

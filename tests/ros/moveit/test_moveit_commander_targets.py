@@ -1,7 +1,5 @@
 """What a client can set and ask, and what it is refused."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Which goals MoveIt queues, ends or refuses, and which trajectories it executes."""
 
-from __future__ import annotations
-
 import textwrap
 
 import pytest

@@ -1,7 +1,5 @@
 """Programs of moveit_commander on an arm whose joints turn further than once."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

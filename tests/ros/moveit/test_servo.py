@@ -1,7 +1,5 @@
 """moveit_servo: streams of velocities of the tool and of joints."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

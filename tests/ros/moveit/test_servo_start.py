@@ -1,7 +1,5 @@
 """moveit_servo: from when on it takes commands, and how old they may be."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

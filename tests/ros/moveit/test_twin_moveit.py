@@ -1,7 +1,5 @@
 """move_group's actions and services on the graph, as programs call them."""
 
-from __future__ import annotations
-
 import pytest
 
 PREAMBLE = """\

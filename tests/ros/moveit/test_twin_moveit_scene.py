@@ -1,7 +1,5 @@
 """The planning scene over services and topics, as programs tell it."""
 
-from __future__ import annotations
-
 import pytest
 
 PROGRAM = """

@@ -1,7 +1,5 @@
 """The actions Pickup and Place, sent by a program that knows no commander."""
 
-from __future__ import annotations
-
 PROGRAM = """
 import actionlib, copy, rospy
 from geometry_msgs.msg import PoseStamped

@@ -1,7 +1,5 @@
 """State of the world that programs look at, in a loop or once, before they move."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

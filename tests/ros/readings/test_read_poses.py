@@ -1,7 +1,5 @@
 """Poses that were read in one frame and given as of another: which are told of, and which not."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Commands that come of old messages while newer ones wait: which are told of, and which not."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

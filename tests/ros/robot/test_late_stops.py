@@ -1,7 +1,5 @@
 """A stop or a cancel that comes when the motion has ended, and the finding that names both lines."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The order in which drivers publish the states of joints."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

@@ -1,7 +1,5 @@
 """Actions of ROS 1 by their topics alone."""
 
-from __future__ import annotations
-
 PROGRAM = """
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatusArray

@@ -1,7 +1,5 @@
 """The twin's action servers, as programs use them."""
 
-from __future__ import annotations
-
 import pytest
 
 PREAMBLE = """\

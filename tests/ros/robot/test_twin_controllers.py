@@ -1,7 +1,5 @@
 """The services of the controller manager, as programs call them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """The twin's interfaces with message classes of ROS 2, whatever client library sends them."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.distributions.in_run import DistroRules

@@ -1,7 +1,5 @@
 """Command topics of the twin, as programs publish on them."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common import trace_json

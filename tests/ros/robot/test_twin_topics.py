@@ -1,7 +1,5 @@
 """`/joint_states` of the twin, end to end, as a program reads it."""
 
-from __future__ import annotations
-
 PROGRAM = """\
 import rospy
 import moveit_commander

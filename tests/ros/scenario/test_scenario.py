@@ -1,7 +1,5 @@
 """What a scenario gives to controllers of either ROS."""
 
-from __future__ import annotations
-
 import textwrap
 
 import pytest

@@ -1,7 +1,5 @@
 """Each mistake in a scenario is told with its place and with what is allowed."""
 
-from __future__ import annotations
-
 import textwrap
 from types import SimpleNamespace
 

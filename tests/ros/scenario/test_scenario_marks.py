@@ -1,7 +1,5 @@
 """The mark of what nobody has confirmed: where it counts, and where it is part of a text."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.errors import ScenarioError

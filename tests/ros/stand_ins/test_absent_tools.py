@@ -1,7 +1,5 @@
 """What a program asks of an installed ROS for its robot: the command xacro, makers' packages."""
 
-from __future__ import annotations
-
 import pytest
 
 MANIFEST = "<package><name>cell</name></package>"

@@ -5,8 +5,6 @@ simple_action_server,server_goal_handle}.py`, `test/{ref_server,ref_simple_serve
 exercise_simple_client,simple_python_client_test}.py`, wiki actionlib/DetailedDescription.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.time.scheduler import RunOver

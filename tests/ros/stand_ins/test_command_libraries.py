@@ -1,7 +1,5 @@
 """rostopic, rosservice, rosnode and rosparam as libraries."""
 
-from __future__ import annotations
-
 import pytest
 
 

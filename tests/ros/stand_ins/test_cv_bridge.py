@@ -1,7 +1,5 @@
 """Images to arrays and back; figures of grey are those of OpenCV's cvtColor."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

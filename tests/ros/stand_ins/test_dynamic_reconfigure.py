@@ -4,8 +4,6 @@ Source: ros/dynamic_reconfigure (commit 2654f22) `src/dynamic_reconfigure/*.py`,
 wiki.ros.org/dynamic_reconfigure/Tutorials.
 """
 
-from __future__ import annotations
-
 import sys
 
 import pytest

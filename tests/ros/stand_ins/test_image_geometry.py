@@ -1,7 +1,5 @@
 """What pixels of calibrated cameras see, by the mathematics of sensor_msgs/CameraInfo."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -3,8 +3,6 @@
 The figures of rotations, motions and dynamics are those of PyKDL 1.5.1 for the same calls.
 """
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle

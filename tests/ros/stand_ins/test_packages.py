@@ -1,7 +1,5 @@
 """Packages of the workspace: rospkg, roslib, ament_index_python."""
 
-from __future__ import annotations
-
 import os
 
 PACKAGE = """\

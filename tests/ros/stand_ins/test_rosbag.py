@@ -1,7 +1,5 @@
 """rosbag: what is written is read again, by the stand-in and by rosbags."""
 
-from __future__ import annotations
-
 import pytest
 from rosbags.rosbag1 import Reader, Writer
 from rosbags.typesys import Stores, get_typestore

@@ -1,7 +1,5 @@
 """rosbag2_py: what is written is read again, by the stand-in and by rosbags."""
 
-from __future__ import annotations
-
 import pytest
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore

@@ -3,8 +3,6 @@
 Source: ros/ros_comm `tools/rosgraph/src/rosgraph/{__init__,masterapi,names,rosenv}.py`.
 """
 
-from __future__ import annotations
-
 import re
 
 import pytest

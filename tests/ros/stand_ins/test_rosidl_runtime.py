@@ -3,8 +3,6 @@
 Source: ros2/rosidl_runtime_py (branch rolling) `rosidl_runtime_py/*.py` and its `test/`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """The master, addresses and names of `rosgraph` and `roslib`, and rospy's checks of names."""
 
-from __future__ import annotations
-
 import io
 import socket
 import struct

@@ -1,7 +1,5 @@
 """smach and smach_ros: containers, data, preemption, and states of actions and services."""
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """What is a thread's own stays its own where the threads of a controller are greenlets."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import contextvars

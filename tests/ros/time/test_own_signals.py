@@ -3,8 +3,6 @@
 What rospy does was printed by rospy 1.15.15; what rclpy does is in `test_rclpy_recorded.py`.
 """
 
-from __future__ import annotations
-
 import _thread
 import os
 import signal

@@ -3,8 +3,6 @@
 Kinds of errors and their words are those of tf2's buffer_core.cpp and cache.cpp (ros/geometry2).
 """
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """baxter_interface's stand-in, on the driver that the twin serves."""
 
-from __future__ import annotations
-
 import pytest
 
 HEAD = """

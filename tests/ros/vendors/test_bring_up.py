@@ -1,7 +1,5 @@
 """Which controllers of a driver run from the beginning, and what the others do with commands."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

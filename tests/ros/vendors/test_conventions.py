@@ -1,7 +1,5 @@
 """Units and turns of messages: there and back, and against the axes they are about."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Drivers that a user describes: three packages that no maker has, from a file to a run."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Makers whose drivers are descriptions alone: Kinova's Jaco, UR's dashboard, Rethink's Sawyer."""
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """The rules of a described driver: what waits, what is dropped, what is refused, and its codes."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.errors import DriverError

@@ -1,7 +1,5 @@
 """The driver of a Dobot arm on the twin; units and codes as the list of its commands has them."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

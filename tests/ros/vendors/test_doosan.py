@@ -1,7 +1,5 @@
 """The controller of a Doosan arm on the twin; units and answers as dsr_msgs2 has them."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The JSON Schema of driver descriptions: what editors complete is what the reader takes."""
 
-from __future__ import annotations
-
 import copy
 import json
 from importlib.resources import files

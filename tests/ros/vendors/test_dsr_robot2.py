@@ -1,7 +1,5 @@
 """Doosan's library DSR_ROBOT2 as programs use it, on the controller that the twin serves."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Every shipped gripper opens and closes by every interface that its arm serves."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.slow import slow_but

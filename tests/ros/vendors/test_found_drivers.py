@@ -1,7 +1,5 @@
 """Where descriptions come from, and what is told of bad ones."""
 
-from __future__ import annotations
-
 import json
 import textwrap
 from pathlib import Path

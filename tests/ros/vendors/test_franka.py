@@ -1,7 +1,5 @@
 """What franka_ros serves: settings, recovery, and the pose of its impedance controller."""
 
-from __future__ import annotations
-
 import pytest
 
 

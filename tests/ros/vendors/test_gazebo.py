@@ -1,7 +1,5 @@
 """Gazebo's services on the twin: models that are spawned, moved, welded and refused."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.gazebo.models import ModelRefusedError, model_body

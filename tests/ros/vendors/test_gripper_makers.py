@@ -1,7 +1,5 @@
 """Grippers of makers on any arm, and ROBOTIS's OpenManipulator, by their own messages."""
 
-from __future__ import annotations
-
 import pytest
 
 TWO_FINGERS = """

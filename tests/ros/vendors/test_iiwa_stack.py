@@ -1,7 +1,5 @@
 """The topics, actions and services of iiwa_stack, which is described as data."""
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """The stand-ins for Interbotix's libraries, against what their sources document."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

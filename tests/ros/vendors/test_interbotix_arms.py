@@ -1,7 +1,5 @@
 """The shipped Interbotix arms agree with the screw axes that the maker's library has of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Interbotix's driver of the years before `xs_sdk`, whose messages are those of the workspace."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """The devices of a Sawyer below `/io`."""
 
-from __future__ import annotations
-
 import pytest
 
 HEAD = """

@@ -1,7 +1,5 @@
 """Names that a driver has beside those of the joints: a telescope's length, a mobile base."""
 
-from __future__ import annotations
-
 import json
 import re
 

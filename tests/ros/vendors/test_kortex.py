@@ -1,7 +1,5 @@
 """The driver of a Kinova Gen3 on the twin; units and events as kortex_driver documents them."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """LoCoBots: an arm and a camera on a base, by the maker's library and by its topics."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -3,8 +3,6 @@
 DFKI-NI/rospy_message_converter test/test_message_converter.py.
 """
 
-from __future__ import annotations
-
 import pytest
 
 HEAD = """

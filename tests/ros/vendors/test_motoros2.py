@@ -1,7 +1,5 @@
 """MotoROS2's modes of motion, its queue of points and its state, which are described as data."""
 
-from __future__ import annotations
-
 import pytest
 
 HEAD = """

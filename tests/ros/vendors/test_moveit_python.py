@@ -1,7 +1,5 @@
 """moveit_python's stand-in, on the twin's move_group."""
 
-from __future__ import annotations
-
 import pytest
 
 HEAD = """

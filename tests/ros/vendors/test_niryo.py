@@ -1,7 +1,5 @@
 """The nodes of a Niryo arm on the twin; names, units and numbers as ned_ros has them."""
 
-from __future__ import annotations
-
 import pytest
 
 HEAD = """

@@ -1,7 +1,5 @@
 """Clouds of points in Python: the module of ROS 1 and that of ROS 2."""
 
-from __future__ import annotations
-
 import math
 
 PROGRAM = """

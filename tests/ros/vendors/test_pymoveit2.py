@@ -1,7 +1,5 @@
 """pymoveit2's own release on our rclpy: planning, execution, kinematics and the scene."""
 
-from __future__ import annotations
-
 import pytest
 
 HEAD = """

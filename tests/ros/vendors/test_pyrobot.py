@@ -1,7 +1,5 @@
 """PyRobot's interface of LoCoBot, Sawyer and UR5, against what its source documents."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

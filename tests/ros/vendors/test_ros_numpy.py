@@ -1,7 +1,5 @@
 """ros_numpy and ros2_numpy: there and back again."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

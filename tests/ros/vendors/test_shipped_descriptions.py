@@ -1,7 +1,5 @@
 """The shipped descriptions fit the messages that they speak of, in the ROS that they are for."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 import pytest

@@ -1,7 +1,5 @@
 """The controller box of a Universal Robots arm, by the messages of either ROS."""
 
-from __future__ import annotations
-
 import pytest
 
 OUTPUT = "set_io: an output of the controller box moves nothing of the twin"

@@ -1,7 +1,5 @@
 """Numbers that a driver carries out, and that were probably meant in another unit."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.trace import NOTES

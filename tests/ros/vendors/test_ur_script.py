@@ -1,7 +1,5 @@
 """Programs in URScript that come on a topic: what they move, and what is reported of them."""
 
-from __future__ import annotations
-
 import ast
 import math
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The services of xarm_api on the twin; units and codes as the SDK documents them."""
 
-from __future__ import annotations
-
 import pytest
 
 HEAD2 = """

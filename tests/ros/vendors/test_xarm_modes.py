@@ -4,8 +4,6 @@ Sources: xArm-Developer/xarm_ros `ReadMe.md` (Robot Mode 0 to 7), `xarm_msgs/msg
 (states), xArm-Developer/xArm-CPLUS-SDK `src/xarm/wrapper/xarm_api.cc` (`_check_code`).
 """
 
-from __future__ import annotations
-
 import pytest
 
 ROS_1 = """

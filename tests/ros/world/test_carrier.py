@@ -1,7 +1,5 @@
 """What a world does between a controller and its cell: delays, loss and order."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common.worlds.world import NOMINAL, World

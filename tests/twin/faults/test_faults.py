@@ -1,7 +1,5 @@
 """What each fault does to the physics, alone; and that it is the same each time."""
 
-from __future__ import annotations
-
 import dataclasses
 import hashlib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Limits of the processes that read models: no robot is chosen for want of time."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 

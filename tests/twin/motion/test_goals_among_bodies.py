@@ -1,7 +1,5 @@
 """Plans among bodies: several goal states, thin bodies, and corners that are not blended."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

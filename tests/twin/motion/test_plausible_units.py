@@ -1,7 +1,5 @@
 """Goals out of range in words, with a guess of the unit that was meant."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

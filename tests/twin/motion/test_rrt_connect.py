@@ -1,7 +1,5 @@
 """The search for a way under a rule ends, whether or not there is one."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from tracerisk.twin.motion import rrt_connect

@@ -1,7 +1,5 @@
 """The way along set-points that come in a stream."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

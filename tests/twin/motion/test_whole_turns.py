@@ -1,7 +1,5 @@
 """Pose goals take the nearest solution of the inverse kinematics, whole turns included."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Declared bodies: planned around, touched, carried, and told where a run cannot be replayed."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path

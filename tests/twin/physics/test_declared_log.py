@@ -1,7 +1,5 @@
 """What is logged of declared bodies, against where the simulation has them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Single motions, and the physics under them."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Both engines compute the same physics, and the one that can be imported serves."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """A robot of two arms: each plans, moves, grasps and is watched for itself, and both together."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

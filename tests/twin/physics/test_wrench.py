@@ -1,7 +1,5 @@
 """Forces in the wrist, against weights and levers worked out from the robot's file."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Activity of crafted samples, with the intervals computed by hand."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The activity of whole programs, beside what was commanded and what inverse dynamics need."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

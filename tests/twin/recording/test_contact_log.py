@@ -1,7 +1,5 @@
 """The log of contacts: what the simulation writes, and what of it is read."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """What the simulation logs of contacts: a pressed finger, declared bodies, an arm in itself."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

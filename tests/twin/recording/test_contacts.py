@@ -1,7 +1,5 @@
 """Contacts of crafted logs: what is held, what is expected, and which visit it belongs to."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

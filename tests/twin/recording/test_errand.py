@@ -1,7 +1,5 @@
 """The whole errand: tubes from rack to rack, by friction alone."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

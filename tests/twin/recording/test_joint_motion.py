@@ -1,7 +1,5 @@
 """When a joint moves, for crafted speeds and set-points."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """When sensors are in use, against the plain counting of steps."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

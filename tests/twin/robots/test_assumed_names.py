@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from dataclasses import replace
 
 from tracerisk.twin.robots.assumed_names import with_assumed_names

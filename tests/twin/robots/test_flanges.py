@@ -3,8 +3,6 @@
 A shape that does presses on what a real flange does not touch.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

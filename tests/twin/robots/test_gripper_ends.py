@@ -1,7 +1,5 @@
 """Which end of a gripper is open: its pads say so, whatever the sign of its joints."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Descriptions of arms that are shipped too, under other names or with placeholders for limits."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The figures of the shipped robots: where they come from, and those that sources dispute."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

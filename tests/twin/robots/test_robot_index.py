@@ -1,7 +1,5 @@
 """The quick scan of the shipped robots tells what reading them tells."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.twin.robots.index import RobotNames, shipped_names

@@ -1,7 +1,5 @@
 """Which robots a text names: whole words, and no parts of another model's name."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.twin.robots.index import shipped_names

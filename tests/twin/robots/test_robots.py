@@ -1,7 +1,5 @@
 """Every shipped robot stands, moves, reaches and grasps."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence

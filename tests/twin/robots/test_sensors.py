@@ -1,7 +1,5 @@
 """The sensors of a robot as data: what a file says, and what follows where it says nothing."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

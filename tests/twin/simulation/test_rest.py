@@ -1,7 +1,5 @@
 """Time that passes without physics while everything is at rest."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

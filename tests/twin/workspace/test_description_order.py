@@ -1,7 +1,5 @@
 """Descriptions are tried in the order of what names them, and guesses never before these."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

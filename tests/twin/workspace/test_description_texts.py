@@ -1,7 +1,5 @@
 """Which of a workspace's xacro files are expanded."""
 
-from __future__ import annotations
-
 from tracerisk.common.limits import DEFAULT_LIMITS
 from tracerisk.errors import RobotError
 from tracerisk.twin.workspace.description_files import DescriptionFile

@@ -1,7 +1,5 @@
 """Where only the SRDF of a robot is there, a stand-in has its parts."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

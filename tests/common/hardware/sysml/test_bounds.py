@@ -1,7 +1,5 @@
 """Whatever a file holds, the reader answers with a description or a HardwareError, and soon."""
 
-from __future__ import annotations
-
 import random
 import re
 import time

@@ -1,7 +1,5 @@
 """The examples of docs/sysml.md are read, and give what the text says."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -4,8 +4,6 @@ That parser takes seconds for a few lines, and far more for the first ones: inpu
 the large ones are for the slow run.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

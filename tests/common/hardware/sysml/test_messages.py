@@ -1,7 +1,5 @@
 """Each mistake in a SysML v2 file is told with its place and with what was expected."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common.hardware.sysml.sysml_reader import read_sysml

@@ -1,7 +1,5 @@
 """What the elements of a SysML v2 file mean as hardware."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """One trace, one arm in SysML v2 and in YAML: the same blocks and the same figures, to the byte."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

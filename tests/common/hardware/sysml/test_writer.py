@@ -1,7 +1,5 @@
 """What the writer writes reads back as the same description."""
 
-from __future__ import annotations
-
 from hypothesis import given, settings
 
 from tests.common.hardware.strategies import hardware_descriptions

@@ -1,7 +1,5 @@
 """Branches of one run equal runs from the beginning, and lose nothing but themselves."""
 
-from __future__ import annotations
-
 import random
 import subprocess
 import textwrap

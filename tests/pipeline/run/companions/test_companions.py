@@ -1,7 +1,5 @@
 """Controllers that wait for what another node of their workspace provides, run end to end."""
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.common import trace_json

@@ -1,7 +1,5 @@
 """What a run brought about, read out of its recording."""
 
-from __future__ import annotations
-
 import json
 import math
 from itertools import pairwise

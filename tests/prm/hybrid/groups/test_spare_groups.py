@@ -1,7 +1,5 @@
 """Groups with spares in models of functions: what is asked of them, and what is refused."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Failures of redundant units that stay hidden until the mission ends."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import builtins
 from fractions import Fraction
 from itertools import product

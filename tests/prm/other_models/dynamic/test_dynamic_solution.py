@@ -1,7 +1,5 @@
 """Dynamic trees built of plain values, and the importance of their events."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

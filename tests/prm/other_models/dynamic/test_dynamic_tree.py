@@ -1,7 +1,5 @@
 """Dynamic gates against formulas on paper, mpmath and static trees of the same meaning."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Chains that fail, against matrix exponentials of sixty digits and more."""
 
-from __future__ import annotations
-
 import random
 import re
 

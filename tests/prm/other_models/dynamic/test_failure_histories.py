@@ -5,8 +5,6 @@ from the definitions in docs/theory.md, and histories are neither merged nor for
 state of its own.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from itertools import pairwise

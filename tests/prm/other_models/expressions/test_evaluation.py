@@ -1,7 +1,5 @@
 """Point values of expressions, against mpmath and by hand."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

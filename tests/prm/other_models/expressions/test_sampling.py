@@ -1,7 +1,5 @@
 """Samples of expressions: their distributions, and what is drawn together."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import stats

@@ -1,7 +1,5 @@
 """Hypothesis strategies for logic models, in the form in which readers return them."""
 
-from __future__ import annotations
-
 import string
 from dataclasses import replace
 from functools import cache

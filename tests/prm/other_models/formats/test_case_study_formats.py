@@ -1,7 +1,5 @@
 """The published case study's fault trees, out through Open-PSA and OpenPRA and back."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.prm.other_models.formats.models import solved_tops

@@ -1,7 +1,5 @@
 """Explicit files of transitions and labels, in the dialects of Storm and PRISM."""
 
-from __future__ import annotations
-
 import math
 import tracemalloc
 

@@ -1,7 +1,5 @@
 """Galileo text: both ways, its errors, and the same unreliability in Storm."""
 
-from __future__ import annotations
-
 import math
 import random
 import re

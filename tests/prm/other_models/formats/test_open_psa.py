@@ -1,7 +1,5 @@
 """Open-PSA XML out and back, and what is refused."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import time

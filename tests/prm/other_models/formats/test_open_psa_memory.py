@@ -1,7 +1,5 @@
 """What was read of Open-PSA is freed with the model, with no work for the garbage collector."""
 
-from __future__ import annotations
-
 import gc
 
 import pytest

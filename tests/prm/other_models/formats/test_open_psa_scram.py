@@ -1,7 +1,5 @@
 """Open-PSA files against SCRAM: theirs read here, ours read there."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The OpenPRA engine's JSON out and back, and what is refused."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The declared subset of the PRISM language, its state space, and errors with positions."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """An independent solver of linked models: 250 digits, plain subtraction, brute force."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import product
 

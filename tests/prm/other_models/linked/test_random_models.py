@@ -1,7 +1,5 @@
 """Linked models drawn at random against the same models by definition."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Common cause groups: their shares on paper, their expansion by brute force and with SCRAM."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

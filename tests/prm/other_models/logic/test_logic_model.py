@@ -1,7 +1,5 @@
 """Logic models built in Python: what is below a top, and what does not fit together."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.prm.other_models.formats.models import solved_tops

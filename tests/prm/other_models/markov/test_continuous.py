@@ -1,7 +1,5 @@
 """Chains in continuous time, against formulas, fractions and mpmath's matrix exponential."""
 
-from __future__ import annotations
-
 import math
 
 import mpmath

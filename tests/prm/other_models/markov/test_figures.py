@@ -1,7 +1,5 @@
 """Times, cycles and distributions after a number of steps, against answers on paper."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Chains as arrays: compiled elimination, iteration, and the bounds that come with them."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

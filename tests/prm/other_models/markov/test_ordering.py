@@ -1,7 +1,5 @@
 """The elimination order: each state once, and little fill-in where little is needed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.sparse as sp

@@ -1,7 +1,5 @@
 """Which chains are solved with no array library, and no compilation."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """What people ask of chains: probabilities of paths, rewards, and the long run."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 

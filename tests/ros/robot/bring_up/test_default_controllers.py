@@ -1,7 +1,5 @@
 """Which of several controllers of the same joints runs from the beginning."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

@@ -5,8 +5,6 @@ ros2_controllers 4.42.1 (Jazzy) answered: its goals, and where its joints were. 
 of its own at 100 Hz, over joints that follow their commands at once.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Trajectories that a joint cannot follow in their time, and the finding that says so."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

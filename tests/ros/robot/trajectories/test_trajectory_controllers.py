@@ -3,8 +3,6 @@
 The behaviours are those of the controllers' own tests and sources; docs/behaviours.md lists them.
 """
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """The parameters that MoveItConfigsBuilder gathers from a package."""
 
-from __future__ import annotations
-
 import pytest
 
 URDF = '<robot name="panda" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="tool" default="hand"/><link name="$(arg tool)"/></robot>'

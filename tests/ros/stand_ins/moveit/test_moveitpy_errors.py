@@ -1,7 +1,5 @@
 """What MoveItPy refuses, in the real library's words, with what is allowed."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.slow import slow_but

@@ -1,7 +1,5 @@
 """Programs of MoveItPy, end to end on the twin."""
 
-from __future__ import annotations
-
 import pytest
 
 ARM = tuple(f"panda_joint{number}" for number in range(1, 8))

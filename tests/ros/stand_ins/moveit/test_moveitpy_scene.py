@@ -1,7 +1,5 @@
 """The planning scene of MoveItPy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Robot models, states and trajectories of MoveItPy."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

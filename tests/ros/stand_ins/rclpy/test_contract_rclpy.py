@@ -8,8 +8,6 @@ each test names the lines' subject. More contracts stand beside the subject that
 threads with `time.sleep` in `test_patches_threads.py`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.time.scheduler import RunOver

@@ -3,8 +3,6 @@
 Source: ros2/rclpy (branch jazzy) `rclpy/action/{client,server}.py`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.time.scheduler import RunOver

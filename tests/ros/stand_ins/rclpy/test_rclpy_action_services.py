@@ -4,8 +4,6 @@ Sources: ros2/rcl `rcl_action/src/rcl_action/{action_server,names}.c`, action_ms
 `srv/CancelGoal.srv`.
 """
 
-from __future__ import annotations
-
 PROGRAM = """\
 import rclpy, uuid
 from action_msgs.msg import GoalStatusArray

@@ -6,8 +6,6 @@ a node is in one executor, whose place the one that is given it next takes (`Nod
 executor that had it. The patterns are those of the examples of AndrejOrsula/pymoveit2.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.time.scheduler import RunOver

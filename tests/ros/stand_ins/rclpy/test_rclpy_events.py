@@ -4,8 +4,6 @@ Sources: ros2/rclpy (branch rolling, commit ba72a017)
 `rclpy/rclpy/{event_handler,qos_overriding_options,qos}.py`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -4,8 +4,6 @@ Sources: ros2/rclpy (branch rolling, commit ba72a017) `rclpy/rclpy/{node,seriali
 subscription,__init__,clock}.py` and `rclpy/test/test_node.py`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -4,8 +4,6 @@ Sources: ros2/rclpy (branch rolling, commit ba72a017)
 `rclpy/rclpy/{executors,node,task,waitable}.py`, `rclpy/src/rclpy/destroyable.cpp`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 

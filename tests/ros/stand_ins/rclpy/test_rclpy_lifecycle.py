@@ -5,8 +5,6 @@ Sources: ros2/rclpy (branch rolling, commit ba72a017) `rclpy/rclpy/lifecycle/*.p
 "Managed nodes".
 """
 
-from __future__ import annotations
-
 import pytest
 
 

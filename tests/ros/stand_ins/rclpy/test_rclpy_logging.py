@@ -4,8 +4,6 @@ Sources: ros2/rclpy (branch rolling, commit ba72a017)
 `rclpy/rclpy/{logging,logging_service,impl/rcutils_logger}.py`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -4,8 +4,6 @@ Source: ros2/rosidl_python `rosidl_generator_py/resource/_msg.py.em` and `_msg_s
 branches humble and jazzy.
 """
 
-from __future__ import annotations
-
 import array
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Sources: ros2/rmw `rmw/src/validate_{node_name,namespace,full_topic_name}.c`, ro
 `rcl/src/rcl/{validate_topic_name,expand_topic_name}.c`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 

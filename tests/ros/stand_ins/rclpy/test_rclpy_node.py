@@ -4,8 +4,6 @@ Sources: ros2/rclpy (branch jazzy) `rclpy/{node,parameter,qos,time,duration,cloc
 `impl/rcutils_logger.py`; docs.ros.org "Passing ROS arguments to nodes via the command-line".
 """
 
-from __future__ import annotations
-
 import pytest
 
 

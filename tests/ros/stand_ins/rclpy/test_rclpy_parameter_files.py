@@ -4,8 +4,6 @@ Sources: ros2/rcl `rcl_yaml_param_parser`, ros2/rclpy `rclpy/src/rclpy/node.cpp`
 of a node's full name, `**` any number, and a later section of the file wins.
 """
 
-from __future__ import annotations
-
 import pytest
 
 FILE = """\

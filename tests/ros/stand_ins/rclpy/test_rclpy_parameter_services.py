@@ -5,8 +5,6 @@ parameter_client,parameter_event_handler}.py` and `rclpy/test/test_parameter_cli
 rcl_interfaces `srv/*.srv`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.time.scheduler import RunOver

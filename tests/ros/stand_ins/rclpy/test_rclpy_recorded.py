@@ -3,8 +3,6 @@
 Recorded with rclpy 7.1.3 of Jazzy on Cyclone DDS (Python 3.11). The programs are ours.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import signal

@@ -4,8 +4,6 @@ Sources: ros2/rclpy (branch jazzy) `rclpy/{__init__,executors,task,callback_grou
 its `test/test_{executor,callback_group,task,timer}.py`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tracerisk.ros.time.scheduler import RunOver

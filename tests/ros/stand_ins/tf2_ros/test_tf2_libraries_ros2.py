@@ -4,8 +4,6 @@ Sources: ros2/geometry2 (branch rolling, commit 1b005c65) `tf2/src/cache.cpp`,
 `tf2_ros_py/tf2_ros/buffer_client.py`, `tf2_geometry_msgs`, `tf2_sensor_msgs`.
 """
 
-from __future__ import annotations
-
 import pytest
 
 

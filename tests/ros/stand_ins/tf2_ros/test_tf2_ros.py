@@ -1,7 +1,5 @@
 """tf and tf2 as programs use them, on the twin in virtual time."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """tf2 as programs of ROS 2 use it: nothing is heard unless something spins."""
 
-from __future__ import annotations
-
 PROGRAM = """\
 import rclpy, tf2_ros, tf2_geometry_msgs
 from geometry_msgs.msg import PointStamped, TransformStamped
