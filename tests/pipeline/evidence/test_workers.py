@@ -8,7 +8,6 @@ import pytest
 
 from tests.pipeline.evidence.test_file import CELL
 from tracerisk.errors import InputError
-from tracerisk.pipeline.evidence import workers
 from tracerisk.pipeline.evidence.journal import journal
 from tracerisk.pipeline.evidence.workers import Workers
 
@@ -34,12 +33,11 @@ def test_who_stops_a_campaign_waits_for_no_job():
         assert code_of(each, 60.0) is not None
 
 
-def test_a_worker_that_does_not_end_is_killed(monkeypatch):
+def test_a_worker_that_does_not_end_is_killed():
     """Whatever it waits for: here a function that is to run at its exit."""
-    monkeypatch.setattr(workers, "_ENDING_S", 0.5)
     before = set(multiprocessing.active_children())
     stays = "import atexit, time; atexit.register(time.sleep, 3600.0)"
-    results = Workers(jobs=1).run(exec, [stays, "import time; time.sleep(3600.0)"])
+    results = Workers(jobs=1, ending_s=0.5).run(exec, [stays, "import time; time.sleep(3600.0)"])
     next(results)
     (worker,) = set(multiprocessing.active_children()) - before
     results.close()

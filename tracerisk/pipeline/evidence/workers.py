@@ -28,8 +28,6 @@ CellProgress = Callable[[int, int, float], None]
 
 # Forked processes would share the threads and files of this one.
 _CONTEXT = multiprocessing.get_context("spawn")
-_ENDING_S = 10.0
-"""How long workers may take to end before they are killed [s]."""
 _POOLS = 3
 """How often a pool of workers of which one died is started again."""
 
@@ -40,12 +38,14 @@ class Workers:
 
     After `most_s` no further job begins [s]. `folder` is one for temporary files of local ones,
     which whoever gives it removes: they end in the middle of what they do.
+    Local ones that take longer than `ending_s` to end are killed [s].
     """
 
     jobs: int | None = None
     executor: Executor | None = None
     most_s: float | None = None
     folder: Path | None = None
+    ending_s: float = 10.0
 
     def run(
         self, function: Callable[[J], R], todo: Sequence[J], progress: CellProgress | None = None
@@ -95,7 +95,7 @@ class Workers:
                 alive.close()
                 if self.executor is None:
                     for each in started:
-                        each.join(_ENDING_S)
+                        each.join(self.ending_s)
                         if each.exitcode is None:
                             each.kill()
 

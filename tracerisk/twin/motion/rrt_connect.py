@@ -31,7 +31,8 @@ _PROJECTIONS = 12  # steps of one projection
 _SLOPE_STEP = 1e-5  # by which a joint is moved to see how a rule changes [rad or m]
 ITERATIONS = 3000
 """Of one search, unless others are given."""
-_LOOKS = 15_000  # at a rule, in one search: some seconds, as long as MoveIt plans by default
+LOOKS = 15_000
+"""At a rule, in one search: some seconds, as long as MoveIt plans by default."""
 _SHORTCUTS = 60
 _SMOOTHINGS = 4
 _FINE = 0.02  # between two points of the path returned [rad or m]
@@ -57,11 +58,13 @@ def connect(
     *,
     iterations: int = ITERATIONS,
     resolution: float = RESOLUTION,
+    most_looks: int = LOOKS,
 ) -> list[Array] | None:
     """Return a free path from `start` to one of `goals` within limits, None where none was found.
 
     start, goals, lower, upper: (n_joints,) [rad or m]; start and goals are free.
-    `excess` returns by how much a position breaks a rule, each part with its sign: (n_parts,).
+    `excess` returns by how much a position breaks a rule, each part with its sign: (n_parts,);
+    after `most_looks` at it the search ends.
     The path is dense: its points are near one another, and its corners are rounded where there
     is room. The same arguments give the same path.
     """
@@ -70,7 +73,7 @@ def connect(
     ours, others = (_Tree(roots, resolution, project) for roots in ([start], goals))
     forward = True
     for _ in range(iterations):
-        if project is not None and project.looks > _LOOKS:
+        if project is not None and project.looks > most_looks:
             break
         sample = generator.uniform(lower, upper)
         reached = ours.grow(sample, is_free)
