@@ -264,8 +264,7 @@ def test_a_tree_that_would_take_too_long_as_python_says_how_to_compile_the_loops
     program = TANGLED + "SharedTree(tree, Limits(nodes=(60, 600_000)))"
     assert python(UNCOMPILED + program).stderr.splitlines()[-1] == (
         "tracerisk.errors.DependencyError: a tree of this size needs the compiled loops, which "
-        "this installation of tracerisk lacks; with a C compiler at hand, install it anew: "
-        "pip install --force-reinstall --no-binary tracerisk tracerisk"
+        "this installation of tracerisk lacks; install a C compiler, then reinstall: pip install --force-reinstall --no-binary tracerisk tracerisk"
     )
 
 

@@ -171,7 +171,7 @@ def test_plain_git_diff_shows_the_model_by_textconv(changed):
         (("quantity = 7", "quantity = 0"), "risk model: line 11: quantity = 0 is not allowed"),
         (("next = place 1", "next = elsewhere 1"), "no mission of these blocks alone: function"),
         (("quantity = 7", "quantity = 1000000000"), "  pick: no figure, next place 1"),
-        (("callSequence = 2", "callSequence = 1"), "(the other stands at line 2)"),
+        (("callSequence = 2", "callSequence = 1"), "(the other is at line 2)"),
     ],
 )
 def test_textconv_says_what_is_wrong_and_never_fails(changed, steps, change, expected):

@@ -525,7 +525,7 @@ def test_constants_of_prism_are_set_in_what_is_written(call):
     ("arguments", "message"),
     [
         (["pumps.dft", "-o", "o.xml"], "pumps.dft: 'pumps': what depends on the order of failures"),
-        (["tree.xml", "-o", "o.dft"], "'T': event trees can be held by Open-PSA and OpenPRA only"),
+        (["tree.xml", "-o", "o.dft"], "'T': only Open-PSA and OpenPRA can hold event trees"),
         (["chain.prism", "-o", "o.xml"], "holds a chain, which open-psa cannot hold"),
         (["cooling.xml", "-o", "o.tra"], "holds fault or event trees, which explicit cannot hold"),
         (["cooling.xml", "-o", "o.txt"], "no format has this ending; --to allowed: explicit"),

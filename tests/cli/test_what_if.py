@@ -158,7 +158,7 @@ def test_uncertainty_is_reported_with_the_share_of_each_component(model, file):
 def test_samples_that_are_cut_are_reported(model):
     call = ("--uncertainty", "--error-factor", "power=3", "--samples", "100")
     shown = model.run("solve", "model.json", "--set", "power=0.9", *call).out
-    assert "samples above 1 were taken as 1; is its error factor" in " ".join(shown.split())
+    assert "samples above 1 were set to 1; is its error factor" in " ".join(shown.split())
 
 
 def test_what_was_not_asked_for_is_not_in_the_json(model):

@@ -108,7 +108,7 @@ def test_a_first_function_whose_block_is_gone_is_reported(steps, changes, annota
         as_written(annotated_source(place=("done 1", STEPS["place"][1]))),
     )
     assert list(found.values()) == [
-        (f"state gone: pick; place: next pick 9/10, done 1/10 -> done 1; {SWAPPED}", ("code",))
+        (f"removed state: pick; place: next pick 9/10, done 1/10 -> done 1; {SWAPPED}", ("code",))
     ]
 
 

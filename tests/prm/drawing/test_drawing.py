@@ -181,5 +181,5 @@ def test_a_network_is_drawn_from_conditions_to_events():
 
 @pytest.mark.parametrize("of", [svg_of, html_of])
 def test_what_has_no_drawing_is_refused(of):
-    with pytest.raises(TypeError, match="str has no drawing"):
+    with pytest.raises(TypeError, match="str cannot be drawn"):
         of("text")

@@ -20,7 +20,7 @@ def test_models_say_their_size():
     assert text_of(chain) == "Markov chain: 1 transient and 1 absorbing states"
     tree = EventTree.of("t", {"f": 0.5}, {"S": {"f": "success"}, "F": {"f": "failure"}})
     assert text_of(tree) == "Event tree t: 2 sequences"
-    with pytest.raises(TypeError, match="str has no drawing"):
+    with pytest.raises(TypeError, match="str cannot be drawn"):
         text_of("text")
 
 

@@ -143,7 +143,7 @@ def test_a_block_that_nothing_leads_to_adds_nothing_and_is_reported(block, compo
     recover = assessment.states[1]
     assert (recover.top_event, recover.expected_visits) == (0.5, 0.0)
     assert assessment.findings == (
-        "recover is never reached from move and adds nothing to the mission",
+        "recover is never reached from move and does not contribute to the mission",
     )
 
 
@@ -159,7 +159,7 @@ def test_a_next_of_weight_zero_leads_nowhere(block):
 
 
 def test_no_blocks_at_all_is_an_error_that_says_what_writes_them():
-    with pytest.raises(BlockError, match="no risk block; `tracerisk annotate`"):
+    with pytest.raises(BlockError, match="no risk blocks; `tracerisk annotate`"):
         build_model([], name="m")
 
 
@@ -167,19 +167,19 @@ def test_a_name_used_twice_is_refused_with_both_places(block):
     blocks = [at(block("pick", 1), 10), at(block("pick", 2), 20)]
     with pytest.raises(BlockError) as caught:
         build_model(blocks, name="m")
-    assert str(caught.value).startswith("arm.py:20: function 'pick': a second block of this name")
+    assert str(caught.value).startswith("arm.py:20: function 'pick': duplicate block name")
     assert "arm.py:10" in str(caught.value)
 
 
 def test_a_call_sequence_used_twice_is_refused_with_both_names(block):
     blocks = [at(block("pick", 1), 10), at(block("place", 1), 20)]
-    message = r"arm.py:20: function 'place': callSequence 1 is also that of 'pick' .*arm.py:10"
+    message = r"arm.py:20: function 'place': callSequence 1 is already used by 'pick' .*arm.py:10"
     with pytest.raises(BlockError, match=message):
         build_model(blocks, name="m")
 
 
 def test_a_function_named_done_is_refused(block):
-    with pytest.raises(BlockError, match="would be taken for the mission's end"):
+    with pytest.raises(BlockError, match="would be taken for the end"):
         build_model([block("done", 1)], name="m")
 
 
@@ -204,7 +204,7 @@ def test_functions_that_never_lead_to_done_are_named(block):
         at(block("a", 2, after={"b": 1}), 30),
         block("b", 3, after={"a": 1, "done": 0}),
     ]
-    message = "arm.py:31: function 'a': 'done' cannot be reached from a, b; lead 'next'"
+    message = "arm.py:31: function 'a': 'done' cannot be reached from a, b; add 'done'"
     with pytest.raises(BlockError, match=message):
         build_model(blocks, name="m")
 

@@ -95,7 +95,7 @@ def test_a_tree_may_be_one_event():
         (
             {"top": ("or", 0.5, "a")},
             None,
-            r"gate 'top': 0\.5 is no input; give a name or a formula",
+            r"gate 'top': 0\.5 is not an input; give a name or a formula",
         ),
         ({"top": ("atleast", True, "a")}, None, "gate 'top': atleast needs 1 number before its"),
         (
@@ -110,7 +110,7 @@ def test_a_tree_may_be_one_event():
             "gate 'top': atleast needs 1 number before its inputs",
         ),
         ({"top": ("cardinality", 1, "a")}, None, "gate 'top': cardinality needs 2 numbers before"),
-        ({"top": ("or", 2, "a")}, None, "gate 'top': 2 is no input; give a name or a formula"),
+        ({"top": ("or", 2, "a")}, None, "gate 'top': 2 is not an input; give a name or a formula"),
         (
             {"top": ("or", ("and", "a", "b")), "top.1": ("or", "c")},
             None,
@@ -220,16 +220,16 @@ def test_missions_of_many_figures_are_solved_at_once_as_each_alone():
 @pytest.mark.parametrize(
     ("trees", "more", "message"),
     [
-        ({}, {}, "model 'm': no state; give a fault tree for each"),
+        ({}, {}, "model 'm': no states; give a fault tree for each state"),
         (
             {"pick": PICK},
             {"following": {"pik": "done"}},
-            "next of 'pik', which is not a state; did you",
+            "for 'pik', which is not a state; did you",
         ),
         (
             {"pick": PICK},
             {"following": {}},
-            "state 'pick': no next; say what follows it, or 'done'",
+            "state 'pick': 'next' is missing; give its successors, or 'done'",
         ),
         (
             {"pick": PICK},
@@ -241,7 +241,11 @@ def test_missions_of_many_figures_are_solved_at_once_as_each_alone():
             {"following": {"pick": {"done": 0.5}}},
             "state 'pick': next sums to 1/2; it must sum to 1",
         ),
-        ({"pick": PICK}, {"visit_h": {"place": 1.0}}, "visit_h of 'place', which is not a state"),
+        (
+            {"pick": PICK},
+            {"visit_h": {"place": 1.0}},
+            "visit_h is given for 'place', which is not a state;",
+        ),
         (
             {"pick": PICK},
             {"values": {"gripr": 1.0}},

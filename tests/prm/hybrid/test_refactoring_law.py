@@ -134,7 +134,7 @@ def test_that_the_cut_counts_for_renewed_groups_is_said(block, component, quanti
     part = component("unit", 1e-3, quantity, redundancy)
     assumptions = solve(build_model([block("f", 1, [part])], name="m")).assumptions
     assert RENEWED_REDUNDANCY in assumptions or RENEWED_SPARES in assumptions
-    assert all("how the code is cut" in each for each in assumptions)
+    assert all("how the code is divided" in each for each in assumptions)
 
 
 @pytest.mark.parametrize("p", slow_but((1e-6,), (1e-6, 1e-2, 0.5)))

@@ -136,8 +136,8 @@ def test_splitting_a_pair_that_is_renewed_at_each_visit_moves_the_figure_and_is_
     ratio = solve(whole).mission.failure_probability / solve(split).mission.failure_probability
     assert ratio == pytest.approx(2.0, rel=1e-6)
     (line,) = solve(whole).assumptions
-    assert line.startswith("redundant units detected at each visit")
-    assert line.endswith("depend on how the code is cut into functions")
+    assert line.startswith("redundant units with detection at each visit")
+    assert line.endswith("depend on how the code is divided into functions")
 
 
 def test_assumptions_are_reported_only_where_they_are_made(block, component):

@@ -47,7 +47,7 @@ def test_an_empty_table_has_no_columns():
 
 
 def test_unknown_rows_and_columns_are_refused_with_those_there_are():
-    with pytest.raises(ModelError, match="'motr' is in no row; did you mean 'motor'"):
+    with pytest.raises(ModelError, match="'motr' is not a row; did you mean 'motor'"):
         TABLE["motr"]
     with pytest.raises(ModelError, match="'share' is not a column; did you mean 'risk_share'"):
         TABLE.column("share")

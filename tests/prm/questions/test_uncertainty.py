@@ -92,7 +92,7 @@ def test_quantiles_and_means_are_those_of_scipy(distribution, reference):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Lognormal(0.9), "error factor 0.9: .* from 1 up"),
+        (lambda: Lognormal(0.9), "error factor 0.9: allowed: finite numbers from 1 on"),
         (lambda: Lognormal(math.nan), "error factor nan"),
         (lambda: Lognormal(3.0, "mode"), "value_is 'mode'; allowed: mean, median"),
         (lambda: Uniform(2.0, 1.0), "uniform from 2.0 to 1.0: give low <= high"),

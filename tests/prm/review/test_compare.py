@@ -160,7 +160,7 @@ def test_a_new_state_and_the_next_that_leads_to_it_are_one_change(version, exact
     assert structure.summary == "new state check; pick: next place 1 -> check 1"
     back = difference(after, before)
     (gone,) = [change for change in back.changes if change.kind == "structure"]
-    assert gone.summary == "state gone: check; pick: next check 1 -> place 1"
+    assert gone.summary == "removed state: check; pick: next check 1 -> place 1"
     assert gone.contribution is not None
 
 

@@ -187,7 +187,7 @@ def test_an_event_twice_under_one_gate_counts_once():
             "top",
             [("top", OR, ("mid",)), ("mid", OR, ("top", "a"))],
             ["a"],
-            "gate 'top' stands above itself",
+            "gate 'top' depends on itself;",
         ),
     ],
 )

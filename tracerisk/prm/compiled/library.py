@@ -68,7 +68,7 @@ def loop(name: str, takes: str, gives: type | None = None) -> Callable[..., Any]
                 continue
             view = memoryview(argument)
             if view.format != letter or not view.c_contiguous:
-                raise TypeError(f"{name}: a sequence of '{view.format}' in place of '{letter}'")
+                raise TypeError(f"{name}: expected a sequence of '{letter}', found '{view.format}'")
             size = view.nbytes // view.itemsize
             if hasattr(argument, "ctypes"):
                 passed += (argument.ctypes.data, size)
@@ -125,7 +125,7 @@ def require_library(purpose: str) -> None:
 def no_library(purpose: str) -> DependencyError:
     """Return the error for a purpose that takes too long without the compiled loops."""
     return DependencyError(
-        f"{purpose} needs the compiled loops, which this installation of tracerisk lacks; with a "
-        "C compiler at hand, install it anew: pip install --force-reinstall --no-binary tracerisk "
-        "tracerisk"
+        f"{purpose} needs the compiled loops, which this installation of tracerisk lacks; "
+        "install a C compiler, then reinstall: pip install --force-reinstall --no-binary "
+        "tracerisk tracerisk"
     )

@@ -43,7 +43,7 @@ def assessment_html(assessment: Assessment) -> str:
     return (
         f"<h4>{escape(assessment.model)}</h4>"
         f"<p>Mission failure probability {mission.failure_probability:.6g} "
-        f"(fixed cycles {mission.fixed_cycles:.6g}, visits as run {mission.visits_as_run:.6g})</p>"
+        f"(fixed cycles {mission.fixed_cycles:.6g}, as executed {mission.visits_as_run:.6g})</p>"
         + "".join(f"<h5>{head}</h5>{table._repr_html_()}" for head, table in tables)
         + (f"<ul>{notes}</ul>" if notes else "")
         + f"<p>{escape(assessment.statement)}</p>"
@@ -56,7 +56,7 @@ def assessment_text(assessment: Assessment) -> str:
     return "\n".join(
         (
             f"{assessment.model}: mission failure probability {mission.failure_probability:.6g} "
-            f"(fixed cycles {mission.fixed_cycles:.6g}, visits as run {mission.visits_as_run:.6g})",
+            f"(fixed cycles {mission.fixed_cycles:.6g}, as executed {mission.visits_as_run:.6g})",
             *("", "Functions", str(Table(assessment.states))),
             *("", "Components", str(Table(assessment.components))),
             "",

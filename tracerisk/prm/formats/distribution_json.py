@@ -26,7 +26,7 @@ def distribution_to_json(distribution: Distribution) -> dict[str, Any]:
         return {"lognormal": written}
     kind = _KINDS.get(type(distribution))
     if kind is None:
-        raise ModelError(f"{type(distribution).__name__} has no place in the JSON of models")
+        raise ModelError(f"{type(distribution).__name__} cannot be written to the JSON of a model")
     if isinstance(distribution, Uniform) and distribution.log:
         kind = "loguniform"
     values = [getattr(distribution, each.name) for each in fields(distribution)]  # type: ignore[arg-type]

@@ -24,7 +24,7 @@ def read_document(text: str, file: str) -> Element:
         data = json.loads(text, object_pairs_hook=_without_duplicates, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
         raise ModelError(
-            f"is not valid JSON: {error.msg}; is the file whole?",
+            f"is not valid JSON: {error.msg}; is the file truncated?",
             Location(file, error.lineno, error.colno),
         ) from error
     except (ValueError, RecursionError) as error:
@@ -135,7 +135,7 @@ class Element:
         except OverflowError:
             found = math.inf
         if not math.isfinite(found):
-            self.fail("is too large for a number of double precision")
+            self.fail("is too large for double precision")
         return found
 
     def probability(self) -> float:
@@ -207,4 +207,4 @@ def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _no_constant(text: str) -> NoReturn:
-    raise ModelError(f"{text} is not a number of a model; give a finite one")
+    raise ModelError(f"{text} is not allowed; give a finite number")

@@ -56,4 +56,4 @@ def read_fraction(element: Element, examples: str) -> Fraction:
     try:
         return Fraction(written)
     except ZeroDivisionError:
-        element.fail(f"is '{written}', divided by zero")
+        element.fail(f"is '{written}', a division by zero")

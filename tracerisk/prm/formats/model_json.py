@@ -129,12 +129,12 @@ def _check_version(found: Mapping[str, Element]) -> None:
     version = found["version"].value
     if version == 0 and not isinstance(version, bool):
         found["version"].fail(
-            f"is 0; this version of tracerisk reads {VERSION}: build the model again "
+            f"is 0; this version of tracerisk reads {VERSION}: rebuild the model "
             "(version 0 does not say whether failures of redundant units stay hidden)"
         )
     if version != VERSION or isinstance(version, bool):
         found["version"].fail(
-            f"is {version!r}; this version of tracerisk reads {VERSION}: build the model again"
+            f"is {version!r}; this version of tracerisk reads {VERSION}: rebuild the model"
         )
 
 

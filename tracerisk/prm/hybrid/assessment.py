@@ -17,25 +17,27 @@ FIGURE_STATEMENT = (
 """What every figure of tracerisk is: the one line that each output carries."""
 
 RENEWED_REDUNDANCY = (
-    "redundant units detected at each visit are taken as good at its start: a first failure that "
-    "stays hidden is not counted, which understates a pair by a factor near the number of visits "
-    "and makes its share depend on how the code is cut into functions"
+    "redundant units with detection at each visit are assumed to work at its start: a first "
+    "failure that "
+    "stays hidden is not counted, which understates the failure probability of a pair by about "
+    "the number of visits and makes its share depend on how the code is divided into functions"
 )
 RENEWED_SPARES = (
-    "groups with spares detected at each visit are taken as good at its start: a spare that was "
-    "used up in an earlier one is not missing, which understates their share and makes it depend "
-    "on how the code is cut into functions"
+    "groups with spares and detection at each visit are assumed complete at its start: a spare "
+    "used up in an earlier visit counts as available, which understates their share and makes it "
+    "depend on how the code is divided into functions"
 )
 HIDDEN_FAILURES = (
-    "failed units of a redundant group stay hidden, and failed, until the mission ends; every "
+    "failed units of a redundant group stay failed and undetected until the mission ends; every "
     "mission starts with all redundant units working"
 )
 GEOMETRIC_CYCLES = (
     "the number of cycles is geometric: it varies from mission to mission around its mean"
 )
 FIXED_CYCLES = (
-    "`next` counts one mission, so that its numbers of cycles are fixed; visits, shares and "
-    "importances are those of the chain, in which they vary around these (geometric cycles)"
+    "`next` holds the counts of one mission, so its numbers of cycles are fixed; visits, shares "
+    "and importances come from the chain, in which the numbers of cycles vary around these "
+    "(geometric cycles)"
 )
 
 Reading = Literal["geometric cycles", "fixed cycles"]
@@ -50,7 +52,7 @@ def bounded(most: int, least: float, failure: float) -> str:
     return (
         f"hidden failures of more than {most} units at once are bounded from above: the mission's "
         f"failure probability is between {least:.6e} and {failure:.6e}, too high by at most "
-        f"{100.0 * above:.2g} %; importances count such failures as the mission's"
+        f"{100.0 * above:.2g} %; importances count such failures as mission failures"
     )
 
 
@@ -58,10 +60,10 @@ def grouped(groups: int, least: float, failure: float) -> str:
     """Return the assumption of a mission whose redundant groups are solved one by one."""
     above = (failure - least) / least if least > 0.0 else math.inf
     return (
-        f"{groups} redundant groups are too many to be solved at once: each is solved by itself, "
-        "and the mission's figure, the upper one, is bounded by all of them: its failure "
-        f"probability is between {least:.6e} and {failure:.6e}, too high by at most "
-        f"{100.0 * above:.2g} %; functions and importances are given for each group by itself"
+        f"{groups} redundant groups are too many to solve at once: each is solved separately, "
+        "and the results bound the mission's failure probability, stated as the upper bound: it "
+        f"is between {least:.6e} and {failure:.6e}, too high by at most "
+        f"{100.0 * above:.2g} %; functions and importances are given for each group separately"
     )
 
 

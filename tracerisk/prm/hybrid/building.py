@@ -28,17 +28,21 @@ def state_parts(
 ) -> tuple[tuple[FunctionState, ...], tuple[Parameter, ...]]:
     """Return the states and parameters of fault trees; see HybridModel.of."""
     if not trees:
-        raise ModelError(f"model '{name}': no state; give a fault tree for each")
+        raise ModelError(f"model '{name}': no states; give a fault tree for each state")
     names = list(trees)
     if following is None:
         following = dict(zip(names, [*names[1:], DONE], strict=True))
     for state in following:
         if state not in trees:
-            raise ModelError(f"next of '{state}', which is not a state; {one_of(trees, state)}")
+            raise ModelError(
+                f"'next' is given for '{state}', which is not a state; {one_of(trees, state)}"
+            )
     hours_of = visit_h if isinstance(visit_h, Mapping) else {}
     for state in hours_of:
         if state not in trees:
-            raise ModelError(f"visit_h of '{state}', which is not a state; {one_of(trees, state)}")
+            raise ModelError(
+                f"visit_h is given for '{state}', which is not a state; {one_of(trees, state)}"
+            )
     known = {parameter for tree in trees.values() for parameter in tree.parameters}
     check_parameters(values, known)
     states = []
@@ -46,7 +50,9 @@ def state_parts(
     events = {event.parameter: event for tree in trees.values() for event in tree.events}
     for rank, (state, tree) in enumerate(trees.items(), 1):
         if state not in following:
-            raise ModelError(f"state '{state}': no next; say what follows it, or '{DONE}'")
+            raise ModelError(
+                f"state '{state}': 'next' is missing; give its successors, or '{DONE}'"
+            )
         hours = hours_of.get(state) if isinstance(visit_h, Mapping) else visit_h
         found = _visit_values(state, tree, values, hours)
         for parameter, value in found.items():

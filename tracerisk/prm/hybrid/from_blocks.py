@@ -44,7 +44,7 @@ def build_model(
     ModelError when the profile names an unknown function or does not sum to one.
     """
     if not blocks:
-        raise BlockError("no risk block; `tracerisk annotate` or `tracerisk run` writes them")
+        raise BlockError("no risk blocks; `tracerisk annotate` or `tracerisk run` writes them")
     _check_distinct(blocks)
     ordered = sorted(blocks, key=lambda block: block.call_sequence.value)
     # In the order of the states, and found at once.
@@ -139,7 +139,7 @@ def _check_spares(components: Sequence[ComponentEntry], groups: Collection[str])
         if each.name in groups and each.quantity.value != expected:
             raise BlockError(
                 f"component '{each.name}': quantity is {each.quantity.value}, and {expected} in "
-                "another function that has spares of it; give the group one quantity everywhere",
+                "another function with spares of it; use one quantity everywhere",
                 each.quantity.location or each.location,
             )
 
@@ -190,17 +190,21 @@ def _check_distinct(blocks: Sequence[RiskBlock]) -> None:
     by_sequence: dict[int, RiskBlock] = {}
     for block in blocks:
         if block.name == DONE:
-            _fail(block, f"a function named '{DONE}' would be taken for the mission's end; rename")
+            _fail(
+                block,
+                f"a function named '{DONE}' would be taken for the end of the mission; rename it",
+            )
         if block.name in by_name:
             place = by_name[block.name].location
-            _fail(block, f"a second block of this name{_also(place)}; rename or remove one")
+            _fail(block, f"duplicate block name{_also(place)}; rename or remove one")
         by_name[block.name] = block
         sequence = block.call_sequence.value
         if sequence in by_sequence:
             other = by_sequence[sequence]
             _fail(
                 block,
-                f"callSequence {sequence} is also that of '{other.name}'{_also(other.location)}; "
+                f"callSequence {sequence} is already used by "
+                f"'{other.name}'{_also(other.location)}; "
                 "give each function its own",
                 block.call_sequence.location,
             )
@@ -218,7 +222,7 @@ def _steps_of(
             allowed = one_of([*names, DONE], target)
             _fail(block, f"next leads to '{target}', which has no block; {allowed}", place)
         if target in seen:
-            _fail(block, f"next names '{target}' twice; add the two up", place)
+            _fail(block, f"next names '{target}' twice; add up the two", place)
         if transition.weight < 0:
             _fail(block, f"next {target} {transition.weight} is below zero", place)
         seen.add(target)
@@ -256,8 +260,8 @@ def _check_end(ordered: Sequence[RiskBlock], steps: Mapping[str, tuple[NextStep,
         block = next(block for block in ordered if block.name == caught[0])
         _fail(
             block,
-            f"'{DONE}' cannot be reached from {', '.join(caught)}; lead 'next' of one of them "
-            f"to '{DONE}', or give a profile",
+            f"'{DONE}' cannot be reached from {', '.join(caught)}; add '{DONE}' to 'next' of one "
+            "of them, or give a profile",
             None if block.next is None else block.next.location,
         )
 
@@ -291,4 +295,4 @@ def _fail(block: RiskBlock, message: str, place: Location | None = None) -> NoRe
 
 
 def _also(place: Location | None) -> str:
-    return "" if place is None else f" (the other stands at {place})"
+    return "" if place is None else f" (the other is at {place})"

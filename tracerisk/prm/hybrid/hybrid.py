@@ -63,7 +63,7 @@ class HybridModel(DisplayedGraph):
         if caught:
             raise ModelError(
                 f"'{DONE}' cannot be reached from {', '.join(caught)}; "
-                f"lead 'next' of one of them to '{DONE}'"
+                f"add '{DONE}' to 'next' of one of them"
             )
 
     @classmethod
@@ -169,7 +169,7 @@ def _check_probabilities(state: FunctionState, parameters: Mapping[str, float]) 
         if value > parameters[name]:
             raise ModelError(
                 f"{where}: probability {value!r} of '{name}' is above its theta "
-                f"{parameters[name]!r}; theta is the greatest over the states"
+                f"{parameters[name]!r}; theta must be the greatest value over the states"
             )
     needed = set(state.tree.parameters)
     missing = sorted(needed - set(state.probabilities))
@@ -178,7 +178,8 @@ def _check_probabilities(state: FunctionState, parameters: Mapping[str, float]) 
     spare = sorted(set(state.probabilities) - needed)
     if spare:
         raise ModelError(
-            f"{where}: the fault tree has no event of {', '.join(spare)}; remove the probability"
+            f"{where}: the fault tree has no event with the parameter {', '.join(spare)}; remove "
+            "the probability"
         )
 
 
@@ -191,7 +192,7 @@ def _check_next(state: FunctionState, targets: set[str]) -> None:
                 f"{where}: next '{step.target}' is not a state; {one_of(targets, step.target)}"
             )
         if step.target in seen:
-            raise ModelError(f"{where}: duplicate next '{step.target}'; add the two up")
+            raise ModelError(f"{where}: duplicate next '{step.target}'; add up the two")
         if step.weight < 0:
             raise ModelError(f"{where}: next '{step.target}' is {step.weight}, below zero")
         seen.add(step.target)

@@ -54,7 +54,8 @@ def solve(
         components=importances(model, solved) if with_importances else (),
         assumptions=_assumptions(model, solved, mission),
         findings=tuple(
-            f"{state.name} is never reached from {model.entry} and adds nothing to the mission"
+            f"{state.name} is never reached from {model.entry} and does not contribute to the "
+            "mission"
             for state in model.states
             if state.name not in reached
         ),

@@ -34,7 +34,7 @@ def svg_of(shown: object) -> str:
             return network_svg(shown)
         case Assessment():
             return assessment_svg(shown)
-    raise TypeError(f"{type(shown).__name__} has no drawing")
+    raise TypeError(f"{type(shown).__name__} cannot be drawn")
 
 
 def html_of(shown: object) -> str:
@@ -69,4 +69,4 @@ def _size_of(shown: object) -> str:
             return (
                 f"Bayesian network: {len(shown.conditions)} conditions, {len(shown.events)} events"
             )
-    raise TypeError(f"{type(shown).__name__} has no drawing")
+    raise TypeError(f"{type(shown).__name__} cannot be drawn")

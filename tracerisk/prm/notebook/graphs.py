@@ -26,7 +26,7 @@ def graph_of(model: object) -> nx.DiGraph:
         import networkx as nx
     except ImportError as error:
         raise ModelError(
-            "graphs are made by networkx, which is not installed; "
+            "graphs need networkx, which is not installed; "
             "install it with: pip install 'tracerisk[graph]'"
         ) from error
     graph = nx.DiGraph()

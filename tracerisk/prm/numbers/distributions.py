@@ -51,8 +51,8 @@ class Lognormal:
     def __post_init__(self) -> None:
         if not 1.0 <= self.error_factor < math.inf:
             raise ModelError(
-                f"error factor {self.error_factor!r}: it is the 95th percentile over the median, "
-                "a finite number from 1 up"
+                f"error factor {self.error_factor!r}: allowed: finite numbers from 1 on (95th "
+                "percentile divided by the median)"
             )
         if self.value_is not in ("median", "mean"):
             raise ModelError(f"value_is {self.value_is!r}; allowed: mean, median")

@@ -31,7 +31,7 @@ class StuckStateError(ModelError):
     def __init__(self, state: str, kind: str) -> None:
         super().__init__(
             f"state {state} is left with a {kind} below {sys.float_info.min:.0e}, "
-            "too small for a number of double precision; leave out what never happens"
+            "too small for double precision; remove transitions that never happen"
         )
 
 

@@ -47,7 +47,7 @@ class Table(Generic[Row]):
         for row in self.rows:
             if row.name == name:
                 return row
-        raise ModelError(f"'{name}' is in no row; {one_of((row.name for row in self.rows), name)}")
+        raise ModelError(f"'{name}' is not a row; {one_of((row.name for row in self.rows), name)}")
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -74,8 +74,8 @@ def pair_importances(
     solved = solve_mission(model)
     if solved.grouped is not None:
         raise ModelError(
-            f"{len(solved.grouped.groups)} redundant groups are too many to be solved at once; "
-            "importances of pairs need that, those of single parameters do not"
+            f"{len(solved.grouped.groups)} redundant groups are too many to solve at once, which "
+            "importances of pairs need; use importances of single parameters"
         )
     chain, adjoint = solved.chain, Adjoint(solved.chain)
     held = held_failure(chain, solved.flow)

@@ -186,9 +186,9 @@ def _component_summary(group: Sequence[ComponentItem]) -> str:
     lead = f"{one.component} in {where}"
     match first.kind:
         case "component_added":
-            return f"{lead}: counts now"
+            return f"{lead}: now counted"
         case "component_removed":
-            return f"{lead}: counts no more"
+            return f"{lead}: no longer counted"
         case "component_omitted":
             return f"{lead}: left out by hand"
         case "component_restored":
@@ -222,7 +222,7 @@ def _flow_part(group: Sequence[FlowItem], marks: _Marks) -> _Part:
 
 
 def _flow_summaries(group: Sequence[FlowItem]) -> Iterator[str]:
-    for mark, words in (("new_state", "new state"), ("lost_state", "state gone:")):
+    for mark, words in (("new_state", "new state"), ("lost_state", "removed state:")):
         names = [item.field.function for item in group if item.mark == mark]
         if names:
             yield f"{words}{'s' if len(names) > 1 and mark == 'new_state' else ''} {_listed(names)}"

@@ -56,7 +56,9 @@ def _grow(name: str, formula: Formula, made: dict[str, Gate]) -> None:
             if isinstance(part, str):
                 inputs.append(part)
             elif isinstance(part, int | float | Number):
-                raise ModelError(f"gate '{name}': {part!r} is no input; give a name or a formula")
+                raise ModelError(
+                    f"gate '{name}': {part!r} is not an input; give a name or a formula"
+                )
             else:
                 inputs.append(f"{name}.{rank}")
                 within.append((inputs[-1], part))

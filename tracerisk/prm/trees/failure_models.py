@@ -259,7 +259,7 @@ class PerDemand:
 def of_hazard(hazard: float) -> Probability:
     """Return the pair of 1 - exp(-hazard), for an accumulated hazard from 0 to infinity."""
     if math.isnan(hazard):
-        raise ModelError("the accumulated hazard is not a number; give figures of usual size")
+        raise ModelError("the accumulated hazard is not a number; give less extreme parameters")
     return Probability(-math.expm1(-hazard), math.exp(-hazard))
 
 

@@ -292,5 +292,6 @@ def _check_models(tree: FaultTree) -> None:
         if first.model != event.model:
             raise ModelError(
                 f"events '{first.name}' and '{event.name}' share the parameter "
-                f"'{event.parameter}' and have different models; give them one, or two parameters"
+                f"'{event.parameter}' but have different models; give them one model, or two "
+                "parameters"
             )

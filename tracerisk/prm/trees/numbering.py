@@ -119,7 +119,7 @@ def _upwards(
             state[~number] = _DONE
             order.append(~number)
         elif state[number] == _OPEN:
-            raise ModelError(f"gate '{names[number]}' stands above itself; break the cycle")
+            raise ModelError(f"gate '{names[number]}' depends on itself; break the cycle")
         elif state[number] == _UNSEEN:
             if number < leaves:
                 state[number] = _DONE
@@ -129,5 +129,7 @@ def _upwards(
                 stack.extend(below[number - leaves][::-1])
     if _UNSEEN in state:
         loose = sorted(name for name, seen in zip(names, state, strict=True) if not seen)
-        raise ModelError(f"not below the top '{tree.top}': {', '.join(loose)}; join or remove them")
+        raise ModelError(
+            f"not below the top '{tree.top}': {', '.join(loose)}; connect or remove them"
+        )
     return order

@@ -96,7 +96,7 @@ def test_a_chain_too_large_is_bounded_and_holds_the_figure(cell):
     exact = failure(model)
     for limit in (4, 8, 16):
         found = solve(model, limit=limit)
-        (reported,) = [each for each in found.assumptions if "bounded" in each]
+        (reported,) = [each for each in found.assumptions if "bound" in each]
         low, high = (
             float(each) for each in reported.split("between ")[1].split(",")[0].split(" and ")
         )
@@ -190,11 +190,14 @@ def test_spares_of_any_names_are_solved():
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"spares": {"other": Spares(0.0)}}, "spares of 'other': allowed is a gate and"),
-        ({"spares": {"group": Spares(0.0)}, "latent": ("x",)}, "latent unit 'x' stands under"),
-        ({"spares": {"group": Spares(0.0)}, "latent": ()}, "allowed is a gate and or atleast"),
-        ({"spares": {"group": Spares(0.0)}, "kind": GateKind.OR}, "allowed is a gate and"),
-        ({"spares": {"group": Spares(0.0)}, "parameters": ("u", "v")}, "are alike"),
+        ({"spares": {"other": Spares(0.0)}}, "spares of 'other': allowed: a gate 'and'"),
+        ({"spares": {"group": Spares(0.0)}, "latent": ("x",)}, "latent unit 'x' is an input of"),
+        ({"spares": {"group": Spares(0.0)}, "latent": ()}, "allowed: a gate 'and' or 'atleast'"),
+        ({"spares": {"group": Spares(0.0)}, "kind": GateKind.OR}, "allowed: a gate 'and'"),
+        (
+            {"spares": {"group": Spares(0.0)}, "parameters": ("u", "v")},
+            "of a group with spares need the same",
+        ),
     ],
 )
 def test_what_spares_cannot_be_is_refused(wrong, message):

@@ -276,22 +276,22 @@ def _events(*names):
                 Gate("h", GateKind.AND, ("a", "c")),
             ],
             "abc",
-            "'a' carries latent units and feeds g and h",
+            "'a' contains latent units and feeds g and h",
         ),
         (
             [Gate("top", GateKind.AND, ("g", "c")), Gate("g", GateKind.AND, ("a", "b"))],
             "abc",
-            r"'a' stands below gate 'top' \(and\); only or may stand between",
+            r"'a' is below gate 'top' \(and\); only 'or' gates are allowed between",
         ),
         (
             [Gate("top", GateKind.AND, ("a", "b", "c"))],
             "abc",
-            "'a' stands under gate 'top' with c beside it",
+            "'a' is an input of gate 'top': it has other inputs, c;",
         ),
         (
             [Gate("top", GateKind.XOR, ("a", "b"))],
             "ab",
-            "'a' stands under gate 'top' with a gate 'xor'",
+            "'a' is an input of gate 'top': its kind is 'xor'",
         ),
     ],
 )

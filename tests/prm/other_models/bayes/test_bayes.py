@@ -188,9 +188,7 @@ def test_evidence_is_respected():
     assert network.distribution("season", {"heat": "cool"})["summer"] == pytest.approx(
         1 / 7, rel=1e-15
     )
-    with pytest.raises(
-        ModelError, match=r"it is impossible, or less .* season winter, heat hot; correct"
-    ):
+    with pytest.raises(ModelError, match=r"the evidence \(season winter, heat hot\) has"):
         network.solve(PAIR, evidence={"season": "winter", "heat": "hot"})
 
 
@@ -282,7 +280,7 @@ def test_too_many_joint_states_are_refused():
         "top", (Gate("top", GateKind.OR, tuple(names)),), tuple(map(BasicEvent, names))
     )
     with pytest.raises(
-        TooLargeError, match="have 131072 joint states; at most 100000 are enumerated"
+        TooLargeError, match="have 131072 joint states; at most 100000 are supported;"
     ):
         network.solve(tree)
 
@@ -328,7 +326,7 @@ def test_without_pyagrum_the_extra_to_install_is_named(monkeypatch):
         (
             {"c": Given("d", {"x": {"x": 1.0}}), "d": Given("c", {"x": {"x": 1.0}})},
             {},
-            "the conditions c, d depend on each other in a circle",
+            "the conditions c, d depend on each other in a cycle;",
         ),
         (
             {"c": {"x": 1.0}},
@@ -350,7 +348,7 @@ def test_a_malformed_network_is_refused_with_its_element(conditions, events, mes
 @pytest.mark.parametrize(
     ("evidence", "message"),
     [
-        ({"cold": "hot"}, "'cold' is no condition; allowed: heat"),
+        ({"cold": "hot"}, "'cold' is not a condition; allowed: heat"),
         ({"heat": "warm"}, "condition 'heat' has no state 'warm'; allowed: cool, hot"),
     ],
 )
@@ -363,7 +361,7 @@ def test_evidence_of_unknown_names_is_refused(evidence, message):
     ("values", "message"),
     [
         ({"aa": 0.5}, "value of 'aa', which is not a parameter; did you mean 'a'"),
-        ({"a": 0.5}, "value of 'a', which the network gives; leave it out"),
+        ({"a": 0.5}, "a value is given for 'a', which the network defines already"),
     ],
 )
 def test_a_value_that_would_count_for_nothing_is_refused(values, message):
@@ -380,5 +378,5 @@ def test_evidence_too_unlikely_for_a_number_is_reported():
             ),
         }
     )
-    with pytest.raises(ModelError, match="less likely than 1e-308, that alarm on; correct what"):
+    with pytest.raises(ModelError, match="has a probability of 0 or below 1e-308; correct it"):
         inference_of(network).distribution("heat", {"alarm": "on"})

@@ -73,7 +73,7 @@ def test_a_tree_is_built_of_formulas():
             "'top': 'spair' is not a kind of gate; did you mean 'spare'? allowed: and",
         ),
         (("atleast", "a"), "'top': atleast needs a number before its inputs"),
-        (("or", "a", 1), "'top': ['a', 1] holds what is not a name of an input"),
+        (("or", "a", 1), "'top': ['a', 1] contains an input that is not a name; give"),
         (("fdep",), "'top': fdep needs a trigger and its dependents"),
     ],
 )

@@ -439,7 +439,7 @@ def with_ties(*ties):
         (lambda: Dependency("d", "a", ()), "dependency 'd': it needs at least one dependent"),
         (lambda: Dependency("d", "a", ("b",), 0.0), "dependency 'd': probability is 0.0"),
         (lambda: Restriction("r", SEQUENCE, ("a",)), "restriction 'r': seq needs two inputs"),
-        (with_ties(Dependency("top", "a", ("b",))), "'top' names two gates, events or ties"),
+        (with_ties(Dependency("top", "a", ("b",))), "'top' names two gates, events,"),
         (
             with_ties(Dependency("d", "c", ("b",))),
             "'d': input 'c' is not a gate or event; allowed: a, b, top",
@@ -447,11 +447,11 @@ def with_ties(*ties):
         (with_ties(Dependency("d", "a", ("top",))), "dependency 'd': dependent 'top' is a gate"),
         (
             lambda: tree([Gate("top", OR, ("a",))], [event("a", 1.0), event("b", 1.0)]),
-            "not below the top 'top': b; join or remove them",
+            "not below the top 'top': b; connect or remove them",
         ),
         (
             lambda: tree([Gate("top", OR, ("g",)), Gate("g", OR, ("top",))], []),
-            "gate 'top' stands above itself; break the cycle",
+            "gate 'top' depends on itself; break the cycle",
         ),
         (lambda: tree([], [event("a", 1.0)]), "top 'top' is not a gate or event; allowed: a"),
     ],
@@ -467,12 +467,12 @@ def test_trees_that_do_not_hold_together_are_refused(make, message):
         (
             [DynamicGate("top", PAND, ("n", "b")), Gate("n", GateKind.NOT, ("a",))],
             [event("a", 1.0), event("b", 1.0)],
-            "gate 'n': not cannot stand in the group of a dynamic gate; allowed: or, and",
+            "gate 'n': not is not allowed in the group of a dynamic gate; allowed: or, and",
         ),
         (
             [DynamicGate("top", PAND, ("a", "b"))],
             [event("a", 1.0), DynamicEvent("b", Weibull(1.0, 2.0))],
-            "event 'b': Weibull cannot stand in the group of a dynamic gate",
+            "event 'b': Weibull is not allowed in the group of a dynamic gate",
         ),
         (
             [
@@ -482,7 +482,7 @@ def test_trees_that_do_not_hold_together_are_refused(make, message):
                 Gate("m", OR, ("b", "c")),
             ],
             [event(name, 1.0) for name in "abcd"],
-            "'b' is a spare of 'g' and an input of 'm', which may wait in a spare itself",
+            "'b' is a spare of 'g' and an input of 'm', which may itself",
         ),
         (
             [
@@ -537,5 +537,5 @@ def test_ways_between_states_are_bounded_as_the_states_are(depth):
         made = replace(made, state_limit=40)
     else:
         made = replace(made, state_limit=1_000)
-    with pytest.raises(TooLargeError, match=r"has more than \d+ ways from state to state; split"):
+    with pytest.raises(TooLargeError, match=r"has more than \d+ transitions; split"):
         made.probability(1.0)

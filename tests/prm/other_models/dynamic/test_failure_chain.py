@@ -110,7 +110,5 @@ def test_rates_beyond_all_numbers_are_refused():
     for rates in ((1e308, 1e308), (1e308, 1.0)):
         transitions = ((1, 0, rates[0]), (1, 2, rates[1]), (2, 0, 1.0))
         chain = FailureChain(3, ((1, 1.0),), transitions)
-        with pytest.raises(
-            TooLargeError, match=r"a chain of 3 states has rates beyond all numbers"
-        ):
+        with pytest.raises(TooLargeError, match=r"of a chain of 3 states overflow in a"):
             chain.failed_by(10.0)

@@ -260,7 +260,7 @@ def test_paths_that_may_overlap_are_not_counted_twice():
     assert solution["S"] == 0.625
     assert solution.findings == (
         "the sequences of 'tree' sum to 0.625 of the initiating event, not 1: the paths of a fork "
-        "overlap, or leave a case out",
+        "overlap, or do not cover all cases",
     )
 
 
@@ -312,7 +312,7 @@ def test_a_path_that_collects_nothing_is_always_taken():
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ({}, "event tree 't': no sequence; state one for each path"),
+        ({}, "event tree 't': no sequences; give one for each path"),
         ({"S": {"h": "success"}}, "sequence 'S': 'h' is not a functional event; allowed: f, g"),
         (
             {"S": {"f": "sucess"}},
@@ -321,7 +321,7 @@ def test_a_path_that_collects_nothing_is_always_taken():
         ({"S": {"f": "success"}}, "the path f failure is missing; give it a sequence"),
         (
             {"S": {"f": "success"}, "T": {"f": "failure"}, "U": {"f": "failure"}},
-            "the sequences 'T' and 'U' have one path, f failure",
+            "the sequences 'T' and 'U' have the same path, f failure;",
         ),
         (
             {"S": {"f": "success"}, "T": {"f": "success", "g": "success"}, "U": {"f": "failure"}},
@@ -340,7 +340,9 @@ def test_states_that_do_not_sum_to_one_are_refused():
 
 
 def test_an_end_state_of_no_sequence_is_refused():
-    with pytest.raises(ModelError, match="end state of 'S9', which is not a sequence; allowed: S1"):
+    with pytest.raises(
+        ModelError, match="end state is given for 'S9', which is not a sequence; allowed: S1"
+    ):
         EventTree.of("t", {}, {"S1": {}}, end_states={"S9": "safe"})
 
 
@@ -353,7 +355,7 @@ def test_an_end_state_of_no_sequence_is_refused():
         ),
         (
             lambda: event_tree(Branch(Resume("X"))),
-            "goes on as 'X', which is not a branch; allowed: none",
+            "as 'X', which is not a branch; allowed: none",
         ),
         (
             lambda: event_tree(Branch(fork("h", a=End("S")))),
@@ -362,11 +364,11 @@ def test_an_end_state_of_no_sequence_is_refused():
         (lambda: event_tree(Branch(Fork("f", ()))), "fork over 'f': a path is missing"),
         (
             lambda: event_tree(Branch(Fork("f", (Path("a", End("S")), Path("a", End("T")))))),
-            "fork over 'f': two paths of the state 'a'",
+            "fork over 'f': two paths for the state 'a';",
         ),
         (
             lambda: event_tree(Branch(fork("g", a=fork("f", a=End("S"))))),
-            "a path forks over 'f' after 'g'; each path forks over each functional event once",
+            "a path forks over 'f' after 'g'; a path may fork over each functional event",
         ),
         (
             lambda: event_tree(Branch(End("S")), branches=(Branch(Resume("x"), (), "x"),)),
@@ -401,14 +403,14 @@ PUMP = gate_of("pump", OR, "p")
         ),
         (
             event_tree(Branch(End("S"), (SetHouse("h", True), Condition("pump")))),
-            "sequence 'S': 'h' is set and is not a house event; allowed: none",
+            "sequence 'S': 'h' is set, but is not a house event; allowed: none",
         ),
         (event_tree(Branch(End("S"), (Weight(1.5),))), "probability 1.5 is outside \\[0, 1\\]"),
         (
             event_tree(Branch(Link("other"))),
-            "a path leads into the event tree 'other', which is not given; allowed: tree",
+            "a path links to the event tree 'other', which is missing; allowed: tree",
         ),
-        (event_tree(Branch(Link("tree"))), "event tree 'tree' leads back into itself by tree"),
+        (event_tree(Branch(Link("tree"))), "event tree 'tree' links back to itself by tree"),
         (
             event_tree(
                 Branch(
@@ -419,7 +421,7 @@ PUMP = gate_of("pump", OR, "p")
                     Branch(End("S"), (Weight(0.25),), "y"),
                 ),
             ),
-            "sequence 'S': its paths carry probabilities and do not exclude each other",
+            "sequence 'S': its paths have probabilities but are not mutually exclusive; give each path",
         ),
         (
             event_tree(Branch(End("S"), (Condition("pump"),))),
@@ -453,7 +455,7 @@ def test_an_outcome_is_a_fault_tree_with_importances():
         (LEAK, "event tree 'leak': no path ends in 'S'; allowed: release, safe"),
         (
             event_tree(Branch(End("S"), (Weight(0.5),))),
-            "sequence 'S': a path has a probability of its own, which is not an event",
+            "sequence 'S': a path states a probability, which is not an event;",
         ),
         (
             event_tree(Branch(End("S"))),
@@ -522,10 +524,13 @@ def test_too_many_paths_are_refused():
 @pytest.mark.parametrize(
     ("trees", "message"),
     [
-        ((gate_of("g", OR, "a"), gate_of("g", AND, "a")), "gate 'g' is not the same in two"),
+        (
+            (gate_of("g", OR, "a"), gate_of("g", AND, "a")),
+            "gate 'g' has different definitions in two",
+        ),
         (
             (gate_of("g", OR, "a"), gate_of("a", OR, "b")),
-            "'a' names a gate in one fault tree, in another a basic event",
+            "'a' names a gate in one fault tree and a basic event",
         ),
     ],
 )
@@ -537,7 +542,7 @@ def test_fault_trees_that_mean_two_things_by_a_name_are_refused(trees, message):
 def test_a_value_of_no_parameter_is_refused():
     with pytest.raises(
         ModelError,
-        match="event tree 'leak': value of 'senser', not a parameter of the fault trees; "
+        match="event tree 'leak': a value is given for 'senser', which is not a parameter of the fault trees; "
         "did you mean 'sensor'",
     ):
         LEAK.solve([DETECTION, VALVES], {**VALUES, "senser": 0.5})

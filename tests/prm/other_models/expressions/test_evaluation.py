@@ -262,7 +262,10 @@ def test_the_full_periodic_test_gives_the_figures_of_scrams_tests(changes, expec
             Reference("pump"),
             "there is no parameter 'pump'; did you mean 'pumps'? allowed: a, b, pumps",
         ),
-        (Reference("a"), "parameter 'a' is defined by itself (a -> b -> a); break the cycle"),
+        (
+            Reference("a"),
+            "parameter 'a' is defined in terms of itself (a -> b -> a); break the cycle",
+        ),
         (Quotient(numbers(1.0, 0.0)), "a quotient divides by zero; give another divisor"),
         (Sum(numbers(1e308, 1e308)), "a sum is too large for a number; give smaller terms"),
         (Product(numbers(1e308, 1e308)), "a product is too large for a number; give smaller terms"),
@@ -291,7 +294,7 @@ def test_the_full_periodic_test_gives_the_figures_of_scrams_tests(changes, expec
         ),
         (
             UniformDeviate(*numbers(1.0, 1.0)),
-            "a uniform deviate from 1.0 to 1.0; give a greater end",
+            "a uniform deviate from 1.0 to 1.0; give a greater upper bound",
         ),
         (
             NormalDeviate(*numbers(1.0, 0.0)),
@@ -311,11 +314,11 @@ def test_the_full_periodic_test_gives_the_figures_of_scrams_tests(changes, expec
         ),
         (
             Histogram(numbers(1.0, 1.0), numbers(1.0)),
-            "a histogram with the boundaries 1.0, 1.0; each must exceed the last",
+            "a histogram with the boundaries 1.0, 1.0; each must exceed the one before",
         ),
         (
             Histogram(numbers(1.0, 2.0), numbers(0.0)),
-            "a histogram with the weights 0.0; none may be negative, nor all 0",
+            "a histogram with the weights 0.0; no weight may be negative, and not all may be 0",
         ),
     ],
     ids=lambda part: part if isinstance(part, str) else "",
@@ -330,7 +333,7 @@ def test_what_has_no_value_is_reported(expression, message):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Number(math.nan), "nan is not a number of a model; give a finite one"),
+        (lambda: Number(math.nan), "nan is not allowed; give a finite number"),
         (lambda: Sum(()), "a sum needs at least one term"),
         (
             lambda: Call("sqr", numbers(1.0)),
@@ -340,13 +343,13 @@ def test_what_has_no_value_is_reported(expression, message):
         (lambda: Call("min", ()), "min has 0 terms; allowed: 1 or more"),
         (
             lambda: Call("switch", numbers(1.0, 2.0)),
-            "switch has 2 terms; allowed: pairs of a condition and a value, and one value more",
+            "switch has 2 terms; allowed: pairs of a condition and a value, and one more value",
         ),
         (lambda: PeriodicTest(numbers(1.0)), "a periodic test has 1 terms; allowed: 4, 5 or 11"),
         (lambda: LognormalDeviate(()), "a lognormal deviate has 0 terms; allowed: 2 or 3"),
         (
             lambda: Histogram(numbers(1.0), ()),
-            "a histogram has 0 weights and 1 boundaries; give at least one weight, and one boundary more",
+            "a histogram has 0 weights and 1 boundaries; give at least one weight, and one more boundary than weights",
         ),
         (
             lambda: Definitions((("a", Number(1.0)), ("a", Number(2.0)))),

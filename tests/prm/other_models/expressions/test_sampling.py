@@ -156,7 +156,7 @@ def test_a_sample_is_the_value_at_each_draw(expression):
         (BetaDeviate(*numbers(-1.0, 1.0)), "beta deviate: alpha is -1.0"),
         (Histogram(numbers(1.0, 0.0), numbers(1.0)), "a histogram with the boundaries 1.0, 0.0"),
         (Reference("y"), "there is no parameter 'y'"),
-        (Reference("cycle"), "parameter 'cycle' is defined by itself (cycle -> cycle)"),
+        (Reference("cycle"), "parameter 'cycle' is defined in terms of itself (cycle -> cycle)"),
     ],
 )
 def test_what_cannot_be_sampled_is_reported(expression, message):

@@ -124,9 +124,9 @@ def test_rates_come_back_as_rates():
         kind=ChainKind.CTMC,
     )
     assert prism.rows == explicit.rows
-    with pytest.raises(ModelError, match="a ctmc has rates, no probabilities"):
+    with pytest.raises(ModelError, match="a ctmc has rates, not probabilities;"):
         back.markov_chain()
-    with pytest.raises(ModelError, match="a dtmc has probabilities, no rates"):
+    with pytest.raises(ModelError, match="a dtmc has probabilities, not rates"):
         read(STORM_TRA).continuous_chain()
 
 
@@ -222,8 +222,8 @@ def test_names_that_are_no_identifiers_get_labels_of_their_own():
 @pytest.mark.parametrize(
     ("labels", "message"),
     [
-        ({"init": ["b"]}, "label 'init': a label is a name of letters"),
-        ({"so far": ["b"]}, "label 'so far': a label is a name of letters"),
+        ({"init": ["b"]}, "label 'init': a label must be unique, of letters,"),
+        ({"so far": ["b"]}, "label 'so far': a label must be unique, of letters,"),
         ({"failed": ["loss"]}, "label 'failed': no state 'loss'; did you mean 'lost'"),
     ],
 )
@@ -239,10 +239,10 @@ def test_labels_that_cannot_be_written_are_refused(labels, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "m.tra:1:1: the file is empty; it begins with dtmc, ctmc"),
-        ("mdp\n", "m.tra:1:1: 'mdp' is not a kind of chain that is read; allowed: ctmc, dtmc"),
-        ("dtmc\n", "m.tra:1: the file holds no transition"),
-        ("dtmc\n0 1\n", "m.tra:2:1: 2 words; a transition is a state, the next state and a number"),
+        ("", "m.tra:1:1: the file is empty; it must begin with dtmc, ctmc"),
+        ("mdp\n", "m.tra:1:1: 'mdp' is not a supported kind of chain; allowed: ctmc, dtmc"),
+        ("dtmc\n", "m.tra:1: the file contains no transitions"),
+        ("dtmc\n0 1\n", "m.tra:2:1: 2 words; expected a state, the next state and a number"),
         ("dtmc\n0 x 1\n", "m.tra:2:3: 'x' is not a whole number of 0 or more"),
         ("dtmc\n0 -1 1\n", "m.tra:2:3: '-1' is not a whole number"),
         ("dtmc\n0  1 0.5x\n", "m.tra:2:6: '0.5x' is not a probability or rate"),
@@ -253,7 +253,7 @@ def test_labels_that_cannot_be_written_are_refused(labels, message):
         ("dtmc\n1 1 1\n00 1 0.9\n", "m.tra:3: the probabilities from state 0 sum to 0.9"),
         (
             "2 3\n0 1 1\n1 1 1\n",
-            "m.tra:3: 3 transitions are announced and 2 are there; the file is",
+            "m.tra:3: 3 transitions are declared, but the file has 2; it is",
         ),
         ("2 2\n0 2 1\n1 1 1\n", "m.tra:2:1: state 2, but the file has 2 states"),
         ("2 x\n0 1 1\n", "m.tra:1:3: 'x' is not a whole number"),
@@ -268,7 +268,7 @@ def test_garbled_transitions_are_refused_with_their_position(text, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "m.lab:1:1: the file is empty; it begins with #DECLARATION"),
+        ("", "m.lab:1:1: the file is empty; it must begin with #DECLARATION"),
         ("#DECLARATON\na\n#END\n", "m.lab:1:1: '#DECLARATON' where #DECLARATION is expected"),
         ("#DECLARATION\ninit\n", "m.lab:2: #END is missing after the labels"),
         ("#DECLARATION\ninit\n#EDN\n", "m.lab:3:1: '#EDN' where #END is expected"),
@@ -295,9 +295,9 @@ def test_garbled_labels_are_refused_with_their_position(text, message):
 
 
 def test_a_kind_that_the_file_contradicts_and_too_many_states_are_refused():
-    with pytest.raises(ModelError, match=r"m.tra:1:1: the file holds a dtmc, not a ctmc"):
+    with pytest.raises(ModelError, match=r"m.tra:1:1: the file contains a dtmc, not a ctmc"):
         read(STORM_TRA, kind=ChainKind.CTMC)
-    with pytest.raises(TooLargeError, match=r"m.tra:4: state 2; at most 2 states are read"):
+    with pytest.raises(TooLargeError, match=r"m.tra:4: state 2; at most 2 states are supported"):
         read(STORM_TRA, most_states=2)
 
 
@@ -306,11 +306,11 @@ def test_a_kind_that_the_file_contradicts_and_too_many_states_are_refused():
     [
         (
             "1000000000000 1\n0 1 1\n",
-            "m.tra:1: 1000000000000 states are announced; at most 2000000 are read",
+            "m.tra:1: 1000000000000 states are declared; at most 2000000 are supported",
         ),
-        ("999999 1\n0 1 1\n", "m.tra:1: 999999 states are announced, and 1 lines name at"),
-        ("dtmc\n0 999999 1\n", "m.tra:2: state 999999, but so few lines do not name so many"),
-        ("dtmc\n0 9999999 1\n", "m.tra:2: state 9999999; at most 2000000 states are read"),
+        ("999999 1\n0 1 1\n", "m.tra:1: 999999 states are declared, but 1 lines name at"),
+        ("dtmc\n0 999999 1\n", "m.tra:2: state 999999, too high for a file with so few lines"),
+        ("dtmc\n0 9999999 1\n", "m.tra:2: state 9999999; at most 2000000 states are supported"),
     ],
 )
 def test_states_that_no_transition_can_name_are_refused_before_memory_is_used(text, message):
@@ -365,7 +365,7 @@ def test_lines_read_many_at_a_time_are_those_read_one_by_one(monkeypatch):
     for wrong, message in (
         ("200 201 0.0.9", r"m.tra:602:9: '0.0.9' is not a probability or rate"),
         ("200 201 1e999", r"m.tra:602:9: '1e999' is not a probability or rate"),
-        ("200 9999 0.9", r"m.tra:602: state 9999, but so few lines do not name so many"),
+        ("200 9999 0.9", r"m.tra:602: state 9999, too high for a file with so few lines; number"),
         ("200 197 0.9", r"m.tra:603:1: duplicate transition from 200 to 197"),
     ):
         with pytest.raises(ModelError, match=message):
@@ -374,7 +374,7 @@ def test_lines_read_many_at_a_time_are_those_read_one_by_one(monkeypatch):
 
 def test_too_many_transitions_are_refused_before_they_are_read(monkeypatch):
     monkeypatch.setattr("tracerisk.prm.other_models.formats.explicit.MOST_TRANSITIONS", 3)
-    with pytest.raises(TooLargeError, match=r"m.tra: 4 lines; at most 3 transitions are read"):
+    with pytest.raises(TooLargeError, match=r"m.tra: 4 lines; at most 3 transitions are supported"):
         read("dtmc\n0 1 x\n1 2 1\n2 3 1\n3 3 1\n")
 
 

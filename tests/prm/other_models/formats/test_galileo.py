@@ -185,7 +185,7 @@ def test_a_model_without_a_word_is_written_for_a_mission():
     assert f'"e" prob={tested.probability(8760.0).p!r} dorm=1.0;' in galileo.dumps(
         made, mission_time_h=8760.0
     )
-    with pytest.raises(ModelError, match="event 'e': Galileo has no word for PeriodicTest; give a"):
+    with pytest.raises(ModelError, match="event 'e': Galileo cannot express PeriodicTest; give a"):
         galileo.dumps(made)
 
 
@@ -231,24 +231,27 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('"T" or "A" "B";\n' + EVENTS, "f: no statement says which gate is the top"),
-        ('toplevel "T";\n"T" or "A" "B"', "f:2:1: the statement that begins with 'T' has no semi"),
-        ('toplevel "T', "f:1:10: a name in quotes begins here that does not end"),
-        ("toplevel T; /* T or A B;", "f:1:13: a comment begins here that does not end"),
-        ('toplevel "T" "A";', "f:1:1: toplevel needs one name behind it"),
-        ('toplevel "T";\ntoplevel "A";', "f:2:1: toplevel was said before, of 'T'"),
-        ("param;", "f:1:1: param needs one name behind it"),
+        ('"T" or "A" "B";\n' + EVENTS, "f: no statement declares the top gate"),
+        (
+            'toplevel "T";\n"T" or "A" "B"',
+            "f:2:1: the statement that begins with 'T' has no closing semi",
+        ),
+        ('toplevel "T', "f:1:10: unterminated name in quotes"),
+        ("toplevel T; /* T or A B;", "f:1:13: unterminated comment"),
+        ('toplevel "T" "A";', "f:1:1: toplevel needs exactly one name after it"),
+        ('toplevel "T";\ntoplevel "A";', "f:2:1: duplicate toplevel, already 'T'"),
+        ("param;", "f:1:1: param needs exactly one name after it"),
         (
             "param x;\nA lambda=x;",
             "f:2:10: parameter 'x' has no value; give one: `solve --set x=VALUE`",
         ),
-        ("lambda=1;", "f:1:1: a statement begins with a name"),
-        ("A = = 1;", "f:1:1: 'A=' needs a value behind it"),
+        ("lambda=1;", "f:1:1: a statement must begin with a name"),
+        ("A = = 1;", "f:1:1: 'A=' needs a value after it"),
         ("= 1;", "f:1:1: an equals sign needs a name before it"),
-        ("A lambda=;", "f:1:3: 'lambda=' needs a value behind it"),
+        ("A lambda=;", "f:1:3: 'lambda=' needs a value after it"),
         (
             '"A" lambda=1;\n "A" lambda=2;',
-            "f:2:2: 'A' is defined a second time; the first is at f:1:1",
+            "f:2:2: 'A' is defined twice, first at f:1:1",
         ),
         (
             'toplevel "T"; "T" xor "A";',
@@ -285,11 +288,11 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
             'toplevel "T";\n"T" or "C";\n' + EVENTS,
             "f:2:1: 'T' has the input 'C', which is not defined",
         ),
-        ('toplevel "T";\n"T" or "G";\n"G" or "T";', "f:2:1: gate 'T' stands above itself"),
+        ('toplevel "T";\n"T" or "G";\n"G" or "T";', "f:2:1: gate 'T' depends on itself"),
         ('toplevel "T";\n"T" vot3 "A" "B";\n' + EVENTS, "f:2:1: gate 'T': k is 3; allowed: 1 to 2"),
         (
             'toplevel T; T or F; F fdep "A" "B";\n' + EVENTS,
-            "f:1:13: gate 'T' has no inputs but dep",
+            "f:1:13: gate 'T' has only dep",
         ),
         (
             'toplevel T; T or M; M mutex "A" "B";\n' + EVENTS,
@@ -297,7 +300,7 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
         ),
         (
             "toplevel T; T and S U;\nS csp A B; U hsp C B; A lambda=1; C lambda=1;\nB lambda=1;",
-            "f:3:1: event 'B' waits in csp gate 'S' and in hsp gate 'U', which say 0 and 1; give",
+            "f:3:1: event 'B' is a spare of csp gate 'S' and of hsp gate 'U', with the dormancies 0 and 1; give",
         ),
         (
             "toplevel T; T or A;\nA lambda=1 dorm=2;",

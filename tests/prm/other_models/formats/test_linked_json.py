@@ -179,7 +179,7 @@ def test_a_node_without_a_place_in_the_format_is_refused():
         pass
 
     model = LinkedModel("m", (ModelParameter("x", Odd()),))
-    with pytest.raises(ModelError, match="Odd has no place in the JSON of linked models"):
+    with pytest.raises(ModelError, match="Odd cannot be written to the JSON of a linked model"):
         dumps(model)
 
 
@@ -263,7 +263,7 @@ CASES = [
     (
         X_VALUE,
         {"absorption": {"markovChain": "c", "states": ["bad"]}},
-        "elements depend on one another: parameter 'x' -> Markov chain 'c' -> fault tree 't' -> "
+        "elements depend on each other: parameter 'x' -> Markov chain 'c' -> fault tree 't' -> "
         "parameter 'x'",
         False,
     ),
@@ -307,7 +307,7 @@ CASES = [
     (
         (*TREE, "gates", 0, "inputs"),
         ["a", "top"],
-        "faultTrees[0]: fault tree 't': gate 'top' stands above itself",
+        "faultTrees[0]: fault tree 't': gate 'top' depends on itself;",
         False,
     ),
     (
@@ -326,7 +326,7 @@ CASES = [
     (
         (*TREE, "events", 1),
         {"name": "b", "type": "transfer", "faultTree": "t"},
-        "faultTrees[0]: fault tree 't': transfers lead back ('t' -> 't'); break the cycle",
+        "faultTrees[0]: fault tree 't': transfers form a cycle ('t' -> 't'); break the cycle",
         False,
     ),
     (("faultTrees", 0, "name"), "", "fault tree '': a name needs printable characters", True),
@@ -365,7 +365,7 @@ CASES = [
     (
         (*CHAIN, "transitions", 1, "remainder"),
         "1/0",
-        "markovChains[0].transitions[1].remainder: is '1/0', divided by zero",
+        "markovChains[0].transitions[1].remainder: is '1/0', a division by zero",
         True,
     ),
     (
@@ -383,7 +383,7 @@ CASES = [
     (
         ("figures", 0, "value"),
         {"occupancy": {"markovChain": "c", "states": ["bad"]}},
-        "figures[0]: figure 'f': Markov chain 'c' is in discrete time; ask for it after a number",
+        "figures[0]: figure 'f': Markov chain 'c' is in discrete time; ask for its occupancy after a number",
         False,
     ),
 ]
@@ -422,15 +422,15 @@ def test_a_small_model_is_solved():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (json.dumps(SMALL)[:200], "is not valid JSON: .*; is the file whole?"),
-        ("", "is not valid JSON: Expecting value; is the file whole?"),
+        (json.dumps(SMALL)[:200], "is not valid JSON: .*; is the file truncated?"),
+        ("", "is not valid JSON: Expecting value; is the file truncated?"),
         ('{"a": 1, "a": 2}', "cannot be read: duplicate key 'a' in one object; remove one"),
-        ('{"a": NaN}', "cannot be read: NaN is not a number of a model; give a finite one"),
+        ('{"a": NaN}', "cannot be read: NaN is not allowed; give a finite number"),
         ("[" * 100_000, "cannot be read: a number or nesting too large"),
         ("[]", "the document: expected an object, found a list"),
         (
             json.dumps(SMALL).replace("0.5", "1e999"),
-            r"modelData\[0\].value: is too large for a number of double precision",
+            r"modelData\[0\].value: is too large for double precision",
         ),
     ],
 )
@@ -458,7 +458,9 @@ def test_an_unreachable_end_is_reported_when_the_model_is_solved():
     data = changed((*CHAIN, "transitions", 1, "target"), "s")
     data["modelData"][0]["value"] = 0.0
     model = loads(json.dumps(data), "bad.json")
-    with pytest.raises(ModelError, match="Markov chain 'c': the chain never ends once in s"):
+    with pytest.raises(
+        ModelError, match="Markov chain 'c': no absorbing state can be reached from s"
+    ):
         _ = model.solve().figures
 
 

@@ -272,7 +272,7 @@ def test_a_duplicate_argument_is_accepted_and_reported():
     read = loads_open_psa(model(gate(f"<and>{A}{A}</and>") + event("a")), "m.xml")
     tree = read.fault_tree("top")
     assert tree.probability({"a": 0.5}).p == 0.5
-    assert read.findings == ("m.xml:1:63: gate 'top' has an input twice: a",)
+    assert read.findings == ("m.xml:1:63: gate 'top' has duplicate inputs: a",)
 
 
 def test_a_tree_may_transfer_to_another():
@@ -292,24 +292,24 @@ def test_a_tree_may_transfer_to_another():
 
 TOP = gate(f"<or>{A}{B}</or>")
 BAD = [
-    ("", "m.xml:1:1: is empty; it should be an XML file"),
-    ("plain text", "m.xml:1:1: is not well-formed XML: syntax error; is the file whole?"),
+    ("", "m.xml:1:1: is empty; expected an XML file"),
+    ("plain text", "m.xml:1:1: is not well-formed XML: syntax error; is the file truncated?"),
     (
         model(TOP)[:60],
-        "m.xml:1:39: is not well-formed XML: unclosed token; is the file whole?",
+        "m.xml:1:39: is not well-formed XML: unclosed token; is the file truncated?",
     ),
     (
         model(TOP + EVENTS).replace("</define-fault-tree></opsa-mef>", ""),
-        "is not well-formed XML: no element found; is the file whole?",
+        "is not well-formed XML: no element found; is the file truncated?",
     ),
-    ("<scram/>", "m.xml:1:1: <scram> is no Open-PSA model; the root is <opsa-mef>"),
+    ("<scram/>", "m.xml:1:1: <scram> is not an Open-PSA model; the root must be <opsa-mef>"),
     (
         "<opsa-mef><define-gate/></opsa-mef>",
         "m.xml:1:11: <define-gate> does not belong in <opsa-mef>; did you mean 'define-rule'?",
     ),
     (
         '<opsa-mef version="3"/>',
-        "m.xml:1:1: <opsa-mef> has the attribute 'version'; allowed: name",
+        "m.xml:1:1: <opsa-mef> has the unknown attribute 'version'; allowed: name",
     ),
     (
         '<!DOCTYPE opsa-mef [<!ENTITY a "b">]><opsa-mef/>',
@@ -346,7 +346,7 @@ BAD = [
     ),
     (
         model(gate('<or><gate name="a"/></or>') + EVENTS),
-        "m.xml:1:67: 'a' is a basic event, not a gate; refer to it as what it is",
+        "m.xml:1:67: 'a' is a basic event, not a gate; refer to it as a basic event",
     ),
     (
         model(gate('<or><event name="a" type="pump"/></or>') + EVENTS),
@@ -358,7 +358,7 @@ BAD = [
     ),
     (
         model(gate('<gate name="g"/>') + gate('<gate name="top"/>', "g")),
-        "m.xml:1:39: gate 'top' stands above itself (top -> g -> top); break the cycle",
+        "m.xml:1:39: gate 'top' depends on itself (top -> g -> top); break the cycle",
     ),
     (
         model(event("a", '<float value="1.5"/>')),
@@ -406,7 +406,7 @@ BAD = [
             '<define-parameter name="p"><parameter name="q"/></define-parameter>'
             '<define-parameter name="q"><parameter name="p"/></define-parameter>'
         ),
-        "m.xml:1:39: parameter 'p' stands above itself (p -> q -> p); break the cycle",
+        "m.xml:1:39: parameter 'p' depends on itself (p -> q -> p); break the cycle",
     ),
     (
         model('<define-parameter name="p" unit="furlongs"><float value="1"/></define-parameter>'),
@@ -414,7 +414,7 @@ BAD = [
     ),
     (
         model('<define-basic-event name="a.b"/>'),
-        "m.xml:1:39: the name 'a.b' has a point, which joins names to paths; rename it",
+        "m.xml:1:39: the name 'a.b' contains a point, which separates the names of a path; rename it",
     ),
     (
         model('<define-basic-event name="a" role="secret"/>'),
@@ -422,11 +422,11 @@ BAD = [
     ),
     (
         '<opsa-mef><model-data><define-basic-event name="a" role="private"/></model-data></opsa-mef>',
-        "<define-basic-event> is private, in no fault tree; make it public, or move it",
+        "<define-basic-event> is private outside any fault tree; make it public, or move it",
     ),
     (
         model('<define-basic-event name="a" probability="0.5"/>'),
-        "<define-basic-event> has the attribute 'probability'; allowed: name, role",
+        "<define-basic-event> has the unknown attribute 'probability'; allowed: name, role",
     ),
     (model("<define-basic-event/>"), "m.xml:1:39: <define-basic-event> has no name; give it one"),
     (
@@ -464,12 +464,12 @@ BAD += [
         ),
         (
             {"model": "MGL", "factors": PARTS["factors"] * 2},
-            "m.xml:4:48: duplicate level 2; give each once",
+            "m.xml:4:48: duplicate level 2; give each level once",
         ),
         ({"members": '<gate name="a"/>'}, "m.xml:2:10: <gate> does not belong here"),
         (
             {"members": '<basic-event name="a"/><basic-event name="a"/>'},
-            "m.xml:2:33: 'a' is a member of common cause group 'G' already; take one out",
+            "m.xml:2:33: 'a' is a member of common cause group 'G' already; remove it from one",
         ),
     )
 ]
@@ -499,7 +499,7 @@ BAD += [
         ),
         (
             {"path": '<event-tree name="r"/><sequence name="S"/>'},
-            "a link to an event tree stands in a <define-sequence> only",
+            "a link to an event tree is allowed in a <define-sequence> only",
         ),
         (
             {
@@ -636,7 +636,7 @@ def test_an_expression_without_a_word_in_open_psa_is_reported():
         pass
 
     odd = LogicModel(events=(EventDefinition("a", Odd(Own(0.5))),))
-    with pytest.raises(ModelError, match="Open-PSA has no expression such as Odd"):
+    with pytest.raises(ModelError, match="Open-PSA cannot express Odd;"):
         dumps_open_psa(odd)
 
 
@@ -645,7 +645,7 @@ def test_an_expression_without_a_word_in_open_psa_is_reported():
     [
         (
             {"containers": (Container("#"),)},
-            "the fault tree '#' has the name of what holds the gates in none; rename it",
+            "the fault tree '#' has the name reserved for gates outside fault trees; rename it",
         ),
         (
             {"events": (EventDefinition("a", None, Place("U")),)},
@@ -656,7 +656,7 @@ def test_an_expression_without_a_word_in_open_psa_is_reported():
                 "events": (EventDefinition("a", None, Place("U", private=True)),),
                 "containers": (Container("U"),),
             },
-            "'a' is private in 'U', and not named after it; call it 'U.a'",
+            "'a' is private in 'U', but its name does not begin with that; name it 'U.a'",
         ),
     ],
 )
@@ -688,7 +688,7 @@ def test_a_fault_tree_of_python_goes_out_with_its_values():
     values = {"valve": 1e-6, "p1": 1e-3, "p2": 2e-3}
     again = loads_open_psa(dumps_open_psa(tree, values), "tree.xml").fault_tree("top")
     assert again.probability(again.values_at(0.0)).p == tree.probability(values).p
-    with pytest.raises(ModelError, match="'valv' is no parameter"):
+    with pytest.raises(ModelError, match="'valv' is not a parameter;"):
         dumps_open_psa(tree, {"valv": 1e-6})
 
 
@@ -720,7 +720,7 @@ def test_files_that_a_file_includes_are_read_with_it(tmp_path):
     [
         ("m.xml", "", "m.xml' includes itself; break the cycle"),
         ("none.xml", "", "none.xml: cannot be read"),
-        ("n.xml", 'parse="text"', "has the attribute 'parse'"),
+        ("n.xml", 'parse="text"', "has the unknown attribute 'parse';"),
     ],
 )
 def test_what_cannot_be_included_is_reported(href, more, message, tmp_path):
@@ -731,5 +731,5 @@ def test_what_cannot_be_included_is_reported(href, more, message, tmp_path):
 
 
 def test_a_text_without_a_folder_includes_nothing():
-    with pytest.raises(ModelError, match="a text without a folder cannot"):
+    with pytest.raises(ModelError, match="text has no folder to"):
         loads_open_psa(WHOLE.format(INCLUDE.format("other.xml")), "m.xml")

@@ -144,7 +144,7 @@ def test_common_causes_are_read():
     assert group.law is CommonCauseLaw.MGL
     assert group.factors == ((2, Number(0.2)), (3, Number(0.5)))
     assert model.findings == (
-        "m.json:1:640: the members of 'G' have figures of their own; that of the group, 0.1, counts",
+        "m.json:1:640: the members of 'G' have figures of their own; the figure of the group, 0.1, is used",
     )
     assert {each.name for each in model.events if each.expression is None} == {"a", "b", "c"}
 
@@ -202,7 +202,9 @@ def test_computed_figures_need_a_mission_time():
     events = (EventDefinition("a", Exponential(Number(1e-3), MissionTime()), Place("T")),)
     gate = GateDefinition(Gate("T", GateKind.OR, ("a",)), Place("T"))
     model = LogicModel(gates=(gate,), events=events, containers=(Container("T"),))
-    with pytest.raises(ModelError, match="event 'a': its figure is computed, and OpenPRA takes"):
+    with pytest.raises(
+        ModelError, match="event 'a': its figure is an expression, but OpenPRA takes"
+    ):
         dumps_openpra(model)
     again = loads_openpra(dumps_openpra(model, mission_time_h=1.0), "again.json")
     assert again.events[0].expression == Number(0.0009995001666250084)
@@ -213,7 +215,7 @@ def leaf(name="a", p=0.5):
 
 
 BAD = [
-    ("", "m.json: is empty; it should be a JSON file"),
+    ("", "m.json: is empty; expected a JSON file"),
     ('{"model": {', "m.json:1:12: is not valid JSON"),
     ('{"model": {"name": "a", "name": "b"}}', "duplicate key 'name' in one object"),
     ("[1]", "m.json:1:1: the document: expected an object, found a list"),
@@ -253,15 +255,15 @@ BAD = [
     ),
     (
         request(tree("T", {"event": "T"}, {})),
-        "gate 'T' stands above itself (T -> T); break the cycle",
+        "gate 'T' depends on itself (T -> T); break the cycle",
     ),
     (
         request(tree("T", op("or", "U"), {}), tree("U", op("or", "T"), {})),
-        "gate 'T' stands above itself (T -> U -> T); break the cycle",
+        "gate 'T' depends on itself (T -> U -> T); break the cycle",
     ),
     (
         request(tree("T", {"event": "a"}, {"a": 0.5}), tree("U", {"event": "a"}, {"a": 0.25})),
-        "faultTrees[1].basicEvents[0].p: is 0.25, at m.json:1:120 'a' has 0.5; give one event one",
+        "model.faultTrees[1].basicEvents[0].p: is 0.25, but 'a' has 0.5 at m.json:1:120; give an event one",
     ),
     (
         request(
@@ -305,11 +307,11 @@ BAD = [
     ),
     (
         request(PUMPS, ccfGroups=[GROUP, GROUP | {"name": "H"}]),
-        "common cause group 'H': member 'a' is one of 'G' too; take one out",
+        "common cause group 'H': member 'a' is a member of 'G' too; remove it from one",
     ),
     (
         request(PUMPS, eventTrees=[EVENT_TREE]),
-        "functionalStates[1].name: 'Valves' is no fault tree; allowed: Pumps",
+        "functionalStates[1].name: 'Valves' is not a fault tree; allowed: Pumps",
     ),
     (
         request(PUMPS, VALVES, eventTrees=[EVENT_TREE | {"functionalEvents": [{"name": "Pumps"}]}]),
@@ -333,7 +335,7 @@ BAD = [
                 }
             ],
         ),
-        "eventTrees[0].sequences[1]: has the states of 'S1'; one of the two is too many",
+        "eventTrees[0].sequences[1]: has the same states as 'S1'; remove one of them",
     ),
     (
         request(
@@ -410,7 +412,7 @@ def with_tree(start, **more):
         ),
         (
             LogicModel(events=(EVENT,)),
-            "OpenPRA has events in fault trees only, and there is none; add one",
+            "OpenPRA allows events in fault trees only, but the model has none; add one",
         ),
         (
             replace(MODEL, substitutions=(Substitution("s", "T", False),)),
@@ -422,7 +424,7 @@ def with_tree(start, **more):
                 gates=(GateDefinition(Gate("g", GateKind.OR, ("a", "b")), Place("a")),),
                 containers=(Container("a"),),
             ),
-            "the fault tree of gate 'g' would be called 'a', as is that of an event; rename one",
+            "the fault tree of gate 'g' would have the name 'a' of an event; rename one",
         ),
         (
             with_tree(Branch(End("S"), (Condition("T"),))),
@@ -442,7 +444,7 @@ def with_tree(start, **more):
         ),
         (
             with_tree(Branch(Fork("F", (Path("x", End("S"), (Condition("a"),)),)))),
-            "an event tree collects 'a', and OpenPRA takes fault trees only",
+            "an event tree collects 'a', but OpenPRA takes fault trees only;",
         ),
         (
             with_tree(Branch(End("S")), initiating=InitiatingEvent("I", 2.0, "month")),
@@ -463,7 +465,7 @@ def test_gates_that_would_be_written_without_end_are_too_large():
         GateDefinition(Gate("g61", GateKind.AND, ("a", "b"))),
     )
     model = LogicModel(gates=(*CHAIN, *last), events=MODEL.events, alignments=(Alignment("n", ()),))
-    with pytest.raises(TooLargeError, match="OpenPRA writes a gate out wherever it is an input"):
+    with pytest.raises(TooLargeError, match="OpenPRA repeats a gate for each of its uses,"):
         dumps_openpra(model)
 
 
@@ -472,6 +474,6 @@ def test_gates_too_deep_to_nest_are_reported():
     last = GateDefinition(Gate("g300", GateKind.OR, ("a", "b")))
     model = LogicModel(gates=(*chain, last), events=MODEL.events)
     with pytest.raises(
-        TooLargeError, match="gate 'g0' stands above 301 gates in a row, which OpenPRA would nest"
+        TooLargeError, match="gate 'g0' has 301 levels of gates below it, which OpenPRA nests;"
     ):
         dumps_openpra(model)

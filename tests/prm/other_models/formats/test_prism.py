@@ -96,7 +96,7 @@ def test_commands_of_a_dtmc_that_hold_together_are_taken_equally_often_with_a_no
     """
     chain = read_prism(text)
     assert chain.rows[0] == {1: 0.5, 2: 0.5}
-    assert chain.notes == ("2 commands hold in s=0; where several do, each is taken equally often",)
+    assert chain.notes == ("2 commands are enabled in s=0; each is chosen with equal probability",)
 
 
 @pytest.mark.parametrize(
@@ -145,40 +145,40 @@ label "x" = s=1;
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("dtmc", "mdp", "m.pm:1:1: a model of kind mdp is not read; allowed: ctmc, dtmc"),
-        ("dtmc", "model", "m.pm:1:1: 'model' where the kind of model, dtmc or ctmc, is expected"),
-        ("endmodule", "", "m.pm:10:1: the file ends where 'endmodule' is expected"),
-        ("= 0.5;", "= 0.5", "m.pm:3:1: 'module' where ';' is expected"),
-        ("= 0.5;", "= $;", "m.pm:2:18: '$' begins no word of the PRISM language"),
-        ("= 0.5;", "= ;", "m.pm:2:18: ';' where an expression is expected"),
+        ("dtmc", "mdp", "m.pm:1:1: a model of kind mdp is not supported; allowed: ctmc, dtmc"),
+        ("dtmc", "model", "m.pm:1:1: expected the kind of model, dtmc or ctmc,, found 'model'"),
+        ("endmodule", "", "m.pm:10:1: expected 'endmodule', found the end of the file"),
+        ("= 0.5;", "= 0.5", "m.pm:3:1: expected ';', found 'module'"),
+        ("= 0.5;", "= $;", "m.pm:2:18: '$' is not part of the PRISM language"),
+        ("= 0.5;", "= ;", "m.pm:2:18: expected an expression, found ';'"),
         ("= 0.5;", ";", "m.pm:2:14: constant 'p' has no value; give one"),
-        ("= 0.5;", "= 1/0;", "m.pm:2:19: no value: "),
+        ("= 0.5;", "= 1/0;", "m.pm:2:19: cannot be evaluated: "),
         ("= 0.5;", "= q;", "m.pm:2:18: 'q' is not a variable, constant or formula here"),
         ("= 0.5;", "= 0.5; formula p = 1;", "m.pm:2:35: 'p' is declared twice; rename one"),
-        ("= 0.5;", "= f; formula f = f;", "m.pm:2:33: formula 'f' leads back to itself"),
-        ("= 0.5;", "= sin(1);", "m.pm:2:18: no function 'sin'; did you mean 'min'"),
+        ("= 0.5;", "= f; formula f = f;", "m.pm:2:33: formula 'f' is defined in terms of itself"),
+        ("= 0.5;", "= sin(1);", "m.pm:2:18: unknown function 'sin'; did you mean 'min'"),
         ("= 0.5;", "= pow(1);", "m.pm:2:18: pow takes 2 arguments"),
-        ("[0..3]", "[3..0]", "m.pm:4:3: 's' ranges from 3 to 0; there is nothing between"),
+        ("[0..3]", "[3..0]", "m.pm:4:3: 's' ranges from 3 to 0; the range is empty"),
         ("[0..3]", "[0..2.5]", "m.pm:4:11: 2.5 is not a whole number"),
-        ("[0..3]", "{0}", "m.pm:4:7: '{' where bool or a range such as [0..3] is expected"),
+        ("[0..3]", "{0}", "m.pm:4:7: expected bool or a range such as [0..3], found '{'"),
         ("init 0", "init 7", "m.pm:4:3: 's' would be 7, outside of 0 to 3"),
         ("(s'=1)", "(s'=5)", "m.pm:6:18: 's' would be 5, outside of 0 to 3"),
         ("(s'=1)", "(t'=1)", "m.pm:6:18: no variable 't'"),
-        ("(b'=true)", "(b'=1)", "m.pm:6:33: 'b' is true or false, never 1"),
+        ("(b'=true)", "(b'=1)", "m.pm:6:33: 'b' is boolean, but is assigned 1"),
         ("1-p", "0.4", "m.pm:6:3: the probabilities sum to 0.9 in s=0,b=false; they must sum to 1"),
         ("1-p", "-0.5", "m.pm:6:26: -0.5 in s=0,b=false is not a probability or rate"),
         ("[] s=0", "[] s", "m.pm:6:3: a guard of 0, neither true nor false"),
         ("[] s=0", "[] s & b", "m.pm:6:8: 0 is neither true nor false"),
-        ("[] s=0 ->", "[] s=0", "m.pm:6:10: 'p' where '->' is expected"),
-        ("[] s>0", "? s>0", "m.pm:7:3: '?' where a variable, a command or 'endmodule' is expected"),
+        ("[] s=0 ->", "[] s=0", "m.pm:6:10: expected '->', found 'p'"),
+        ("[] s>0", "? s>0", "m.pm:7:3: expected a variable, a command or 'endmodule', found '?'"),
         ('"x" = s=1', '"x" = s', 'm.pm:9:13: label "x" is 0, neither true nor false'),
-        ('"x" = s=1', "x = s=1", "m.pm:9:7: 'x' where a label in quotes is expected"),
+        ('"x" = s=1', "x = s=1", "m.pm:9:7: expected a label in quotes, found 'x'"),
         ('"x" = s=1;', '"x" = s=1; label "x" = s=2;', 'm.pm:9:24: duplicate label "x"'),
-        ("label", "init", "m.pm:9:15: ';' where 'endinit' is expected"),
-        ("label", "lable", "m.pm:9:1: 'lable' where a declaration (const, "),
+        ("label", "init", "m.pm:9:15: expected 'endinit', found ';'"),
+        ("label", "lable", "m.pm:9:1: expected a declaration (const, "),
         ("endmodule", "endmodule module m endmodule", "m.pm:8:18: duplicate module 'm'"),
         ("endmodule", "endmodule module n=k [a=b] endmodule", "m.pm:8:20: no module 'k' before"),
-        ("endmodule", "endmodule rewards true : 1;", "m.pm:9:7: '\"x\"' where"),
+        ("endmodule", "endmodule rewards true : 1;", "m.pm:9:7: expected ':', found '\"x\"'"),
     ],
 )
 def test_a_garbled_text_is_refused_with_its_position(old, new, message):
@@ -191,9 +191,9 @@ def test_a_garbled_text_is_refused_with_its_position(old, new, message):
 def test_a_text_without_a_module_an_unknown_constant_and_too_many_states_are_refused():
     with pytest.raises(ModelError, match=r"m.pm:1:5: the model has no module"):
         read_prism("dtmc", file="m.pm")
-    with pytest.raises(ModelError, match="no constant 'q'; allowed: p"):
+    with pytest.raises(ModelError, match="unknown constant 'q'; allowed: p"):
         read_prism(PROGRAM, constants={"q": 1})
-    with pytest.raises(TooLargeError, match="more than 2 states can be reached; raise the limit"):
+    with pytest.raises(TooLargeError, match="more than 2 states are reachable; raise the limit"):
         read_prism(PROGRAM, most_states=2)
 
 
@@ -286,16 +286,16 @@ def test_formulas_and_constants_that_stand_for_one_another_are_read_in_any_order
     [
         (one_state("-" * 3_000 + "1"), "an expression nests more than 200 operations"),
         (one_state("(1+" * 300 + "1" + ")" * 300), "an expression nests more than 200 operations"),
-        (one_state("(" * 3_000), "where an expression is expected"),
-        (one_state("(1 ? 2) : 3"), "m.pm:4:29: ')' where ':' is expected"),
-        (one_state("(1, 2)"), "m.pm:4:25: ',' where ')' is expected"),
-        (one_state("max(1 ? 2, 3)"), "m.pm:4:32: ',' where ':' is expected"),
-        (one_state("pow(10, 1000000000)"), "no value: a power that is too large"),
-        (one_state("pow(-8, 1/2)"), "no value: a power that is no real number"),
-        (one_state("1" + "*1000000" * 1_000), "no value: a product that is too large"),
-        (one_state("a", "const int a = b;\nconst int b = a;"), "leads back to itself"),
-        (one_state("a", "const int a = f;\nformula f = a;"), "leads back to itself"),
-        (one_state("f", "formula f = g;\nformula g = f;"), "leads back to itself"),
+        (one_state("(" * 3_000), "expected an expression, found"),
+        (one_state("(1 ? 2) : 3"), "m.pm:4:29: expected ':',"),
+        (one_state("(1, 2)"), "m.pm:4:25: expected ')',"),
+        (one_state("max(1 ? 2, 3)"), "m.pm:4:32: expected ':',"),
+        (one_state("pow(10, 1000000000)"), "cannot be evaluated: a power that is too large"),
+        (one_state("pow(-8, 1/2)"), "cannot be evaluated: a power that is no real number"),
+        (one_state("1" + "*1000000" * 1_000), "cannot be evaluated: a product that is too large"),
+        (one_state("a", "const int a = b;\nconst int b = a;"), "is defined in terms of itself"),
+        (one_state("a", "const int a = f;\nformula f = a;"), "is defined in terms of itself"),
+        (one_state("f", "formula f = g;\nformula g = f;"), "is defined in terms of itself"),
         (
             one_state(
                 "f40",
@@ -303,7 +303,7 @@ def test_formulas_and_constants_that_stand_for_one_another_are_read_in_any_order
             )
             .replace("init f40", "")
             .replace("] true", "] f40=1"),
-            "stands for more than 100000 operations",
+            "has more than 100000 operations",
         ),
         (
             one_state(
@@ -327,7 +327,7 @@ def test_moves_of_many_modules_together_are_counted_before_they_are_made(monkeyp
         "endmodule\n"
         for n in range(60)
     )
-    with pytest.raises(TooLargeError, match="more than 1000000 operations to put together"):
+    with pytest.raises(TooLargeError, match="more than 1000000 operations to build; give"):
         read_prism(f"dtmc\n{modules}")
 
 
@@ -345,9 +345,9 @@ def test_the_states_of_init_are_the_starts_and_come_first():
         *("x=0,y=true", "x=1,y=false", "x=1,y=true"),
     ]
     assert chain.labels["init"] == frozenset((0, 1, 2))
-    with pytest.raises(ModelError, match="no state holds in 'init"):
+    with pytest.raises(ModelError, match="no state satisfies 'init"):
         read_prism(text.replace("x=1 | (x=0 & y)", "x>2"))
-    with pytest.raises(ModelError, match="'x' has a start of its own beside 'init"):
+    with pytest.raises(ModelError, match="'x' has an initial value of its own beside 'init"):
         read_prism(text.replace("[0..2]", "[0..2] init 0"))
 
 

@@ -77,7 +77,7 @@ def test_the_outcomes_of_an_event_tree_lead_a_chain_on_shared_events():
 
 def test_an_event_of_two_values_cannot_be_joined():
     trees = (pair("stop", "power", "relay"), pair("brake", "power", "pad", values=("q", "r")))
-    with pytest.raises(ModelError, match="event tree 'slip': event 'power' has two values"):
+    with pytest.raises(ModelError, match="event tree 'slip': event 'power' has different values"):
         outcome_trees(course(), trees)
 
 

@@ -157,7 +157,7 @@ def test_a_chain_too_fast_to_step_through_is_refused():
         (Figure("f", Occupancy("c", ("down",))),),
         10.0,
     )
-    with pytest.raises(TooLargeError, match=r"takes 1.* steps in a draw; allowed are 100000"):
+    with pytest.raises(TooLargeError, match=r"takes 1.* steps in a draw; allowed: 100000;"):
         propagate(model, "f", distributions={"x": Uniform(1e4, 1e5)})
     # Its figure is had by squaring; what its derivatives need, step by step, is not held.
     assert model.solve({"x": 1e7}).figure("f").p == 1.0

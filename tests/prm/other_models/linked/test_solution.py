@@ -355,7 +355,7 @@ def test_elements_that_depend_on_one_another_are_named():
     chain = LinkedChain("c", "s", (Transition("s", "bad", TopEvent("t")), Transition("s", "good")))
     with pytest.raises(
         ModelError,
-        match="elements depend on one another: parameter 'x' -> Markov chain 'c' -> "
+        match="elements depend on each other: parameter 'x' -> Markov chain 'c' -> "
         "fault tree 't' -> parameter 'x'; break the cycle",
     ):
         LinkedModel("m", (ModelParameter("x", Absorption("c", ("bad",))),), (tree,), (chain,))
@@ -399,7 +399,7 @@ STEPS = (Transition("s", "bad", Reference("x")), Transition("s", "done"))
         (lambda: LinkedModel("m", mission_time_h=0.0), "mission time 0.0: give a finite number"),
         (
             lambda: LinkedChain("c", "s", (STEPS[0], STEPS[0])),
-            "Markov chain 'c', transition 's' to 'bad': duplicate transition; add the two up",
+            "Markov chain 'c', transition 's' to 'bad': duplicate transition; add up the two",
         ),
         (lambda: LinkedChain("c", "t", STEPS), "entry 't' is not a state; allowed: bad, done, s"),
         (
@@ -449,8 +449,7 @@ def test_a_model_that_does_not_hold_together_is_refused(make, message):
                 ),
             ),
             {"x": 0.4},
-            "Markov chain 'c', state 's': its transitions sum to 0.8; they must sum to 1, or one "
-            "of them be the remainder",
+            "Markov chain 'c', state 's': its transitions sum to 0.8; they must sum to 1, or one of them must be the remainder",
         ),
         (
             LinkedModel(
@@ -514,7 +513,9 @@ def test_a_chain_that_never_ends_is_reported_when_its_end_is_asked_for():
         (chain,),
         (Figure("f", Absorption("c", ("bad",))),),
     )
-    with pytest.raises(ModelError, match="Markov chain 'c': the chain never ends once in s, t"):
+    with pytest.raises(
+        ModelError, match="Markov chain 'c': no absorbing state can be reached from s, t"
+    ):
         _ = model.solve().figures
     with pytest.raises(ModelError, match="no figure 'g' in 'm'; allowed: f"):
         model.solve().figure("g")

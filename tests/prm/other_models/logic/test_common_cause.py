@@ -173,7 +173,7 @@ def test_two_groups_of_one_parameter_keep_their_own_factors():
         ((("a", "b"), ALPHA, ()), "0 factors of alpha-factor for 2 members; allowed: 1 to 2"),
         ((("a", "b"), BETA, (1.1,)), "'g': factor 1 is 1.1; allowed: 0 to 1"),
         ((("a", "b"), ALPHA, (0.0, 0.0)), "'g': all factors are 0"),
-        ((("a", "b"), PHI, (0.5, 0.4)), "'g': the factors sum to 0.9; those of phi-factor sum"),
+        ((("a", "b"), PHI, (0.5, 0.4)), "'g': the factors sum to 0.9; phi-factors"),
         ((("a", "b"), BETA, (0.5,), True), "'g': staggered is for alpha-factor only"),
     ],
 )
@@ -192,7 +192,7 @@ def test_a_group_that_needs_too_many_events_is_refused():
     ("groups", "message"),
     [
         ([("g", ("a", "x"))], "group 'g': member 'x' is not a basic event; allowed: a, b, c"),
-        ([("g", ("a", "b")), ("h", ("b", "c"))], "'h': member 'b' is one of group 'g' too"),
+        ([("g", ("a", "b")), ("h", ("b", "c"))], "'h': member 'b' is in group 'g' too;"),
         ([("g", ("a", "c"))], "members 'a' and 'c' have the parameters 'unit' and 'c'"),
     ],
 )

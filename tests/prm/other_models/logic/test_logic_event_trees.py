@@ -113,7 +113,7 @@ def test_a_tree_that_nothing_begins_is_no_result():
 
 def test_event_trees_under_substitutions_are_refused():
     model = logic_model(Condition("g"), substitutions=(Substitution("s", "g", False),))
-    with pytest.raises(ModelError, match="event tree 't' stands in a model with substitutions"):
+    with pytest.raises(ModelError, match="event tree 't' is in a model with substitutions,"):
         solved_event_trees(model, 1.0)
 
 

@@ -148,19 +148,19 @@ def test_phases_that_are_not_there_are_reported():
             {"gates": (TOP,), "events": (A, B, EventDefinition("top"))},
             "'top' names a basic event and a gate; rename one",
         ),
-        ({"events": (EventDefinition(ALWAYS),)}, "'#true' names a basic event; it needs other"),
-        ({"events": (EventDefinition("a\n"),)}, "'a\\n' names a basic event; it needs other"),
+        ({"events": (EventDefinition(ALWAYS),)}, "'#true' names a basic event; use"),
+        ({"events": (EventDefinition("a\n"),)}, "'a\\n' names a basic event; use"),
         (
             {"gates": (gate("g", GateKind.ATLEAST, "a", k=2),), "events": (A,)},
             "gate 'g': k is 2; allowed: 1 to 1",
         ),
         (
             {"gates": (gate("g", GateKind.OR, "h"), gate("h", GateKind.OR, "g"))},
-            "gate 'g' stands above itself (g -> h -> g); break the cycle",
+            "gate 'g' depends on itself (g -> h -> g); break the cycle",
         ),
         (
             {"parameters": (ParameterDefinition("p", Reference("p")),)},
-            "parameter 'p' stands above itself (p -> p); break the cycle",
+            "parameter 'p' depends on itself (p -> p); break the cycle",
         ),
         (
             {"parameters": (ParameterDefinition("p", Reference("q")),)},
@@ -188,7 +188,7 @@ def test_phases_that_are_not_there_are_reported():
                 ),
                 "events": (A, B),
             },
-            "common cause group 'more': member 'a' is one of 'pumps' too; take one out",
+            "common cause group 'more': member 'a' is a member of 'pumps' too; remove it from one",
         ),
         (
             {"alignments": (Alignment("y", (Phase("p", 1.0, (("h", True),)),)),)},

@@ -206,7 +206,7 @@ def test_a_chain_that_neither_way_solves_is_refused_with_what_was_tried():
     matrix = sp.csr_array((np.full(2 * n, 0.5), (rows, columns)), shape=(n + 1, n + 1))
     chain = MarkovChain.from_matrix(matrix, [n])
     assert chain.solve(0).expected_steps() == pytest.approx(n * (n + 1), rel=1e-14)
-    with pytest.raises(TooLargeError, match="4000 transient states: elimination would fill it in"):
+    with pytest.raises(TooLargeError, match="4000 transient states: the fill-in"):
         chain.solve(0, ONLY_ITERATION)
 
 
@@ -267,7 +267,7 @@ GOOD = np.array([[0.5, 0.5], [0.0, 1.0]])
 @pytest.mark.parametrize(
     ("matrix", "options", "message"),
     [
-        (np.ones((2, 3)), {}, r"a matrix of shape \(2, 3\); a chain has a row and a column"),
+        (np.ones((2, 3)), {}, r"a matrix of shape \(2, 3\); expected a row and a column"),
         (np.array([["a"]]), {}, "a matrix of <U1; give floating-point numbers"),
         ([[0.5, 0.4], [0.0, 1.0]], {}, "state 0: its transitions sum to 0.9; they must sum to 1"),
         ([[1.5, -0.5], [0.0, 1.0]], {}, "state 0: -0.5 to 1 is not a probability"),
@@ -275,17 +275,21 @@ GOOD = np.array([[0.5, 0.5], [0.0, 1.0]])
         (GOOD, {"names": ["a", "a"]}, "duplicate state 'a' in the chain"),
         (GOOD, {"names": ["a"]}, "1 names for 2 states"),
         (GOOD, {"absorbing": [2]}, "absorbing: 2 is not a state; the states are 0 to 1"),
-        (GOOD, {"absorbing": [True]}, r"absorbing: shape \(1,\); it marks each of 2 states"),
-        (GOOD, {"absorbing": [0, 1]}, "state 0 is to be absorbing but leads to others"),
+        (
+            GOOD,
+            {"absorbing": [True]},
+            r"absorbing: shape \(1,\); expected one mark for each of 2 states",
+        ),
+        (GOOD, {"absorbing": [0, 1]}, "state 0 is marked as absorbing but has transitions"),
         (
             np.eye(8, k=1) + np.eye(8, k=-7),
             {},
-            r"never ends once in 0, 1, 2, 3, 4 and 3 more states; .* \(there is none\)",
+            r"can be reached from 0, 1, 2, 3, 4 and 3 more states; lead each to one \(there is none\)",
         ),
         (
             [[0.0, 0.5, 0.5], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             {"absorbing": [1], "names": ["a", "b", "c"]},
-            "the chain never ends once in 'c'; lead each to an absorbing state",
+            "no absorbing state can be reached from 'c'; lead each to one",
         ),
     ],
 )
@@ -308,11 +312,13 @@ def test_states_that_are_not_there_are_refused():
         ModelError, match="'x' is not a state of the chain; the states have no names"
     ):
         MarkovChain.from_matrix(GOOD).solve("x")
-    with pytest.raises(ModelError, match="-1 steps: a chain takes none or more"):
+    with pytest.raises(ModelError, match="-1 steps; allowed: 0 or more"):
         chain.transient_distribution(0, -1)
     with pytest.raises(ModelError, match=r"duration of state 0: -1.0 is not a time"):
         chain.solve(0).expected_time(-1.0)
-    with pytest.raises(ModelError, match="the chain ends at once: no visit has a duration"):
+    with pytest.raises(
+        ModelError, match="the mean time to absorption is 0: no visit has a duration"
+    ):
         chain.solve(0).per_time([1], 0.0)
     unreached = np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     with pytest.raises(ModelError, match="the targets are never reached"):

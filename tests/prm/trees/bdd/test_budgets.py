@@ -39,8 +39,8 @@ def test_a_tree_that_outgrows_its_budgets_is_refused_with_what_was_tried(tangled
     with pytest.raises(TooLargeError) as caught:
         SharedTree(tangled, Limits(nodes=(1_000, 3_000)))
     message = str(caught.value)
-    assert message.startswith("fault tree 'top': a part of ")
-    assert "outgrew every budget of its decision diagram: 1000, 3000 nodes" in message
+    assert message.startswith("fault tree 'top': a module of")
+    assert "exceeded every budget of its decision diagram: 1000, 3000 nodes" in message
     assert "orders of the events (most shared, deepest first; deepest, most shared" in message
     assert "FORCE from" in message
     assert message.endswith("give larger budgets (Limits.nodes), or divide the tree")

@@ -229,8 +229,9 @@ def _part(state: FunctionState, part: LatentPart, class_of: Mapping[str, int]) -
         return Part(classes, part.threshold)
     if len(classes) > 1:
         raise ModelError(
-            f"state '{state.name}': the group with spares of '{part.units[0]}' has units that "
-            "other states use without the rest of it; give it the same units in every state"
+            f"state '{state.name}': units of the group with spares of '{part.units[0]}' appear "
+            "without the rest of the group in other states; give the group the same units in "
+            "every state"
         )
     units = len(part.units)
     return Part(classes, part.threshold, SpareGroup(units, units - part.threshold + 1, part.spares))

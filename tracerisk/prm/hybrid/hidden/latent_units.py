@@ -50,10 +50,14 @@ def latent_parts(
         elif gate.name not in groups:
             others = [name for name in gate.inputs if name not in latent]
             if others or not gate.kind.is_coherent:
-                what = f"{', '.join(others)} beside it" if others else f"a gate '{gate.kind.value}'"
+                what = (
+                    f"it has other inputs, {', '.join(others)}"
+                    if others
+                    else f"its kind is '{gate.kind.value}'"
+                )
                 raise ModelError(
-                    f"latent unit '{event.name}' stands under gate '{gate.name}' with {what}; "
-                    "allowed is a gate and, or or atleast of latent units alone"
+                    f"latent unit '{event.name}' is an input of gate '{gate.name}': {what}; "
+                    "allowed: a gate 'and', 'or' or 'atleast' with latent units only"
                 )
             waiting = (spares or {}).get(gate.name)
             groups[gate.name] = LatentPart(gate.inputs, gate.threshold, waiting)
@@ -63,8 +67,8 @@ def latent_parts(
             _check_alone(tree, gate.name)
             if gate.name not in groups and not _is_or(gate):
                 raise ModelError(
-                    f"latent unit '{event.name}' stands below gate '{gate.name}' "
-                    f"({gate.kind.value}); only or may stand between a group and the top"
+                    f"latent unit '{event.name}' is below gate '{gate.name}' "
+                    f"({gate.kind.value}); only 'or' gates are allowed between a group and the top"
                 )
             gate = above.get(gate.name)
     parts = [LatentPart(tuple(single), 1)] if single else []
@@ -119,12 +123,12 @@ def _check_spares(state: str, tree: FaultTree, name: str, latent: set[str]) -> N
     where = f"state '{state}': spares of '{name}'"
     gate = next((gate for gate in tree.gates if gate.name == name), None)
     if gate is None or not latent.issuperset(gate.inputs) or _is_or(gate):
-        raise ModelError(f"{where}: allowed is a gate and or atleast of latent units alone")
+        raise ModelError(f"{where}: allowed: a gate 'and' or 'atleast' with latent units only")
     parameters = {event.parameter for event in tree.events if event.name in gate.inputs}
     if len(parameters) > 1:
         raise ModelError(
-            f"{where}: its units have the parameters {', '.join(sorted(parameters))}; units of a "
-            "group with spares are alike"
+            f"{where}: its units have the parameters {', '.join(sorted(parameters))}; all units "
+            "of a group with spares need the same one"
         )
 
 
@@ -135,6 +139,6 @@ def _is_or(gate: Gate) -> bool:
 def _check_alone(tree: FaultTree, name: str) -> None:
     if name in tree.shared:
         raise ModelError(
-            f"'{name}' carries latent units and feeds {' and '.join(tree.shared[name])}; "
-            "a latent group must stand under one gate"
+            f"'{name}' contains latent units and feeds {' and '.join(tree.shared[name])}; "
+            "a latent group must feed one gate only"
         )

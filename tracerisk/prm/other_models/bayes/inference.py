@@ -57,7 +57,7 @@ def joint_probabilities(
     if not possible:
         text = ", ".join(f"{name} {state}" for name, state in evidence.items())
         raise ModelError(
-            f"it is impossible, or less likely than 1e-308, that {text}; correct what is known"
+            f"the evidence ({text}) has a probability of 0 or below 1e-308; correct it"
         )
     if not open_conditions:
         return {tuple(domain[0] for domain in domains): 1.0}
@@ -116,7 +116,7 @@ def _pyagrum() -> Any:
         import pyagrum
     except ImportError as error:
         raise ModelError(
-            "Bayesian networks are solved by pyAgrum, which is not installed; "
+            "Bayesian networks need pyAgrum, which is not installed; "
             "install it with: pip install 'tracerisk[bayes]'"
         ) from error
     return pyagrum

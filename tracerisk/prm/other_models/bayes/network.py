@@ -75,8 +75,7 @@ class BayesianNetwork(Displayed):
             free = [name for name, parents in waiting.items() if not parents]
             if not free:
                 raise ModelError(
-                    f"the conditions {', '.join(waiting)} depend on each other in a circle; "
-                    "break it"
+                    f"the conditions {', '.join(waiting)} depend on each other in a cycle; break it"
                 )
             order.extend(free)
             waiting = {
@@ -97,7 +96,9 @@ class BayesianNetwork(Displayed):
         Raises ModelError when there is no such condition.
         """
         if condition not in self.conditions:
-            raise ModelError(f"'{condition}' is no condition; {one_of(self.conditions, condition)}")
+            raise ModelError(
+                f"'{condition}' is not a condition; {one_of(self.conditions, condition)}"
+            )
         return tuple(next(iter(_rows(self.conditions[condition]).values())))
 
     def distribution(self, condition: str, evidence: States | None = None) -> dict[str, float]:
@@ -131,7 +132,8 @@ class BayesianNetwork(Displayed):
         if count > _MOST_CASES:
             raise TooLargeError(
                 f"the conditions {', '.join(names)} have {count} joint states; at most "
-                f"{_MOST_CASES} are enumerated: join states, or let fewer conditions bear on events"
+                f"{_MOST_CASES} are supported; merge states, or let events depend on fewer "
+                "conditions"
             )
         return joint_probabilities(self, names, known)
 
@@ -187,7 +189,7 @@ class BayesianNetwork(Displayed):
         for parent in given.names:
             if parent not in self.conditions:
                 raise ModelError(
-                    f"{where}: it depends on '{parent}', which is no condition; "
+                    f"{where}: it depends on '{parent}', which is not a condition; "
                     f"{one_of(self.conditions, parent)}"
                 )
         needed = set(product(*(self.states(parent) for parent in given.names)))

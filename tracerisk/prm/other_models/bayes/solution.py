@@ -53,7 +53,9 @@ class BayesianSolution:
         total = self.top.p if top_happened else self.top.q
         if not total > 0.0:
             said = "never happens" if top_happened else "always happens"
-            raise ModelError(f"the top event {said}; nothing is known given that it is otherwise")
+            raise ModelError(
+                f"the top event {said}; probabilities given its complement are undefined"
+            )
         bearing = tuple(self.cases[0].states)
         given = {tuple(case.states.values()): case.top for case in self.cases}
         parts: dict[str, list[float]] = {}
@@ -79,8 +81,8 @@ def solve_network(
     for name in values:
         if name in network.events:
             raise ModelError(
-                f"value of '{name}', which the network gives; leave it out, or give the network "
-                "without it"
+                f"a value is given for '{name}', which the network defines already; remove one "
+                "of the two"
             )
     cases = network.cases(tree.parameters, mission_time_h=mission_time_h, evidence=evidence)
     # States that give the events the same figures have the same top.

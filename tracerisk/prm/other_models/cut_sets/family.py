@@ -168,7 +168,7 @@ def of_diagram(
             return Family(root, literals, level, low, high, loops)
         if size >= budget:
             raise TooLargeError(
-                f"the minimal cut sets of a part with {len(literals)} inputs need more than "
+                f"the minimal cut sets of a module with {len(literals)} inputs need more than "
                 f"{budget} nodes; limit their order (max_order), or give a larger budget"
             )
         size *= 4

@@ -157,9 +157,10 @@ def _check_counts(gate: Gate, top: str) -> None:
     least = min(needed, len(gate.inputs) - needed + 1)
     if needed * (len(gate.inputs) - needed + 1) * least > _MOST_COUNTS:
         raise TooLargeError(
-            f"fault tree '{top}': gate '{gate.name}' has a set for each choice of {needed} of its "
-            f"{len(gate.inputs)} inputs, too many to be found; the figure of the tree needs none "
-            "of them (tracerisk solve); or divide the gate into smaller ones"
+            f"fault tree '{top}': gate '{gate.name}' has one set for each choice of {needed} of "
+            "its "
+            f"{len(gate.inputs)} inputs, too many to list; solve the tree without cut sets "
+            "(tracerisk solve), or divide the gate into smaller ones"
         )
 
 

@@ -159,6 +159,6 @@ class _Primes:
     def _check(self, count: int) -> None:
         if count > self._budget:
             raise TooLargeError(
-                f"the prime implicants of a part with {self._levels} inputs need more than "
+                f"the prime implicants of a module with {self._levels} inputs need more than "
                 f"{self._budget} nodes; divide the tree, or give a larger budget"
             )

@@ -79,7 +79,7 @@ def _parts(name: str, formula: Formula) -> tuple[str, int | float | None, tuple[
         number = None if isinstance(first, str) else first
     inputs = [part for part in rest if isinstance(part, str)]
     if len(inputs) < len(rest):
-        raise ModelError(f"'{name}': {rest!r} holds what is not a name of an input; give names")
+        raise ModelError(f"'{name}': {rest!r} contains an input that is not a name; give names")
     return kind, number, tuple(inputs)
 
 

@@ -105,8 +105,8 @@ class Dependency:
     def __post_init__(self) -> None:
         if not self.dependents or self.trigger in self.dependents:
             raise ModelError(
-                f"dependency '{self.name}': it needs at least one dependent event, and none that "
-                "is its own trigger"
+                f"dependency '{self.name}': it needs at least one dependent event, and its "
+                "trigger cannot be one"
             )
         if not 0.0 < self.probability <= 1.0:
             raise ModelError(

@@ -61,7 +61,7 @@ def explore(layout: Layout, state_limit: int) -> FailureChain:
         for following, rate in _moves(layout, state):
             moves += 1
             if moves > most_moves:
-                raise too_large(f"more than {most_moves} ways from state to state")
+                raise too_large(f"more than {most_moves} transitions")
             number = number_of(following)
             leaving[number] = leaving.get(number, 0.0) + rate
         transitions += [(source, target, rate) for target, rate in leaving.items()]

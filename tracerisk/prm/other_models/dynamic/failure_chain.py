@@ -60,7 +60,7 @@ class FailureChain:
         events = self._fastest * time_h
         if not events < math.inf:
             raise TooLargeError(
-                f"a chain of {self.states} states has rates beyond all numbers in a mission of "
+                f"the rates of a chain of {self.states} states overflow in a mission of "
                 f"{time_h:g} h; take the fastest events out of the group"
             )
         if events > STIFF and self.states <= DENSE:

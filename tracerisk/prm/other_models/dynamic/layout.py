@@ -139,7 +139,7 @@ def _is_spare(gate: AnyGate) -> bool:
 def _check_gate(gate: AnyGate) -> None:
     if isinstance(gate, Gate) and gate.kind not in _STATIC:
         raise ModelError(
-            f"gate '{gate.name}': {gate.kind.value} cannot stand in the group of a dynamic gate; "
+            f"gate '{gate.name}': {gate.kind.value} is not allowed in the group of a dynamic gate; "
             f"allowed: {', '.join(kind.value for kind in _STATIC)}, pand, por, spare"
         )
     if isinstance(gate, DynamicGate) and len(gate.inputs) > LARGEST:
@@ -161,8 +161,8 @@ def _laws(
             starting[number] = model.probability(0.0).p
         elif not isinstance(model, Exponential | Erlang):
             raise ModelError(
-                f"event '{event.name}': {type(model).__name__} cannot stand in the group of a "
-                "dynamic gate, where what will happen may not depend on the time since the start; "
+                f"event '{event.name}': {type(model).__name__} is not allowed in the group of a "
+                "dynamic gate, whose events may not depend on the time since the start; "
                 "allowed: Constant, Erlang, Exponential, PerDemand"
             )
         if phases[-1] > LARGEST:
@@ -206,7 +206,7 @@ def _owners(
             other = next(gate for gate in others if gate not in serving)
             raise ModelError(
                 f"'{names[unit]}' is a spare of '{names[users[0]]}' and an input of "
-                f"'{names[other]}', which may wait in a spare itself; give each its own"
+                f"'{names[other]}', which may itself be part of a waiting spare; give each its own"
             )
         inside = reached((unit,), lambda element: inputs.get(element, ()))
         for element in sorted(inside - {unit}):

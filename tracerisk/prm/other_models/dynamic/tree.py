@@ -150,7 +150,9 @@ def _check_names(tree: DynamicTree) -> None:
     seen: set[str] = set()
     for named in (*tree.gates, *tree.events, *tree.ties):
         if named.name in seen:
-            raise ModelError(f"'{named.name}' names two gates, events or ties; rename one")
+            raise ModelError(
+                f"'{named.name}' names two gates, events, dependencies or restrictions; rename one"
+            )
         if not named.name or not named.name.isprintable():
             raise ModelError(f"{named.name!r} names a gate or event; it needs printable characters")
         seen.add(named.name)
@@ -190,7 +192,7 @@ def _order_upwards(tree: DynamicTree) -> tuple[AnyGate, ...]:
             open_gates.discard(name)
             order.append(gate)
         elif name in open_gates:
-            raise ModelError(f"gate '{name}' stands above itself; break the cycle")
+            raise ModelError(f"gate '{name}' depends on itself; break the cycle")
         elif name not in seen:
             seen.add(name)
             if gate is not None:
@@ -204,7 +206,9 @@ def _order_upwards(tree: DynamicTree) -> tuple[AnyGate, ...]:
             stack = [(name, False) for tie in reversed(tied) for name in reversed(tie.inputs)]
     loose = sorted({one.name for one in (*tree.gates, *tree.events, *waiting)} - seen)
     if loose:
-        raise ModelError(f"not below the top '{tree.top}': {', '.join(loose)}; join or remove them")
+        raise ModelError(
+            f"not below the top '{tree.top}': {', '.join(loose)}; connect or remove them"
+        )
     return tuple(order)
 
 

@@ -38,7 +38,7 @@ def built_start(
     """
     where = f"event tree '{tree}'"
     if not rows:
-        raise ModelError(f"{where}: no sequence; state one for each path")
+        raise ModelError(f"{where}: no sequences; give one for each path")
     states = {name: _states(where, name, given) for name, given in functions.items()}
     for sequence, row in rows.items():
         for function, state in row.items():
@@ -101,8 +101,8 @@ def _target(
     first, *more = rows
     if more:
         raise ModelError(
-            f"{where}: the sequences '{first}' and '{more[0]}' have one path, {_text(before)}; "
-            "separate them at a functional event, or give them one name"
+            f"{where}: the sequences '{first}' and '{more[0]}' have the same path, "
+            f"{_text(before)}; separate them at a functional event, or give them one name"
         )
     return End(first)
 

@@ -40,7 +40,7 @@ def _check_target(tree: EventTree, target: Target, sequences: set[str], branches
             )
         case Resume(branch) if branch not in branches:
             raise ModelError(
-                f"{where}: a path goes on as '{branch}', which is not a branch; "
+                f"{where}: a path continues as '{branch}', which is not a branch; "
                 f"{one_of(branches, branch)}"
             )
         case Fork(functional_event, paths):
@@ -56,8 +56,8 @@ def _check_target(tree: EventTree, target: Target, sequences: set[str], branches
             for path in paths:
                 if path.state in seen:
                     raise ModelError(
-                        f"{fork}: two paths of the state '{path.state}'; "
-                        "join them, or rename one state"
+                        f"{fork}: two paths for the state '{path.state}'; merge them, or rename "
+                        "one state"
                     )
                 seen.add(path.state)
 
@@ -75,15 +75,15 @@ def check_order(tree: EventTree) -> None:
                 if name in resumed:
                     raise ModelError(
                         f"event tree '{tree.name}': the branch '{name}' resumes itself; "
-                        "lead it to the end of a sequence"
+                        "let it end in a sequence"
                     )
                 waiting.append((tree.branch(name).target, last, (*resumed, name)))
             case Fork(name, paths):
                 if rank[name] <= last:
                     raise ModelError(
                         f"event tree '{tree.name}': a path forks over '{name}' after "
-                        f"'{tree.functional_events[last]}'; each path forks over each "
-                        "functional event once at most, in their order"
+                        f"'{tree.functional_events[last]}'; a path may fork over each functional "
+                        "event at most once, in their order"
                     )
                 if (id(target), last) not in seen:
                     seen.add((id(target), last))

@@ -144,7 +144,9 @@ class InitiatingEvent:
         greatest = math.inf if self.per else 1.0
         if not (0.0 <= self.value <= greatest and math.isfinite(self.value)):
             what = f"frequency per {self.per}" if self.per else "probability"
-            allowed = "finite, 0 or more" if self.per else "0 to 1, or state what it is per"
+            allowed = (
+                "finite, 0 or more" if self.per else ("0 to 1, or give its unit of time with 'per'")
+            )
             raise ModelError(
                 f"initiating event '{self.name}': {what} {self.value!r}; allowed: {allowed}"
             )

@@ -80,7 +80,8 @@ class EventTree(Displayed):
         for sequence in ends:
             if sequence not in sequences:
                 raise ModelError(
-                    f"event tree '{name}': end state of '{sequence}', which is not a sequence; "
+                    f"event tree '{name}': an end state is given for '{sequence}', which is not "
+                    "a sequence; "
                     f"{one_of(sequences, sequence)}"
                 )
         return cls(
@@ -124,8 +125,8 @@ class EventTree(Displayed):
         for parameter in values or {}:
             if parameter not in known:
                 raise ModelError(
-                    f"event tree '{self.name}': value of '{parameter}', not a parameter of "
-                    f"the fault trees; {one_of(known, parameter)}"
+                    f"event tree '{self.name}': a value is given for '{parameter}', which is not "
+                    f"a parameter of the fault trees; {one_of(known, parameter)}"
                 )
         given = {**forest.values_at(mission_time_h), **(values or {})}
         return solve_event_tree(self, forest, given, mission_time_h, linked)

@@ -51,7 +51,8 @@ class Forest:
             for name in named:
                 if kinds.setdefault(name, kind) != kind:
                     raise ModelError(
-                        f"'{name}' names a {kinds[name]} in one fault tree, in another a {kind}; "
+                        f"'{name}' names a {kinds[name]} in one fault tree and a {kind} in "
+                        "another; "
                         "rename one"
                     )
         return forest
@@ -142,7 +143,7 @@ class _Growth:
                 self._placed[name, settings] = self._gate_under(gate, settings)
             else:
                 if name in open_gates:
-                    raise ModelError(f"gate '{name}' stands above itself; break the cycle")
+                    raise ModelError(f"gate '{name}' depends on itself; break the cycle")
                 open_gates.add(name)
                 stack.append((name, True))
                 stack.extend((child, False) for child in reversed(gate.inputs))
@@ -187,5 +188,7 @@ def _joined(kind: str, parts: Iterable[_Named]) -> dict[str, _Named]:
     found: dict[str, _Named] = {}
     for part in parts:
         if found.setdefault(part.name, part) != part:
-            raise ModelError(f"{kind} '{part.name}' is not the same in two fault trees; rename one")
+            raise ModelError(
+                f"{kind} '{part.name}' has different definitions in two fault trees; rename one"
+            )
     return found

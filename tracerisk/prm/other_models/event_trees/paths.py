@@ -190,12 +190,12 @@ class _Course:
     def entering(self, name: str, walk: _Walk) -> _Course:
         if name not in walk.trees:
             raise ModelError(
-                f"event tree '{self.tree.name}': a path leads into the event tree '{name}', "
-                f"which is not given; {one_of(walk.trees, name)}"
+                f"event tree '{self.tree.name}': a path links to the event tree '{name}', which "
+                f"is missing; {one_of(walk.trees, name)}"
             )
         if name in self.entered:
             raise ModelError(
-                f"event tree '{name}' leads back into itself by {' > '.join(self.entered)}; "
+                f"event tree '{name}' links back to itself by {' > '.join(self.entered)}; "
                 "break the cycle"
             )
         start = walk.trees[name].start

@@ -72,7 +72,7 @@ class EventTreeSolution:
             return ()
         return (
             f"the sequences of '{self.event_tree}' sum to {self.total:.6g} of the initiating "
-            "event, not 1: the paths of a fork overlap, or leave a case out",
+            "event, not 1: the paths of a fork overlap, or do not cover all cases",
         )
 
     def _repr_html_(self) -> str:
@@ -137,8 +137,8 @@ def outcome_tree(
         where = f"event tree '{path.event_tree}': sequence '{path.sequence}'"
         if path.weights:
             raise ModelError(
-                f"{where}: a path has a probability of its own, which is not an event; "
-                "state a gate or event there"
+                f"{where}: a path states a probability, which is not an event; give a gate or "
+                "event instead"
             )
         if not path.occurrences:
             raise ModelError(f"{where}: a path has no condition; its outcome is certain")
@@ -156,7 +156,7 @@ def _check_names(path: CollectedPath, forest: Forest) -> None:
         for house, _ in settings:
             if house not in forest.houses:
                 raise ModelError(
-                    f"{where}: '{house}' is set and is not a house event; "
+                    f"{where}: '{house}' is set, but is not a house event; "
                     f"{one_of(forest.houses, house)}"
                 )
 
@@ -220,8 +220,8 @@ def _probability(
         weight = first.weight(mission_time_h)
         if any(path.weight(mission_time_h) != weight for path in paths[1:]):
             raise ModelError(
-                "its paths carry probabilities and do not exclude each other; let each path of a "
-                "fork state a probability, or a condition and its complement"
+                "its paths have probabilities but are not mutually exclusive; give each path of "
+                "a fork a probability, or a condition and its complement"
             )
         # A path without conditions is always taken, and with it the OR of all.
         if not all(path.occurrences for path in paths):

@@ -170,7 +170,7 @@ class Call(Expression):
 def _arity(function: str) -> str:
     _, least, most = FUNCTIONS[function]
     if function == "switch":
-        return "pairs of a condition and a value, and one value more"
+        return "pairs of a condition and a value, and one more value"
     return f"{least}" if least == most else f"{least} or more"
 
 

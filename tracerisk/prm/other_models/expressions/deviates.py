@@ -201,7 +201,7 @@ class Histogram(Deviate):
         if not self.weights or len(self.boundaries) != len(self.weights) + 1:
             raise ModelError(
                 f"a histogram has {len(self.weights)} weights and {len(self.boundaries)} "
-                "boundaries; give at least one weight, and one boundary more"
+                "boundaries; give at least one weight, and one more boundary than weights"
             )
 
     @property
@@ -238,7 +238,9 @@ class Histogram(Deviate):
 
 def _check_order(lower: float, upper: float) -> None:
     if not lower < upper:
-        raise ModelError(f"a uniform deviate from {lower!r} to {upper!r}; give a greater end")
+        raise ModelError(
+            f"a uniform deviate from {lower!r} to {upper!r}; give a greater upper bound"
+        )
 
 
 def _check_positive(kind: str, **found: float) -> None:
@@ -261,7 +263,11 @@ def _check_error_factor(mean: float, factor: float, level: float) -> None:
 def _check_histogram(bounds: Sequence[float], weights: Sequence[float]) -> None:
     if not all(low < high for low, high in pairwise(bounds)):
         shown = ", ".join(map(repr, bounds))
-        raise ModelError(f"a histogram with the boundaries {shown}; each must exceed the last")
+        raise ModelError(
+            f"a histogram with the boundaries {shown}; each must exceed the one before"
+        )
     if not (all(weight >= 0 for weight in weights) and any(weights)):
         shown = ", ".join(map(repr, weights))
-        raise ModelError(f"a histogram with the weights {shown}; none may be negative, nor all 0")
+        raise ModelError(
+            f"a histogram with the weights {shown}; no weight may be negative, and not all may be 0"
+        )

@@ -169,7 +169,9 @@ def definition_of(name: str, names: Names, opened: Mapping[str, None]) -> Expres
     if name in opened:
         path = [*opened, name]
         cycle = " -> ".join(path[path.index(name) :])
-        raise ModelError(f"parameter '{name}' is defined by itself ({cycle}); break the cycle")
+        raise ModelError(
+            f"parameter '{name}' is defined in terms of itself ({cycle}); break the cycle"
+        )
     if name not in names:
         raise ModelError(f"there is no parameter '{name}'; {one_of(names, name)}")
     return names[name]

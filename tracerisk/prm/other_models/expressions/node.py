@@ -66,7 +66,7 @@ class Number(Expression):
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.number):
-            raise ModelError(f"{self.number!r} is not a number of a model; give a finite one")
+            raise ModelError(f"{self.number!r} is not allowed; give a finite number")
 
     def value(self, arguments: Sequence[float], mission_time_h: float) -> float:  # noqa: ARG002
         """Return the number."""

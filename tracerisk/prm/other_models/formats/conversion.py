@@ -54,7 +54,7 @@ def logic_of_dynamic(tree: DynamicTree, mission_time_h: float | None = None) -> 
     found = [*dynamic, *(tie.name for tie in tree.ties)]
     if found:
         raise ModelError(
-            f"{_listed(found)}: what depends on the order of failures can be held by Galileo only"
+            f"{_listed(found)}: only Galileo can hold elements that depend on the order of failures"
         )
     return LogicModel(
         name=tree.top,
@@ -79,7 +79,9 @@ def logic_of_tree(
     given = dict(values or {})
     unknown = sorted(set(given) - set(tree.parameters))
     if unknown:
-        raise ModelError(f"'{unknown[0]}' is no parameter; {one_of(tree.parameters, unknown[0])}")
+        raise ModelError(
+            f"'{unknown[0]}' is not a parameter; {one_of(tree.parameters, unknown[0])}"
+        )
     written = _of_gates(tree)
     shared = [name for name in tree.parameters if name in given]
     taken = set(_names_of(written))
@@ -156,9 +158,9 @@ def tree_of_logic(
     """
     if model.event_trees:
         names = _listed([each.name for each in model.event_trees])
-        raise ModelError(f"{names}: event trees can be held by Open-PSA and OpenPRA only")
+        raise ModelError(f"{names}: only Open-PSA and OpenPRA can hold event trees")
     if top is None and len(model.tops) != 1:
-        raise ModelError(f"the model has {len(model.tops)} tops; say which: {one_of(model.tops)}")
+        raise ModelError(f"the model has {len(model.tops)} tops; choose one: {one_of(model.tops)}")
     name = model.tops[0] if top is None else top
     tree = model.fault_tree(name, mission_time_h=mission_time_h or 0.0)
     evaluation = Evaluation(model.definitions.by_name, mission_time_h or 0.0)
@@ -174,12 +176,12 @@ def tree_of_logic(
         events.append(replace(event, model=found))
     if timed:
         raise ModelError(
-            f"{_listed(timed)}: the figure is an expression of the mission time that no law of "
-            "Galileo is; give a mission time to write its probability"
+            f"{_listed(timed)}: the figure depends on the mission time and is none of Galileo's "
+            "failure laws; give a mission time to write its probability"
         )
     bare = [event.name for event in events if event.model is None]
     if bare:
-        raise ModelError(f"{_listed(bare)}: no figure is given, and Galileo needs one")
+        raise ModelError(f"{_listed(bare)}: no figure is given, but Galileo needs one")
     # A tree's own parameters tie events together, which Galileo has no word for.
     own = tuple(replace(event, parameter=event.name) for event in events)
     return _of_gates(replace(tree, events=own))
@@ -222,7 +224,7 @@ def _expression(name: str, model: FailureModel, mission_time_h: float | None) ->
         return Weibull(scale, shape, shift, MissionTime())
     if mission_time_h is None:
         raise ModelError(
-            f"event '{name}': Open-PSA has no word for {type(model).__name__}; give a mission "
+            f"event '{name}': Open-PSA cannot express {type(model).__name__}; give a mission "
             "time to write its probability"
         )
     return Number(model.probability(mission_time_h).p)

@@ -22,7 +22,7 @@ def expanded_chain(model: HybridModel, *, limit: int = MOST_STATES) -> MarkovCha
     if states.most is not None:
         raise TooLargeError(
             f"the chain of '{model.name}' with its hidden failures has more than {limit} states; "
-            "solve the model itself, which bounds what is beyond"
+            "solve the model itself, which bounds the remaining states"
         )
     chain = HiddenChain(states)
     failures = model.failure_states

@@ -144,7 +144,8 @@ def _read_transitions(
     first, words = next(_lines(text), (1, []))
     if not words:
         raise ModelError(
-            "the file is empty; it begins with dtmc, ctmc or the numbers of states and transitions",
+            "the file is empty; it must begin with dtmc, ctmc or the numbers of states and "
+            "transitions",
             Location(file, 1, 1),
         )
     declared: tuple[int, int] | None = None
@@ -152,13 +153,13 @@ def _read_transitions(
         word = words[0][1].lower()
         if word not in ("dtmc", "ctmc"):
             raise ModelError(
-                f"'{words[0][1]}' is not a kind of chain that is read; allowed: ctmc, dtmc",
+                f"'{words[0][1]}' is not a supported kind of chain; allowed: ctmc, dtmc",
                 Location(file, first, words[0][0]),
             )
         stated = ChainKind(word)
         if kind is not None and kind is not stated:
             raise ModelError(
-                f"the file holds a {stated.value}, not a {kind.value}", Location(file, first, 1)
+                f"the file contains a {stated.value}, not a {kind.value}", Location(file, first, 1)
             )
         kind = stated
     elif len(words) == 2:
@@ -166,19 +167,20 @@ def _read_transitions(
     head = first if len(words) < 3 else 0
     if declared is not None and declared[0] > most_states:
         raise TooLargeError(
-            f"{file}:{first}: {declared[0]} states are announced; at most {most_states} are read"
+            f"{file}:{first}: {declared[0]} states are declared; at most {most_states} are "
+            "supported"
         )
     _check_end(text, file, most_states)
     count = sum(len(piece.splitlines()) for piece in _pieces(text)) - head
     if count > MOST_TRANSITIONS:
         raise TooLargeError(
-            f"{file}: {count} lines; at most {MOST_TRANSITIONS} transitions are read"
+            f"{file}: {count} lines; at most {MOST_TRANSITIONS} transitions are supported"
         )
     # Each line names two states at most; a greater number is not a state of this file.
     named = max(2 * count, _UNNAMED)
     if declared is not None and declared[0] > named:
         raise TooLargeError(
-            f"{file}:{first}: {declared[0]} states are announced, and {count} lines name at most "
+            f"{file}:{first}: {declared[0]} states are declared, but {count} lines name at most "
             f"{2 * count}"
         )
     allowed = min(named, most_states, declared[0] if declared is not None else named)
@@ -186,13 +188,13 @@ def _read_transitions(
         found, highest, there, last = _rows(text, head, file, allowed, most_states, declared)
     if declared is not None and there != declared[1]:
         raise ModelError(
-            f"{declared[1]} transitions are announced and {there} are there; "
-            "the file is cut off or its first line is wrong",
+            f"{declared[1]} transitions are declared, but the file has {there}; it is truncated "
+            "or its first line is wrong",
             Location(file, last or first),
         )
     size = declared[0] if declared is not None else highest + 1
     if size == 0:
-        raise ModelError("the file holds no transition", Location(file, first))
+        raise ModelError("the file contains no transitions", Location(file, first))
     kind = kind or ChainKind.DTMC
     if kind is ChainKind.DTMC:
         _check_sums(found, text, head, file)
@@ -217,7 +219,7 @@ def _check_end(text: str, file: str, most_states: int) -> None:
         if len(word) < _LONG and word.isascii() and word.isdigit() and int(word) >= most_states:
             raise TooLargeError(
                 f"{file}: state {int(word)} in the last lines; at most {most_states} states are "
-                "read"
+                "supported"
             )
 
 
@@ -304,7 +306,7 @@ def _twice(document: str, head: int, file: str) -> ModelError:
         way = int(words[0][1]), int(words[1][1])
         if way in seen:
             return ModelError(
-                f"duplicate transition from {way[0]} to {way[1]}; add the two up",
+                f"duplicate transition from {way[0]} to {way[1]}; add up the two",
                 Location(file, number, words[0][0]),
             )
         seen.add(way)
@@ -322,7 +324,7 @@ def _beyond(
     """Return the error of a state that the file cannot have."""
     if state >= most_states:
         return TooLargeError(
-            f"{file}:{number}: state {state}; at most {most_states} states are read"
+            f"{file}:{number}: state {state}; at most {most_states} states are supported"
         )
     if declared is not None and state >= declared[0]:
         return ModelError(
@@ -330,8 +332,8 @@ def _beyond(
             Location(file, number, _words(line)[0][0]),
         )
     return TooLargeError(
-        f"{file}:{number}: state {state}, but so few lines do not name so many states; number "
-        "the states from 0 on"
+        f"{file}:{number}: state {state}, too high for a file with so few lines; number the "
+        "states from 0"
     )
 
 
@@ -339,7 +341,7 @@ def _transition(line: str, words: list[str], file: str, number: int) -> tuple[in
     """Return source, target and weight of a line, which is split into words."""
     if len(words) not in (3, 4):
         raise ModelError(
-            f"{len(words)} words; a transition is a state, the next state and a number",
+            f"{len(words)} words; expected a state, the next state and a number",
             Location(file, number, _words(line)[0][0]),
         )
     source, target, text = words[:3]
@@ -389,7 +391,7 @@ def _read_labels(text: str, file: str, count: int) -> dict[str, frozenset[int]]:
     first, words = next(_lines(text), (1, []))
     if not words:
         raise ModelError(
-            'the file is empty; it begins with #DECLARATION or 0="init"', Location(file, 1, 1)
+            'the file is empty; it must begin with #DECLARATION or 0="init"', Location(file, 1, 1)
         )
     if words[0][1].startswith("#"):
         return _storm_labels(text, file, count)

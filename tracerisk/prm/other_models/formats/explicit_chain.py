@@ -81,7 +81,7 @@ class ExplicitChain:
         Raises ModelError for a chain in continuous time, and as MarkovChain does.
         """
         if self.kind is not ChainKind.DTMC:
-            raise ModelError("a ctmc has rates, no probabilities; ask for its continuous_chain()")
+            raise ModelError("a ctmc has rates, not probabilities; use continuous_chain()")
         return MarkovChain(self._named_rows(), self._named(self.absorbing))
 
     def matrix_chain(self) -> MatrixChain:
@@ -95,7 +95,7 @@ class ExplicitChain:
         from scipy.sparse import csr_array
 
         if self.kind is not ChainKind.DTMC:
-            raise ModelError("a ctmc has rates, no probabilities; ask for its continuous_chain()")
+            raise ModelError("a ctmc has rates, not probabilities; use continuous_chain()")
         counts = np.fromiter(map(len, self.rows), dtype=np.int64, count=len(self.rows))
         ends = np.concatenate((np.zeros(1, np.int64), np.cumsum(counts)))
         targets = np.fromiter(chain.from_iterable(self.rows), np.int32, count=int(ends[-1]))
@@ -111,7 +111,7 @@ class ExplicitChain:
         Raises ModelError for a chain in discrete time, and as ContinuousChain does.
         """
         if self.kind is not ChainKind.CTMC:
-            raise ModelError("a dtmc has probabilities, no rates; ask for its markov_chain()")
+            raise ModelError("a dtmc has probabilities, not rates; use markov_chain()")
         return ContinuousChain(self._named_rows(), self._named(self.absorbing))
 
     def _named(self, states: Iterable[int]) -> tuple[str, ...]:
@@ -154,8 +154,8 @@ def explicit_chain(
     for label, states in (labels or {}).items():
         if label in sets or label in _KEPT or _NOT_IN_IDENTIFIERS.search(label) or not label:
             raise ModelError(
-                f"label '{label}': a label is a name of letters, digits and underscores that "
-                f"stands once and is none of {', '.join(_KEPT)}"
+                f"label '{label}': a label must be unique, of letters, digits and underscores, "
+                f"and none of {', '.join(_KEPT)}"
             )
         chosen = list(states)
         for state in chosen:

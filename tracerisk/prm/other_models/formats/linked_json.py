@@ -103,7 +103,7 @@ def _model(top: Element) -> LinkedModel:
     if version != VERSION or isinstance(version, bool):
         found["version"].fail(
             f"is {version!r}; this version of tracerisk reads {VERSION}: "
-            "write the model anew with it, or take the version that wrote it"
+            "write the model again with it, or use the version that wrote it"
         )
     places: dict[str, Element] = {}
 

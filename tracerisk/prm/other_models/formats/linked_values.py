@@ -96,7 +96,7 @@ def value_to_json(expression: Expression) -> Any:
         return {expression.function: terms[0] if len(terms) == 1 else terms}
     if type(expression) in _NAMES:
         return {_NAMES[type(expression)]: terms}
-    raise ModelError(f"{type(expression).__name__} has no place in the JSON of linked models")
+    raise ModelError(f"{type(expression).__name__} cannot be written to the JSON of a linked model")
 
 
 def read_value(element: Element) -> Expression:
@@ -158,7 +158,9 @@ def _histogram(inner: Element) -> Expression:
     for each in found["bins"].items():
         pair = each.each(read_value)
         if len(pair) != 2:
-            each.fail(f"a bin is its upper boundary and its weight, found {len(pair)} values")
+            each.fail(
+                f"expected the upper boundary and the weight of a bin, found {len(pair)} values"
+            )
         bounds.append(pair[0])
         weights.append(pair[1])
     return Histogram(tuple(bounds), tuple(weights))

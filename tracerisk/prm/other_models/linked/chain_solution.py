@@ -48,19 +48,21 @@ class ChainToSolve:
         """Raise ModelError when a link asks for a state or a time that the chain has not."""
         here = f"{self.chain.key}"
         if not isinstance(link, Absorption | Occupancy):
-            raise ModelError(f"{here} has no such figure as {type(link).__name__}")
+            raise ModelError(f"{here} has no figure of type {type(link).__name__}")
         allowed = self.chain.states
         if isinstance(link, Absorption):
             if self.chain.time == "continuous":
-                raise ModelError(f"{here} is in continuous time; ask for its occupancy at a time")
+                raise ModelError(f"{here} is in continuous time; use its occupancy at a time")
             allowed = self.chain.absorbing
         elif (self.chain.time == "discrete") is (link.steps is None) or (
             link.steps is not None and (link.steps < 0 or link.time_h is not None)
         ):
             needed = "a number of steps" if self.chain.time == "discrete" else "a time in hours"
-            raise ModelError(f"{here} is in {self.chain.time} time; ask for it after {needed}")
+            raise ModelError(
+                f"{here} is in {self.chain.time} time; ask for its occupancy after {needed}"
+            )
         if not link.states:
-            raise ModelError(f"{here}: a figure of no state; {one_of(allowed)}")
+            raise ModelError(f"{here}: no state is given; {one_of(allowed)}")
         for state in link.states:
             if state not in allowed:
                 kind = "an absorbing state" if isinstance(link, Absorption) else "a state"
@@ -197,7 +199,7 @@ class SolvedChain:
         if abs(total - 1.0) > _ROW_TOLERANCE:
             raise ModelError(
                 f"{where}: its transitions sum to {total!r}; they must sum to 1, or one of them "
-                "be the remainder"
+                "must be the remainder"
             )
         return total
 
@@ -220,8 +222,8 @@ class SolvedChain:
                 rate = self._inputs[place].p
                 if not 0.0 <= rate < math.inf:
                     raise ModelError(
-                        f"{self._made.chain.key}, state '{state}': rate {rate!r} to '{target}' is "
-                        "no finite number of events per hour from 0 up"
+                        f"{self._made.chain.key}, state '{state}': rate {rate!r} to '{target}' "
+                        "is not a finite number of 0 or more events per hour"
                     )
 
     def _targets(self, link: Link) -> tuple[str, ...]:

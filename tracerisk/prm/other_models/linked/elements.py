@@ -138,7 +138,7 @@ class LinkedChain:
         for step in self.transitions:
             here = f"{where}, transition '{step.source}' to '{step.target}'"
             if (step.source, step.target) in seen:
-                raise ModelError(f"{here}: duplicate transition; add the two up")
+                raise ModelError(f"{here}: duplicate transition; add up the two")
             seen.add((step.source, step.target))
             if self.time == "continuous" and (step.value is None or step.source == step.target):
                 found = "the remainder" if step.value is None else "its own source"

@@ -171,6 +171,6 @@ def _ordered(made: Mapping[ElementKey, Prepared]) -> list[ElementKey]:
 
     def cycle(path: list[ElementKey]) -> ModelError:
         shown = " -> ".join(map(str, path[path.index(path[-1]) :]))
-        return ModelError(f"elements depend on one another: {shown}; break the cycle")
+        return ModelError(f"elements depend on each other: {shown}; break the cycle")
 
     return upwards(made, below, cycle)

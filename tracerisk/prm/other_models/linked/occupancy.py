@@ -128,8 +128,8 @@ def check_steps(count: float, rows: Sequence[Mapping[int, float]]) -> None:
     numbers = count * (len(rows) + sum(len(row) for row in rows))
     if numbers > _MOST_NUMBERS:
         raise TooLargeError(
-            f"about {count:.3g} steps of {len(rows)} states; allowed are {_MOST_NUMBERS:.0e} "
-            "numbers, steps times states and transitions: give a shorter time, or slower rates"
+            f"about {count:.3g} steps of {len(rows)} states; allowed: {_MOST_NUMBERS:.0e} "
+            "numbers, steps times states and transitions; give a shorter time, or slower rates"
         )
 
 

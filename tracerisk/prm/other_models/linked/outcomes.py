@@ -35,8 +35,8 @@ def outcome_trees(
         for event, value in zip(each.tree.events, each.inputs, strict=True):
             if values.setdefault(event.name, value) != value:
                 raise ModelError(
-                    f"event tree '{event_tree.name}': event '{event.name}' has two values in the "
-                    "fault trees that it joins; rename one"
+                    f"event tree '{event_tree.name}': event '{event.name}' has different values "
+                    "in the fault trees that it joins; rename one"
                 )
     forest = Forest.of(each.tree for each in made)
     others = tuple(linked)

@@ -225,8 +225,8 @@ def _poisson(means: Samples, least: int) -> list[Values]:
     greatest = float(means.max())
     if greatest > _MOST_STEPS:
         raise TooLargeError(
-            f"a chain in continuous time takes {greatest:.3g} steps in a draw; allowed are "
-            f"{_MOST_STEPS}: give a shorter time, or slower rates"
+            f"a chain in continuous time takes {greatest:.3g} steps in a draw; allowed: "
+            f"{_MOST_STEPS}; give a shorter time, or slower rates"
         )
     logs = np.log(means)
     return [

@@ -85,15 +85,15 @@ def tree_to_solve(tree: LinkedTree, trees: Mapping[str, LinkedTree]) -> TreeToSo
         for event in part.events:
             if events.setdefault(event.name, event.value) != event.value:
                 raise ModelError(
-                    f"{tree.key}: event '{event.name}' has one value in "
-                    f"'{origin[event.name]}' and another in '{part.name}', which transfers join; "
+                    f"{tree.key}: event '{event.name}' has different values in "
+                    f"'{origin[event.name]}' and '{part.name}', which transfers join; "
                     "rename one"
                 )
             origin.setdefault(event.name, part.name)
         for house in part.houses:
             if houses.setdefault(house.name, house) != house:
                 raise ModelError(
-                    f"{tree.key}: house event '{house.name}' has two states in trees that "
+                    f"{tree.key}: house event '{house.name}' has different states in trees that "
                     "transfers join; rename one"
                 )
         gates += [
@@ -127,7 +127,7 @@ def _parts(tree: LinkedTree, trees: Mapping[str, LinkedTree]) -> list[LinkedTree
 
     def cycle(path: list[str]) -> ModelError:
         shown = " -> ".join(f"'{name}'" for name in path)
-        return ModelError(f"{tree.key}: transfers lead back ({shown}); break the cycle")
+        return ModelError(f"{tree.key}: transfers form a cycle ({shown}); break the cycle")
 
     return [known[name] for name in upwards((tree.name,), below, cycle)]
 

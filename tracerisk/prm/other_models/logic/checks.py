@@ -97,7 +97,7 @@ def _check_names(model: LogicModel) -> None:
                     )
                 if not name or not name.isprintable() or name in (ALWAYS, NEVER):
                     raise ElementError(
-                        kind, name, f"{name!r} names a {kind}; it needs other, printable characters"
+                        kind, name, f"{name!r} names a {kind}; use printable characters"
                     )
                 kinds[name] = kind
 
@@ -109,7 +109,7 @@ def _check_cycles(kind: str, below: Mapping[str, tuple[str, ...]]) -> None:
         name = path[-1]
         shown = " -> ".join(path[path.index(name) :])
         return ElementError(
-            kind, name, f"{kind} '{name}' stands above itself ({shown}); break the cycle"
+            kind, name, f"{kind} '{name}' depends on itself ({shown}); break the cycle"
         )
 
     upwards(below, lambda name: [each for each in below[name] if each in below], cycle)
@@ -143,7 +143,9 @@ def _check_groups(model: LogicModel) -> None:
             if member not in events:
                 problem = f"member '{member}' is not a basic event; {suggestion(events, member)}"
             elif member in owners:
-                problem = f"member '{member}' is one of '{owners[member]}' too; take one out"
+                problem = (
+                    f"member '{member}' is a member of '{owners[member]}' too; remove it from one"
+                )
             if problem:
                 raise ElementError("common cause group", group.name, f"{where}: {problem}")
             owners[member] = group.name

@@ -90,7 +90,7 @@ class CommonCauseGroup:
             raise ModelError(f"{where}: all factors are 0; give one that is not")
         if self.law is CommonCauseLaw.PHI and abs(fsum(self.factors) - 1.0) > 1e-4:
             raise ModelError(
-                f"{where}: the factors sum to {fsum(self.factors)!r}; those of phi-factor sum to 1"
+                f"{where}: the factors sum to {fsum(self.factors)!r}; phi-factors must sum to 1"
             )
         if self.staggered and self.law is not CommonCauseLaw.ALPHA:
             raise ModelError(f"{where}: staggered is for alpha-factor only; leave it out")
@@ -228,8 +228,8 @@ def _like_members(
             )
         if member in owners:
             raise ModelError(
-                f"{where}: member '{member}' is one of group '{owners[member]}' too; "
-                "give it to one of them"
+                f"{where}: member '{member}' is in group '{owners[member]}' too; keep it in one "
+                "of them"
             )
         owners[member] = group.name
     first = events[group.members[0]]
@@ -237,6 +237,7 @@ def _like_members(
         if events[member].parameter != first.parameter:
             raise ModelError(
                 f"{where}: members '{first.name}' and '{member}' have the parameters "
-                f"'{first.parameter}' and '{events[member].parameter}'; give all members one"
+                f"'{first.parameter}' and '{events[member].parameter}'; give all members the "
+                "same parameter"
             )
     return first

@@ -24,8 +24,8 @@ def solved_event_trees(
     begun = [tree for tree in trees if tree.initiating is not None]
     if begun and model.substitutions:
         raise ModelError(
-            f"event tree '{begun[0].name}' stands in a model with substitutions, which apply to "
-            "fault trees alone; take them out, or write them as gates"
+            f"event tree '{begun[0].name}' is in a model with substitutions, which apply to "
+            "fault trees only; remove them, or write them as gates"
         )
     conditions: dict[str, None] = {}
     for tree in begun:

@@ -136,11 +136,12 @@ def propagate(
     } | own
     if not inputs:
         raise ModelError(
-            f"nothing below '{top}' is uncertain; give parameters or events deviates in the model"
+            f"nothing below '{top}' is uncertain; use deviates for parameters or events in the "
+            "model"
         )
     for name, count in cut.items():
         if count and name not in own and name not in shared:
-            note(f"{name}: {count} of {samples} samples above 1 were taken as 1")
+            note(f"{name}: {count} of {samples} samples above 1 were set to 1")
     results: Array = tree.probabilities(drawn)[:, 0]
     shares = first_order_shares(np.column_stack(list(inputs.values())), results)
     evaluation = Evaluation(names, mission_time_h)
@@ -167,7 +168,7 @@ def _sampled(model: FailureModel, sampling: Sampling, owner: str) -> Array:
         return model.share * np.minimum(whole, 1.0)
     if isinstance(model, ExpressionModel):
         return sampling.of(model.expression, owner)
-    raise ModelError(f"event '{owner}': {type(model).__name__} cannot be drawn")
+    raise ModelError(f"event '{owner}': {type(model).__name__} cannot be sampled")
 
 
 def _expression(model: FailureModel) -> Expression | None:
@@ -191,7 +192,7 @@ def _check_factors(model: LogicModel) -> None:
             if _holds_deviate(expression):
                 raise ModelError(
                     f"common cause group '{group.name}': a factor is a deviate, which cannot be "
-                    "drawn; give it a number, or solve without --uncertainty"
+                    "sampled; give it a number, or solve without --uncertainty"
                 )
             more = [name for name in references(expression) if name not in seen]
             seen.update(more)

@@ -142,8 +142,8 @@ def _substituted(model: LogicModel, top: str, gates: dict[str, Gate]) -> str:
     for each in model.substitutions:
         if each.sources:
             raise ModelError(
-                f"substitution '{each.name}' replaces events in cut sets, which has no exact "
-                "probability; leave out its sources, or the substitution",
+                f"substitution '{each.name}' replaces events in cut sets, so the exact "
+                "probability is undefined; remove its sources, or the substitution",
                 model.locations.get(("substitution", each.name)),
             )
         name = f"#{each.name}"

@@ -97,7 +97,7 @@ class MarkovChain(DisplayedGraph):
         """
         check_entry(entry, self.transitions)
         if steps < 0:
-            raise ModelError(f"{steps} steps: a chain takes none or more")
+            raise ModelError(f"{steps} steps; allowed: 0 or more")
         return distribution_after(self.transitions, self.absorbing, entry, steps)
 
 
@@ -137,8 +137,8 @@ def check_absorbed(
     caught = [state for state in transitions if state not in absorbed]
     if caught:
         raise ModelError(
-            f"the chain never ends once in {', '.join(caught)}; "
-            f"lead each to an absorbing state ({', '.join(absorbing) or 'there is none'})"
+            f"no absorbing state can be reached from {', '.join(caught)}; lead each to one "
+            f"({', '.join(absorbing) or 'there is none'})"
         )
 
 

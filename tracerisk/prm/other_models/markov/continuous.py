@@ -46,8 +46,8 @@ class ContinuousChain:
             check_targets(state, row, known, "rate")
             if not 2.0 * sum(row.values()) < math.inf:
                 raise ModelError(
-                    f"state '{state}': its rates come to more than the greatest number; give all "
-                    "in a shorter unit of time"
+                    f"state '{state}': the sum of its rates overflows; give all rates in a "
+                    "shorter unit of time"
                 )
 
     def solve(self, entry: str) -> ContinuousSolution:
@@ -163,7 +163,7 @@ class ContinuousChain:
         """Return the one set of states that is never left, in order."""
         names = (*self.rates, *self.absorbing)
         if not names:
-            raise ModelError("a chain without states has no long run; give it one")
+            raise ModelError("a chain without states has no steady state; give it one state")
         onward = {s: [t for t, r in row.items() if r > 0.0] for s, row in self.rates.items()}
         sources: dict[str, list[str]] = {name: [] for name in names}
         for state, targets in onward.items():
@@ -176,8 +176,8 @@ class ContinuousChain:
         if rest:
             one, other = min(closed), rest[0]
             raise ModelError(
-                f"the long run depends on the start: once in '{one}' or in '{other}' the chain "
-                "does not come to the other; join them, or solve for absorption"
+                f"the steady state depends on the start: '{one}' and '{other}' cannot reach each "
+                "other; connect them, or solve for absorption"
             )
         return [name for name in names if name in closed]
 
@@ -223,7 +223,7 @@ class ContinuousSolution:
         if reached[entry] == 0.0:
             raise ModelError(
                 f"{', '.join(sorted(chosen)) or 'no target'} is never reached from '{entry}'; "
-                "there is no time until then"
+                "the time until then is undefined"
             )
         return math.fsum(
             time * (reached[state] / reached[entry]) for state, time in self._times.items()

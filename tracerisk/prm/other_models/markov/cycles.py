@@ -53,5 +53,5 @@ class CycleFigures:
 
 def _counted(number: int) -> int:
     if number < 1:
-        raise ModelError(f"cycle {number}: cycles count from 1")
+        raise ModelError(f"cycle {number}; cycles are numbered from 1")
     return number

@@ -89,7 +89,7 @@ class ChainSolution:
         if reached[self.entry] == 0.0:
             raise ModelError(
                 f"{', '.join(sorted(chosen)) or 'no target'} is never reached from "
-                f"'{self.entry}'; there is no time until then"
+                f"'{self.entry}'; the time until then is undefined"
             )
         # Division comes first: far from the targets the product of the two may be no double.
         return math.fsum(
@@ -108,7 +108,9 @@ class ChainSolution:
         """
         length = self.expected_time(durations)
         if length == 0.0:
-            raise ModelError("the chain ends at once: no visit has a duration; give one above 0")
+            raise ModelError(
+                "the mean time to absorption is 0: no visit has a duration; give one above 0"
+            )
         chosen = self._chosen(targets)
         ends = math.fsum(p for state, p in self.absorption().items() if state in chosen)
         return ends / length

@@ -115,9 +115,9 @@ class CertifiedSolver:
         if trial:
             return None
         raise TooLargeError(
-            f"a chain of {self._weights.size} transient states: elimination would fill it in "
-            f"beyond its budget, and iteration came to {reached} where a relative error of "
-            f"{_BOUND:.0e} was asked for; merge states, or raise the budget of elimination"
+            f"a chain of {self._weights.size} transient states: the fill-in of elimination "
+            f"exceeds its budget, and iteration reached {reached} instead of a relative error of "
+            f"{_BOUND:.0e}; merge states, or raise the budget of elimination"
         )
 
 

@@ -86,7 +86,7 @@ def moves_in(time: float, fastest: float) -> float:
     if not mean < math.inf:
         raise TooLargeError(
             f"a chain that moves {fastest:.3g} times in a unit of time, over {time:.3g} of them, "
-            "moves more often than can be counted; give a shorter time"
+            "makes too many transitions to count; give a shorter time"
         )
     return mean
 

@@ -42,8 +42,8 @@ class Answer:
         """The one value; ModelError where the states to start from differ beyond rounding."""
         if not self.single:
             raise ModelError(
-                f"{self.question.text}: from {self.least!r} to {self.greatest!r}, by the state in "
-                "which the chain starts; ask for filter(min, ...) or filter(max, ...)"
+                f"{self.question.text}: from {self.least!r} to {self.greatest!r}, depending on "
+                "the initial state; use filter(min, ...) or filter(max, ...)"
             )
         return self.greatest
 
@@ -78,7 +78,7 @@ def ask(
     except RecursionError as error:
         raise ModelError("an expression nests too deeply") from error
     except OverflowError as error:
-        raise ModelError(f"an expression has too large a value: {error}") from error
+        raise ModelError(f"the value of an expression is too large: {error}") from error
 
 
 @dataclass(slots=True)
@@ -129,7 +129,7 @@ class _Questions:
         chosen: Sequence[int] = self.chain.starts or (self.chain.initial,)
         if each.filter is not None:
             if each.bound is not None:
-                raise ModelError("a limit within a filter is not read", each.location)
+                raise ModelError("a limit within a filter is not supported", each.location)
             meant = each.filter.states
             chosen = (
                 range(len(self.chain.rows))
@@ -137,7 +137,7 @@ class _Questions:
                 else [state for state, holds in enumerate(self._holds(meant)) if holds]
             )
             if not chosen:
-                raise ModelError("the filter is for no state", each.location)
+                raise ModelError("the filter selects no state", each.location)
         values = self._by_state(each, chosen)
         if each.filter is not None:
             values = _filtered(each.filter.operator, values, each.location)
@@ -161,7 +161,8 @@ class _Questions:
             return [found[state] for state in chosen]
         if len(chosen) > _MOST_STARTS:
             raise TooLargeError(
-                f"{len(chosen)} states to start from, and a time; at most {_MOST_STARTS} are taken"
+                f"{len(chosen)} initial states for a property with a time; at most "
+                f"{_MOST_STARTS} are supported"
             )
         return [found(state) for state in chosen]
 
@@ -178,7 +179,7 @@ class _Questions:
             return [float(asked.operator == "G")] * len(right)
         if asked.operator == "G":
             if low > 0.0:
-                raise ModelError("G from a time on is not read", self._place(asked))
+                raise ModelError("G with a lower time bound is not supported", self._place(asked))
             if math.isinf(high):
                 return self._values.always(right)
             return lambda state: self._values.always_within(right, high, state)
@@ -257,7 +258,7 @@ class _Questions:
         if self._work > _MOST_WORK:
             raise TooLargeError(
                 f"properties of {len(self.chain.rows)} states take more than {_MOST_WORK} "
-                "operations; ask for fewer at a time, or name sets of states by labels"
+                "operations; ask fewer at a time, or name sets of states by labels"
             )
         found = []
         for number, state in enumerate(self.states):
@@ -267,7 +268,9 @@ class _Questions:
 
 def _filtered(how: str, values: list[float], location: Location) -> list[float]:
     if how == "state" and len(values) != 1:
-        raise ModelError(f"filter(state, ...) is for one state, not {len(values)}", location)
+        raise ModelError(
+            f"filter(state, ...) needs exactly one state, found {len(values)}", location
+        )
     chosen: dict[str, Callable[[], list[float]]] = {
         "avg": lambda: [math.fsum(values) / len(values)],
         "first": lambda: values[:1],

@@ -101,7 +101,7 @@ def _property(cursor: Cursor, lines: list[str]) -> Property:
         operator = cursor.name("the operator of a filter")
         if operator.text not in _FILTERS:
             raise ModelError(
-                f"filter {operator.text} is not read; allowed: {', '.join(_FILTERS)}",
+                f"filter {operator.text} is not supported; allowed: {', '.join(_FILTERS)}",
                 operator.location,
             )
         cursor.expect(",")
@@ -112,10 +112,11 @@ def _property(cursor: Cursor, lines: list[str]) -> Property:
         chosen = Filter(operator.text, states)
     end = cursor.now
     if end.text == "{":
-        raise ModelError("a filter in braces is not read; write filter(...)", end.location)
+        raise ModelError("a filter in braces is not supported; write filter(...)", end.location)
     if end.kind == "sign" and end.text != ";":
         raise ModelError(
-            f"'{end.text}' behind a property: arithmetic and logic of properties are not read",
+            f"'{end.text}' after a property: arithmetic and logic over properties are not "
+            "supported",
             end.location,
         )
     text = _between(lines, cursor.tokens[first].location, cursor.tokens[cursor.position - 1])
@@ -125,7 +126,7 @@ def _property(cursor: Cursor, lines: list[str]) -> Property:
 def _question(cursor: Cursor) -> Property:
     word = cursor.now
     if word.text in _OTHERS:
-        raise ModelError(f"{_OTHERS[word.text]}: not read; P, R and S are", word.location)
+        raise ModelError(f"{_OTHERS[word.text]} is not supported; allowed: P, R, S", word.location)
     if word.text not in ("P", "R", "S"):
         word.refuse("a property that begins with P, R or S")
     cursor.take()
@@ -140,7 +141,7 @@ def _question(cursor: Cursor) -> Property:
             inside.refuse("the name of rewards in quotes")
         cursor.expect("}")
     if cursor.now.text in ("min", "max"):
-        raise ModelError(f"{_OTHERS['Pmin']}: not read", cursor.now.location)
+        raise ModelError(f"{_OTHERS['Pmin']}: not supported", cursor.now.location)
     bound = None
     if cursor.accept("="):
         cursor.expect("?")
@@ -172,12 +173,15 @@ def _check_flat(cursor: Cursor) -> None:
             continue
         operator = following.text in ("=", "{", *_SIGNS)
         if token.text in _OTHERS or (token.text in ("P", "R", "S") and operator):
-            raise ModelError(f"{token.text} within a property: not read", token.location)
+            raise ModelError(
+                f"{token.text} within a property: nested properties are not supported",
+                token.location,
+            )
         words += token.text in _PATH_WORDS
         if words > 1:
             raise ModelError(
-                f"'{token.text}' beside another temporal operator: LTL is not read; "
-                "one of F, G, U, W, X is",
+                f"'{token.text}' beside another temporal operator: LTL is not supported; use one "
+                "of F, G, U, W, X",
                 token.location,
             )
 
@@ -193,13 +197,13 @@ def _path(cursor: Cursor) -> Asked:
     left = parse_expression(cursor)
     word = cursor.now
     if word.text == "R":
-        raise ModelError("the operator R (release) is not read; write it by W", word.location)
+        raise ModelError("the operator R (release) is not supported; use W", word.location)
     if word.kind != "name" or word.text not in ("U", "W"):
         word.refuse("F, G, U, W or X")
     cursor.take()
     window = _window(cursor)
     if word.text == "W" and window != Window():
-        raise ModelError("W within a time is not read", word.location)
+        raise ModelError("W with a time bound is not supported", word.location)
     return Asked(word.text, parse_expression(cursor), left, window)
 
 
@@ -208,7 +212,7 @@ def _reward(cursor: Cursor) -> Asked:
     if word.text == "F":
         window = _window(cursor)
         if window != Window():
-            raise ModelError("rewards until F within a time are not read", word.location)
+            raise ModelError("rewards until F with a time bound are not supported", word.location)
         return Asked("F", parse_expression(cursor))
     if word.text == "S":
         return Asked("S")
@@ -219,7 +223,9 @@ def _reward(cursor: Cursor) -> Asked:
             cursor.now.refuse("<= and a time")
         return Asked("C", window=Window(high=parse_expression(cursor)))
     if word.text in _PATH_WORDS:
-        raise ModelError(f"rewards with {word.text}: not read; F, C, I and S are", word.location)
+        raise ModelError(
+            f"rewards with {word.text} are not supported; allowed: F, C, I, S", word.location
+        )
     if word.text != "I":
         word.refuse("F, C, I or S")
     cursor.expect("=")

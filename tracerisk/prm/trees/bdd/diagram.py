@@ -269,8 +269,8 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
     if len(budgets) < len(limits.nodes):
         raise no_library("a tree of this size")
     raise TooLargeError(
-        f"a part of {len(module.inputs)} events and {len(module.gates)} gates that share them "
-        f"outgrew every budget of its decision diagram: {', '.join(map(str, limits.nodes))} nodes "
+        f"a module of {len(module.inputs)} events and {len(module.gates)} gates that share them "
+        f"exceeded every budget of its decision diagram: {', '.join(map(str, limits.nodes))} nodes "
         f"with {len(reached)} orders of the events ({'; '.join(reached)}); give larger budgets "
         "(Limits.nodes), or divide the tree"
     )

@@ -89,7 +89,7 @@ def loads(text: str, file: str, parameters: Mapping[str, float] | None = None) -
         _read(draft, statement)
     if draft.top is None:
         raise ModelError(
-            'no statement says which gate is the top; write toplevel "name";', Location(file)
+            'no statement declares the top gate; write toplevel "name";', Location(file)
         )
     _check_inputs(draft)
     _make_outputs(draft)
@@ -144,26 +144,24 @@ def _with_values(draft: _Draft, attribute: tuple[Word, Word]) -> tuple[Word, Wor
 def _read(draft: _Draft, statement: Statement) -> None:
     words = statement.words
     if not words:
-        raise ModelError("a statement begins with a name", statement.attributes[0][0].place)
+        raise ModelError("a statement must begin with a name", statement.attributes[0][0].place)
     first = words[0]
     if not first.quoted and first.text == "toplevel":
         if len(words) != 2 or statement.attributes:
-            raise ModelError("toplevel needs one name behind it", first.place)
+            raise ModelError("toplevel needs exactly one name after it", first.place)
         if draft.top is not None:
-            raise ModelError(f"toplevel was said before, of '{draft.top.text}'", first.place)
+            raise ModelError(f"duplicate toplevel, already '{draft.top.text}'", first.place)
         draft.top = words[1]
         return
     if _is_parameter(statement):
         if len(words) != 2 or statement.attributes:
-            raise ModelError("param needs one name behind it", first.place)
+            raise ModelError("param needs exactly one name after it", first.place)
         draft.parameters.add(words[1].text)
         return
     attributes = tuple(_with_values(draft, each) for each in statement.attributes)
     name = first.text
     if name in draft.places:
-        raise ModelError(
-            f"'{name}' is defined a second time; the first is at {draft.places[name]}", first.place
-        )
+        raise ModelError(f"'{name}' is defined twice, first at {draft.places[name]}", first.place)
     draft.places[name] = first.place
     try:
         if attributes and attributes[0][0].text == "pdep":
@@ -301,7 +299,7 @@ def _make_outputs(draft: _Draft) -> None:
         kept = tuple(name for name in gate.inputs if name not in draft.dependencies)
         if not kept and gate.inputs:
             raise ModelError(
-                f"gate '{gate.name}' has no inputs but dependencies, which never happen",
+                f"gate '{gate.name}' has only dependencies as inputs, which never happen",
                 draft.places[gate.name],
             )
         if kept != gate.inputs:
@@ -344,8 +342,8 @@ def _dormancies(draft: _Draft) -> dict[str, float]:
             other, before = kinds.setdefault(name, (gate, kind))
             if before != kind:
                 raise ModelError(
-                    f"event '{name}' waits in {before} gate '{other}' and in {kind} gate "
-                    f"'{gate}', which say {_WAITING[before]:g} and {_WAITING[kind]:g}; "
+                    f"event '{name}' is a spare of {before} gate '{other}' and of {kind} gate "
+                    f"'{gate}', with the dormancies {_WAITING[before]:g} and {_WAITING[kind]:g}; "
                     "give it a dorm",
                     draft.places[name],
                 )

@@ -57,8 +57,8 @@ def read_statements(text: str, file: str) -> Iterator[Statement]:
             gathered.append(word)
     if gathered:
         raise ModelError(
-            f"the statement that begins with '{gathered[0].text}' has no semicolon at its end; "
-            "is the file whole?",
+            f"the statement that begins with '{gathered[0].text}' has no closing semicolon; is "
+            "the file truncated?",
             gathered[0].place,
         )
 
@@ -72,7 +72,7 @@ def _words(text: str, file: str) -> Iterator[Word]:
             what = "comment" if text.startswith("/*", position) else "name in quotes"
             if text[position] not in '"/':
                 what = "word"
-            raise ModelError(f"a {what} begins here that does not end", place)
+            raise ModelError(f"unterminated {what}", place)
         if found["quoted"] is not None:
             yield Word(found["quoted"], place, quoted=True)
         elif found["space"] is None:
@@ -93,7 +93,7 @@ def _statement(gathered: list[Word]) -> Statement:
             raise ModelError("an equals sign needs a name before it", word.place)
         if position + 1 < len(gathered) and gathered[position + 1].is_equals:
             if position + 2 >= len(gathered) or gathered[position + 2].is_equals:
-                raise ModelError(f"'{word.text}=' needs a value behind it", word.place)
+                raise ModelError(f"'{word.text}=' needs a value after it", word.place)
             attributes.append((word, gathered[position + 2]))
             position += 3
         else:

@@ -96,7 +96,7 @@ def _gates(tree: FaultTree | DynamicTree) -> Iterator[tuple[Gate | DynamicGate, 
             if gate.switch:
                 raise ModelError(
                     f"gate '{gate.name}': Galileo has no spares whose switch fails; "
-                    "take the switch as an event of its own"
+                    "model the switch as a separate event"
                 )
             kind = "wsp" if gate.kind is DynamicKind.SPARE else gate.kind.value
             yield gate, kind if gate.inclusive else f"{kind}-excl"
@@ -148,8 +148,8 @@ def _law(name: str, model: FailureModel, mission_time_h: float | None) -> str:
         return f"mean={float(model.mean)!r} stddev={float(model.deviation)!r}"
     if mission_time_h is None:
         raise ModelError(
-            f"event '{name}': Galileo has no word for {type(model).__name__}; give a mission time "
-            "to write the probability that it has then"
+            f"event '{name}': Galileo cannot express {type(model).__name__}; give a mission time "
+            "to write its probability"
         )
     return f"prob={model.probability(mission_time_h).p!r}"
 

@@ -196,7 +196,10 @@ class Collector:
         if form:
             return read_name(name, form)
         if "." in name:
-            element.fail(f"the name '{name}' has a point, which joins names to paths; rename it")
+            element.fail(
+                f"the name '{name}' contains a point, which separates the names of a "
+                "path; rename it"
+            )
         return name
 
     def name(self, element: Element) -> str:
@@ -217,7 +220,7 @@ class Collector:
             element.fail(f"<{element.tag}> has the role '{role}'; allowed: private, public")
         if role == "private" and not self._home.path:
             element.fail(
-                f"<{element.tag}> is private, in no fault tree; make it public, or move it"
+                f"<{element.tag}> is private outside any fault tree; make it public, or move it"
             )
         return role == "private"
 
@@ -306,13 +309,13 @@ class Collector:
                     if path in self._members:
                         member.fail(
                             f"'{path}' is a member of common cause group "
-                            f"'{self._members[path]}' already; take one out"
+                            f"'{self._members[path]}' already; remove it from one"
                         )
                     self._members[path] = name
                     if self.events.kinds.get(path) == "basic event":
                         self.findings.append(
-                            f"{member.location}: '{path}' has a definition of its own; that of its "
-                            f"common cause group '{name}' counts"
+                            f"{member.location}: '{path}' has a definition of its own; the "
+                            f"definition of its common cause group '{name}' is used"
                         )
                         self.basic = [each for each in self.basic if each.name != path]
                     else:

@@ -44,8 +44,8 @@ class Names:
         if place.private:
             if not name.startswith(f"{place.home}."):
                 raise ModelError(
-                    f"'{name}' is private in '{place.home}', and not named after it; "
-                    f"call it '{place.home}.{name}'"
+                    f"'{name}' is private in '{place.home}', but its name does not begin with "
+                    f"that; name it '{place.home}.{name}'"
                 )
             name = name[len(place.home) + 1 :]
         return self.name(name)

@@ -172,7 +172,7 @@ class _TreeWriter:
             expression = Number(float(value))
         else:
             raise ModelError(
-                f"event tree '{self._tree.name}': Open-PSA has no weight such as "
+                f"event tree '{self._tree.name}': Open-PSA cannot express a weight of type "
                 f"{type(value).__name__}; give an expression or a number"
             )
         if weight.complement:

@@ -97,7 +97,7 @@ def read_event_trees(source: Collector, definitions: Definitions) -> EventTrees:
                 first = begun[tree][0].location
                 element.fail(
                     f"the event tree '{tree}' has two initiating events, the first at {first}; "
-                    "give each a tree of its own"
+                    "give each its own tree"
                 )
             begun[tree] = (element, source.place(element))
     found.initiating_events = tuple(alone)
@@ -221,7 +221,7 @@ class _TreeReader:
             self._sequences.append(EventSequence(name, end_state, instructions))
             return
         if len(links) > 1:
-            links[1].fail(f"sequence '{name}' leads into two event trees; allowed: one")
+            links[1].fail(f"sequence '{name}' links to two event trees; allowed: one")
         self._links[name] = (Link(self._source.name(links[0])), instructions)
 
     def _with_links(self, elements: Sequence[Element], rules: tuple[str, ...]) -> list[Element]:
@@ -277,7 +277,7 @@ class _TreeReader:
             elif element.tag == "rule":
                 name = self._source.name(element)
                 if name in rules:
-                    element.fail(f"rule '{name}' follows itself; break the cycle")
+                    element.fail(f"rule '{name}' refers to itself; break the cycle")
                 if name not in self._rules:
                     element.fail(f"rule '{name}' is not defined; {one_of(self._rules, name)}")
                 yield from self._instructions(self._rules[name].children, (*rules, name))
@@ -292,7 +292,7 @@ class _TreeReader:
             elif element.tag == "if":
                 yield from self._when(element, rules)
             elif element.tag == "event-tree":
-                element.fail("a link to an event tree stands in a <define-sequence> only")
+                element.fail("a link to an event tree is allowed in a <define-sequence> only")
             else:
                 element.unexpected(_INSTRUCTIONS)
 
@@ -320,7 +320,9 @@ class _TreeReader:
 
     def _when(self, element: Element, rules: tuple[str, ...]) -> tuple[Instruction, ...]:
         if not 2 <= len(element.children) <= 3:
-            element.fail("<if> takes a test, what is done if it holds, and what is done else")
+            element.fail(
+                "<if> takes a test, the instructions if it holds, and the instructions otherwise"
+            )
         test, *arms = element.children
         then, otherwise = (
             tuple(self._instructions(arms[index : index + 1], rules)) for index in (0, 1)

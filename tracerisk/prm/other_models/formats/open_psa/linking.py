@@ -131,7 +131,7 @@ class Linker:
             if len(set(gate.inputs)) < len(gate.inputs):
                 twice = sorted(name for name, count in Counter(gate.inputs).items() if count > 1)
                 self._from.findings.append(
-                    f"{unresolved[0].element.location}: gate '{gate.name}' has an input twice: "
+                    f"{unresolved[0].element.location}: gate '{gate.name}' has duplicate inputs: "
                     f"{', '.join(twice)}"
                 )
 
@@ -202,7 +202,7 @@ class Linker:
         if not least <= level <= count:
             element.fail(f"the level {level} of {law}; allowed: {least} to {count}")
         if any(level == other for other, _ in before):
-            element.fail(f"duplicate level {level}; give each once")
+            element.fail(f"duplicate level {level}; give each level once")
         return level
 
     def _read_substitution(self, element: Element, gates: list[GateDefinition]) -> Substitution:

@@ -53,9 +53,9 @@ def _collected(sources: list[tuple[str | bytes, str]], collector: Collector) -> 
         includes: list[Element] = []
         root = parse(source, file, CONTAINERS, collector.enter, collector.take, includes.append)
         if root.tag != ROOT:
-            root.fail(f"<{root.tag}> is no Open-PSA model; the root is <{ROOT}>")
+            root.fail(f"<{root.tag}> is not an Open-PSA model; the root must be <{ROOT}>")
         if count > _MOST_FILES:
-            root.fail(f"more than {_MOST_FILES} files make up the model; join some")
+            root.fail(f"more than {_MOST_FILES} files belong to the model; merge some")
         collector.finish_file(root)
         chain = above if isinstance(source, bytes) else (*above, os.path.realpath(source))
         paths = [_included(each, source, chain) for each in includes]
@@ -68,9 +68,12 @@ def _included(element: Element, source: str | bytes, above: tuple[str, ...]) -> 
     element.check_attributes("href", "xpointer")
     pointer = element.attributes.get("xpointer", _WHOLE)
     if pointer.replace(" ", "") not in (_WHOLE, f"/{ROOT}/*"):
-        element.fail(f"the xpointer '{pointer}' is not read; allowed: {_WHOLE}")
+        element.fail(f"the xpointer '{pointer}' is not supported; allowed: {_WHOLE}")
     if isinstance(source, bytes):
-        element.fail("includes a file, which a text without a folder cannot; read it from a file")
+        element.fail(
+            "includes a file, but a model text has no folder to include from; read the "
+            "model from a file"
+        )
     href = element.attribute("href")
     path = os.path.join(os.path.dirname(source), href)  # noqa: PTH118, PTH120 - no start needs pathlib
     if os.path.realpath(path) in above:

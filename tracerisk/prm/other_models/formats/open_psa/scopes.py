@@ -48,7 +48,7 @@ class Scope:
             )
         found = self.kinds[name]
         if kind is not None and found != kind:
-            element.fail(f"'{short}' is a {found}, not a {kind}; refer to it as what it is")
+            element.fail(f"'{short}' is a {found}, not a {kind}; refer to it as a {found}")
         return name
 
     def _inside(self, short: str, home: str) -> str | None:

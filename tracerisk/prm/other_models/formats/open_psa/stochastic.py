@@ -201,8 +201,7 @@ def expression_node(expression: Expression, name_of: Callable[[str], str], depth
     tag = _TAG_OF.get(type(expression).__name__)
     if tag is None:
         raise ModelError(
-            f"Open-PSA has no expression such as {type(expression).__name__}; "
-            "give the figure as a number"
+            f"Open-PSA cannot express {type(expression).__name__}; give the figure as a number"
         )
     return tag, {}, parts
 

@@ -71,7 +71,7 @@ def dumps_open_psa(model: LogicModel | FaultTree, values: Mapping[str, float] | 
     if isinstance(model, FaultTree):
         model = logic_of_tree(model, values)
     elif values is not None:
-        raise ModelError("values go with a fault tree; a logic model has its own")
+        raise ModelError("values are allowed for a fault tree only; a logic model has its own")
     return _Writer(model).text()
 
 
@@ -237,8 +237,8 @@ class _Writer:
         inside: dict[str, list[Node]] = {each.path: [] for each in self._model.containers}
         if NO_HOME in inside:
             raise ModelError(
-                f"the fault tree '{NO_HOME}' has the name of what holds the gates in none; "
-                "rename it"
+                f"the fault tree '{NO_HOME}' has the name reserved for gates outside fault "
+                "trees; rename it"
             )
         loose: list[Node] = []
         data: list[Node] = []

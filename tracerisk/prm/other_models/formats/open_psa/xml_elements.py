@@ -56,12 +56,14 @@ class Element:
         """Raise ModelError when the element has another attribute than those."""
         for name in self.attributes:
             if name not in allowed:
-                self.fail(f"<{self.tag}> has the attribute '{name}'; {one_of(allowed, name)}")
+                self.fail(
+                    f"<{self.tag}> has the unknown attribute '{name}'; {one_of(allowed, name)}"
+                )
 
     def one_child(self) -> Element:
         """Return the only child, or raise ModelError when there are none or several."""
         if len(self.children) != 1:
-            self.fail(f"<{self.tag}> has {len(self.children)} elements in it; allowed: one")
+            self.fail(f"<{self.tag}> contains {len(self.children)} elements; allowed: one")
         return self.children[0]
 
     def unexpected(self, allowed: object) -> NoReturn:
@@ -165,7 +167,7 @@ def parse(
 def _explain(parser: expat.XMLParserType, source: str | bytes, error: expat.ExpatError) -> str:
     index = parser.ErrorByteIndex
     if error.code == expat.errors.codes[expat.errors.XML_ERROR_NO_ELEMENTS] and index <= 0:
-        return "is empty; it should be an XML file"
+        return "is empty; expected an XML file"
     if error.code == expat.errors.codes[expat.errors.XML_ERROR_INVALID_TOKEN]:
         byte = _byte(source, index)
         if byte and byte[0] >= 0x80:
@@ -174,7 +176,7 @@ def _explain(parser: expat.XMLParserType, source: str | bytes, error: expat.Expa
                 "state its encoding in the XML declaration"
             )
     reason = expat.ErrorString(error.code)
-    return f"is not well-formed XML: {reason}; is the file whole?"
+    return f"is not well-formed XML: {reason}; is the file truncated?"
 
 
 def _byte(source: str | bytes, index: int) -> bytes:

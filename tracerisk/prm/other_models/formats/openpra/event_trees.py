@@ -61,7 +61,7 @@ def read_event_tree(element: Element, tops: Mapping[str, str]) -> EventTreeDefin
         if level == len(functions):
             if len(left) > 1:
                 places[left[1]].fail(
-                    f"has the states of '{sequences[left[0]].name}'; one of the two is too many"
+                    f"has the same states as '{sequences[left[0]].name}'; remove one of them"
                 )
             return End(sequences[left[0]].name)
         function = functions[level]
@@ -125,9 +125,9 @@ def _read_states(element: Element, gates: dict[str, str], tops: Mapping[str, str
         if states[name][0] == "bypass" and tree not in tops:
             continue
         if tree not in tops:
-            where.fail(f"'{tree}' is no fault tree; {one_of(tops, tree)}")
+            where.fail(f"'{tree}' is not a fault tree; {one_of(tops, tree)}")
         if gates.setdefault(name, tops[tree]) != tops[tree]:
-            where.fail(f"'{name}' stands for two fault trees; give each a name of its own")
+            where.fail(f"'{name}' names two fault trees; rename one")
     return states
 
 
@@ -209,7 +209,7 @@ def _state(
     if len(instructions) > 1 or not isinstance(first, Condition):
         raise ModelError(
             f"{where}: at '{name}' a path does more than collect one gate, which OpenPRA cannot "
-            "hold; restructure the tree, or use another format"
+            "express; restructure the tree, or use another format"
         )
     fault_tree = tree_of(first.node)
     data: dict[str, Any] = {"name": name, "state": "failure" if first.happens else "success"}
@@ -236,7 +236,7 @@ def _courses(tree: EventTree, where: str) -> list[_Course]:
     def check(instructions: Sequence[Instruction], what: str) -> None:
         if instructions:
             raise ModelError(
-                f"{where}: {what} has instructions of its own, which OpenPRA cannot hold; "
+                f"{where}: {what} has instructions of its own, which OpenPRA cannot express; "
                 "move them into paths"
             )
 
@@ -258,7 +258,7 @@ def _courses(tree: EventTree, where: str) -> list[_Course]:
                 follow(path.target, {**states, target.functional_event: path.instructions})
         else:
             raise ModelError(
-                f"{where}: a path leads into another event tree, which OpenPRA cannot hold; "
+                f"{where}: a path leads into another event tree, which OpenPRA cannot express; "
                 "join the two"
             )
 

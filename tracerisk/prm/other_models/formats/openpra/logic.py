@@ -163,11 +163,11 @@ class LogicWriter:
         self._written += size
         if self._written > LIMIT:
             raise TooLargeError(
-                f"gate '{top}': OpenPRA writes a gate out wherever it is an input, and would "
-                f"write more than {LIMIT} here; use another format"
+                f"gate '{top}': OpenPRA repeats a gate for each of its uses, here more than "
+                f"{LIMIT} times in all; use another format"
             )
         if depth > GREATEST_DEPTH // 2:
             raise TooLargeError(
-                f"gate '{top}' stands above {depth} gates in a row, which OpenPRA would nest; "
+                f"gate '{top}' has {depth} levels of gates below it, which OpenPRA nests; "
                 f"allowed: {GREATEST_DEPTH // 2}; use another format"
             )

@@ -57,7 +57,7 @@ def loads_openpra(text: str | bytes, file: str) -> LogicModel:
     if isinstance(text, bytes):
         text = _decoded(text, file)
     if not text.strip():
-        raise ModelError("is empty; it should be a JSON file", Location(file))
+        raise ModelError("is empty; expected a JSON file", Location(file))
     with collection_paused():
         document = read_document(text, file)
         found = document.entries()
@@ -163,8 +163,8 @@ class _Reader:
             known = self._events.get(name)
             if known is not None and known[0] != p:
                 parts["p"].fail(
-                    f"is {p!r}, at {known[2].location} '{name}' has {known[0]!r}; "
-                    "give one event one figure, or rename one"
+                    f"is {p!r}, but '{name}' has {known[0]!r} at {known[2].location}; "
+                    "give an event one figure, or rename one"
                 )
             if known is None:
                 place = Place(home.home, label=_label(parts))
@@ -216,7 +216,7 @@ class _Reader:
         if len(set(gate.inputs)) < len(gate.inputs):
             twice = sorted(name for name, count in Counter(gate.inputs).items() if count > 1)
             self._findings.append(
-                f"{place.location}: gate '{gate.name}' has an input twice: {', '.join(twice)}"
+                f"{place.location}: gate '{gate.name}' has duplicate inputs: {', '.join(twice)}"
             )
 
     def _group(self, element: Element) -> GroupDefinition:
@@ -238,8 +238,8 @@ class _Reader:
                 found["distribution"].fail(f"probability {distribution!r} is outside [0, 1]")
             if own - {distribution}:
                 self._findings.append(
-                    f"{element.location}: the members of '{name}' have figures of their own; "
-                    f"that of the group, {distribution!r}, counts"
+                    f"{element.location}: the members of '{name}' have figures of their own; the "
+                    f"figure of the group, {distribution!r}, is used"
                 )
         elif len(own) == 1:
             distribution = own.pop()
@@ -265,7 +265,7 @@ class _Reader:
             if not least <= level <= count:
                 each.fail(f"the level {level} of {law.value}; allowed: {least} to {count}")
             if level in factors:
-                each.fail(f"duplicate level {level}; give each once")
+                each.fail(f"duplicate level {level}; give each level once")
             factors[level] = Number(parts["value"].number())
         if not factors:
             element.fail("'factors' are missing; give at least one")

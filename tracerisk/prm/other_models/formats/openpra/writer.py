@@ -106,8 +106,8 @@ class _Writer:
             if name in seen or (name in self._events) or (name in self._houses):
                 other = f"the gate '{seen[name]}'" if name in seen else "an event"
                 raise ModelError(
-                    f"the fault tree of gate '{top}' would be called '{name}', as is that of "
-                    f"{other}; rename one"
+                    f"the fault tree of gate '{top}' would have the name '{name}' of {other}; "
+                    "rename one"
                 )
             seen[name] = top
 
@@ -115,7 +115,7 @@ class _Writer:
         """Return the fault tree of a gate, which is given one where it has none."""
         if gate not in self._gates:
             raise ModelError(
-                f"an event tree collects '{gate}', and OpenPRA takes fault trees only; "
+                f"an event tree collects '{gate}', but OpenPRA takes fault trees only; "
                 "put it below a gate"
             )
         if gate not in self._trees:
@@ -158,8 +158,8 @@ class _Writer:
             return float(expression.number)
         if self._mission_time_h is None:
             raise ModelError(
-                f"{what}: its figure is computed, and OpenPRA takes numbers; "
-                "state the mission time to compute it for"
+                f"{what}: its figure is an expression, but OpenPRA takes numbers only; give the "
+                "mission time to evaluate it"
             )
         value = self._values.of(expression)
         if not 0.0 <= value <= 1.0:
@@ -175,7 +175,9 @@ class _Writer:
         if not unused and not houses:
             return
         if not trees:
-            raise ModelError("OpenPRA has events in fault trees only, and there is none; add one")
+            raise ModelError(
+                "OpenPRA allows events in fault trees only, but the model has none; add one"
+            )
         trees[0]["basicEvents"] += [self._event(each) for each in unused]
         if houses:
             trees[0].setdefault("houseEvents", []).extend(map(_house, houses))

@@ -16,12 +16,13 @@ def constant_scope(
 ) -> Scope:
     """Return a scope with the value of each constant; `given` go before those of the text.
 
-    Raises ModelError for an unknown or open constant, and for one that leads back to itself.
+    Raises ModelError for an unknown or open constant, and for one that is defined in terms of
+    itself.
     """
     declared = {constant.name: constant for constant in constants}
     for name in given:
         if name not in declared:
-            raise ModelError(f"no constant '{name}'; {one_of(declared, name)}")
+            raise ModelError(f"unknown constant '{name}'; {one_of(declared, name)}")
     scope = Scope(formulas=formulas)
     for name in _in_order(declared, formulas, given):
         scope.constants[name] = _value(declared[name], scope, given)
@@ -62,7 +63,9 @@ def _in_order(
                 waiting += missing
                 continue
             if missing and any(other in inside for other in missing) and name in declared:
-                raise ModelError(f"constant '{name}' leads back to itself", declared[name].location)
+                raise ModelError(
+                    f"constant '{name}' is defined in terms of itself", declared[name].location
+                )
             waiting.pop()
             inside.discard(name)
             if name not in done:

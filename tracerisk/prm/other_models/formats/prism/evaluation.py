@@ -69,7 +69,9 @@ class Scope:
                 waiting += [("new", part) for part in reversed(now.inputs)]
             elif now.operation == "name" and self._is_open_formula(now.name):
                 if now.name in inside:
-                    raise ModelError(f"formula '{now.name}' leads back to itself", now.location)
+                    raise ModelError(
+                        f"formula '{now.name}' is defined in terms of itself", now.location
+                    )
                 inside.append(now.name)
                 waiting += [("formula", now), ("new", self.formulas[now.name])]
             else:
@@ -93,7 +95,9 @@ class Scope:
         name = leaf.name
         if leaf.operation == "label":
             if self.labels is None:
-                raise ModelError(f'label "{name}": labels go in properties', leaf.location)
+                raise ModelError(
+                    f'label "{name}": labels are allowed in properties only', leaf.location
+                )
             if name not in self.labels:
                 raise ModelError(f'no label "{name}"; {one_of(self.labels, name)}', leaf.location)
             states = self.labels[name]
@@ -132,8 +136,8 @@ def _joined(expression: Expression, inputs: list[Compiled]) -> Compiled:
         raise too_deep(expression.location)
     if size > MOST_OPERATIONS:
         raise ModelError(
-            f"an expression stands for more than {MOST_OPERATIONS} operations with its formulas "
-            "put in; compute parts of it as constants or variables",
+            f"an expression has more than {MOST_OPERATIONS} operations after its formulas are "
+            "expanded; compute parts of it as constants or variables",
             expression.location,
         )
     run = _operation(expression, inputs)
@@ -239,6 +243,6 @@ def _guarded(run: Run, expression: Expression) -> Run:
         except ModelError:
             raise
         except (ArithmeticError, ValueError, TypeError) as error:
-            raise ModelError(f"no value: {error}", expression.location) from error
+            raise ModelError(f"cannot be evaluated: {error}", expression.location) from error
 
     return evaluate

@@ -135,7 +135,7 @@ class _Parser:
             ):
                 if token.text not in FUNCTIONS:
                     raise ModelError(
-                        f"no function '{token.text}'; {one_of(FUNCTIONS, token.text)}",
+                        f"unknown function '{token.text}'; {one_of(FUNCTIONS, token.text)}",
                         token.location,
                     )
                 cursor.expect("(")

@@ -21,10 +21,10 @@ _KINDS = {
 }
 _OTHER_KINDS = ("mdp", "nondeterministic", "pta", "pomdp", "popta", "smg", "imdp", "idtmc")
 _NOT_READ = {
-    "system": "all modules run beside each other here; leave 'system' out",
-    "invariant": "'invariant' goes with clocks, which a dtmc or ctmc has none of",
-    "observables": "'observables' goes with pomdps, which are not read",
-    "player": "'player' goes with games, which are not read",
+    "system": "'system' is not supported: all modules run in parallel; leave it out",
+    "invariant": "'invariant' needs clocks, which a dtmc or ctmc does not have",
+    "observables": "'observables' belongs to pomdps, which are not supported",
+    "player": "'player' belongs to games, which are not supported",
 }
 _TYPES = ("int", "double", "bool", "rate", "prob")
 _READ = ("const", "formula", "global", "init", "label", "module", "rewards")
@@ -102,7 +102,7 @@ def parse_program(text: str, file: str) -> Program:
     first = cursor.take()
     if first.text in _OTHER_KINDS:
         raise ModelError(
-            f"a model of kind {first.text} is not read; allowed: ctmc, dtmc", first.location
+            f"a model of kind {first.text} is not supported; allowed: ctmc, dtmc", first.location
         )
     if first.text not in _KINDS:
         first.refuse("the kind of model, dtmc or ctmc,")
@@ -127,7 +127,7 @@ def parse_program(text: str, file: str) -> Program:
                 program.labels[name.text.strip('"')] = held
             case "init":
                 if program.starts is not None:
-                    raise ModelError("duplicate 'init'; join the two by |", word.location)
+                    raise ModelError("duplicate 'init'; combine the two with |", word.location)
                 program.starts = parse_expression(cursor)
                 cursor.expect("endinit")
             case "global":

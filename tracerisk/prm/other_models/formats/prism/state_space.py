@@ -83,7 +83,7 @@ class StateSpace:
                 high = _whole(scope.value(variable.high), variable.high.location)
                 if low > high:
                     raise ModelError(
-                        f"'{variable.name}' ranges from {low} to {high}; there is nothing between",
+                        f"'{variable.name}' ranges from {low} to {high}; the range is empty",
                         variable.location,
                     )
                 self._ranges.append((low, high))
@@ -91,8 +91,8 @@ class StateSpace:
             if variable.start is not None:
                 if program.starts is not None:
                     raise ModelError(
-                        f"'{variable.name}' has a start of its own beside 'init ... endinit'; "
-                        "leave one out",
+                        f"'{variable.name}' has an initial value of its own beside 'init ... "
+                        "endinit'; leave one out",
                         variable.location,
                     )
                 value = scope.value(variable.start)
@@ -189,13 +189,13 @@ class StateSpace:
                 some = True
                 yield state
         if not some:
-            raise ModelError("no state holds in 'init ... endinit'", expression.location)
+            raise ModelError("no state satisfies 'init ... endinit'", expression.location)
 
     def _add(self, state: State, states: list[State], numbers: dict[State, int]) -> int:
         if len(states) >= self._most:
             raise TooLargeError(
-                f"more than {self._most} states can be reached; "
-                "raise the limit, or give smaller constants"
+                f"more than {self._most} states are reachable; raise the limit, or give smaller "
+                "constants"
             )
         # The values, their text, and what a dictionary needs.
         self._count(2 * len(state) + 20)
@@ -214,8 +214,8 @@ class StateSpace:
     def _check_work(self, work: int) -> None:
         if work > _MOST_WORK:
             raise TooLargeError(
-                f"the model takes more than {_MOST_WORK} operations to put together; "
-                "give smaller constants, or fewer commands that move together"
+                f"the model takes more than {_MOST_WORK} operations to build; give smaller "
+                "constants, or fewer commands that move together"
             )
 
     def _share(self, state: State, choices: Sequence[tuple[str, Choice]]) -> float:
@@ -223,8 +223,8 @@ class StateSpace:
             return 1.0
         if not self.notes:
             self.notes.append(
-                f"{len(choices)} commands hold in {self.valuation(state)}; "
-                "where several do, each is taken equally often"
+                f"{len(choices)} commands are enabled in {self.valuation(state)}; each is chosen "
+                "with equal probability"
             )
         return 1.0 / len(choices)
 
@@ -327,7 +327,9 @@ class StateSpace:
         bounds = self._ranges[place]
         if bounds is None:
             if not isinstance(value, bool):
-                raise ModelError(f"'{variable.name}' is true or false, never {value!r}", location)
+                raise ModelError(
+                    f"'{variable.name}' is boolean, but is assigned {value!r}", location
+                )
             return value
         number = _whole(value, location)
         if not bounds[0] <= number <= bounds[1]:

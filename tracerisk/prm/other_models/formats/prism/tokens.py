@@ -28,8 +28,8 @@ class Token:
 
     def refuse(self, expected: str) -> NoReturn:
         """Raise ModelError: something else was expected here."""
-        found = f"'{self.text}'" if self.kind != "end" else "the file ends"
-        raise ModelError(f"{found} where {expected} is expected", self.location)
+        found = f"'{self.text}'" if self.kind != "end" else "the end of the file"
+        raise ModelError(f"expected {expected}, found {found}", self.location)
 
 
 def tokens_of(text: str, file: str) -> list[Token]:
@@ -45,7 +45,7 @@ def tokens_of(text: str, file: str) -> list[Token]:
             position += 2
             continue
         if match is None:
-            raise ModelError(f"{text[position]!r} begins no word of the PRISM language", location)
+            raise ModelError(f"{text[position]!r} is not part of the PRISM language", location)
         kind = str(match.lastgroup)
         if kind != "space":
             found.append(Token(kind, match.group(), location))

@@ -75,8 +75,8 @@ class MatrixChain:
             shown = [labelled(int(transient[k]), names) for k in caught[:_NAMED_IN_ERRORS]]
             more = len(caught) - len(shown)
             raise ModelError(
-                f"the chain never ends once in {', '.join(shown)}"
-                f"{f' and {more} more states' if more else ''}; lead each to an absorbing state"
+                f"no absorbing state can be reached from {', '.join(shown)}"
+                f"{f' and {more} more states' if more else ''}; lead each to one"
                 f"{'' if absorbing.any() else ' (there is none)'}"
             )
         return cls(*rows, absorbing, transient, totals, weights, names)
@@ -120,7 +120,7 @@ class MatrixChain:
         from tracerisk.prm.other_models.markov.large.array_steps import power
 
         if steps < 0:
-            raise ModelError(f"{steps} steps: a chain takes none or more")
+            raise ModelError(f"{steps} steps; allowed: 0 or more")
         now = np.zeros(self.size)
         now[self.transient[self._start(entry)]] = 1.0
         counts = np.diff(self.indptr)
@@ -177,7 +177,7 @@ def _compressed(matrix: Any) -> Rows:
         matrix = np.asarray(matrix)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
         raise ModelError(
-            f"a matrix of shape {tuple(matrix.shape)}; a chain has a row and a column per state"
+            f"a matrix of shape {tuple(matrix.shape)}; expected a row and a column for each state"
         )
     if not np.issubdtype(matrix.dtype, np.floating) and not np.issubdtype(matrix.dtype, np.integer):
         raise ModelError(f"a matrix of {matrix.dtype}; give floating-point numbers")
@@ -230,7 +230,9 @@ def _absorbing_states(rows: Rows, given: Any, names: tuple[str, ...] | None) -> 
     chosen = np.asarray(given)
     if chosen.dtype == np.bool_:
         if chosen.shape != (size,):
-            raise ModelError(f"absorbing: shape {chosen.shape}; it marks each of {size} states")
+            raise ModelError(
+                f"absorbing: shape {chosen.shape}; expected one mark for each of {size} states"
+            )
         ends: Array = chosen.copy()
     else:
         ends = np.zeros(size, np.bool_)
@@ -245,7 +247,7 @@ def _absorbing_states(rows: Rows, given: Any, names: tuple[str, ...] | None) -> 
     left = np.flatnonzero(ends & leaves)
     if len(left):
         raise ModelError(
-            f"state {labelled(int(left[0]), names)} is to be absorbing but leads to others; "
+            f"state {labelled(int(left[0]), names)} is marked as absorbing but has transitions; "
             "empty its row"
         )
     return ends

@@ -105,7 +105,7 @@ class MatrixSolution:
         times = self._durations(durations)
         reached = self.absorption_from_each(targets)
         if reached[self.entry] == 0.0:
-            raise ModelError("the targets are never reached; there is no time until then")
+            raise ModelError("the targets are never reached; the time until then is undefined")
         share = reached / reached[self.entry]
         return float((self.expected_visits() * share * times).sum())
 
@@ -117,7 +117,9 @@ class MatrixSolution:
         """
         length = self.expected_time(durations)
         if length == 0.0:
-            raise ModelError("the chain ends at once: no visit has a duration; give one above 0")
+            raise ModelError(
+                "the mean time to absorption is 0: no visit has a duration; give one above 0"
+            )
         return float(self._into(self.chain.chosen(targets)).sum()) / length
 
     def cycles(self, targets: Iterable[int | str]) -> CycleFigures:
