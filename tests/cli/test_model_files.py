@@ -372,7 +372,7 @@ def test_a_chain_without_an_end_has_its_long_run(call):
             "say with --figure which is a risk; allowed: done",
         ),
         (["chain.prism", "--figure", "fail"], "no figure of 'chain.prism'; did you mean 'failed'?"),
-        (["chain.prism", "--set", "q=3"], "no constant 'q'"),
+        (["chain.prism", "--set", "q=3"], "unknown constant 'q'"),
         (["repair.tra", "--set", "p=3"], "which a .tra file has none of"),
         (["repair.tra", "repair.lab", "x"], "3 files; a model of the format explicit is one file"),
         (
@@ -524,7 +524,7 @@ def test_constants_of_prism_are_set_in_what_is_written(call):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["pumps.dft", "-o", "o.xml"], "pumps.dft: 'pumps': what depends on the order of failures"),
+        (["pumps.dft", "-o", "o.xml"], "pumps.dft: 'pumps': only Galileo can hold elements that failures"),
         (["tree.xml", "-o", "o.dft"], "'T': only Open-PSA and OpenPRA can hold event trees"),
         (["chain.prism", "-o", "o.xml"], "holds a chain, which open-psa cannot hold"),
         (["cooling.xml", "-o", "o.tra"], "holds fault or event trees, which explicit cannot hold"),
@@ -532,7 +532,7 @@ def test_constants_of_prism_are_set_in_what_is_written(call):
         (["cooling.xml", "-o", "o.xml", "--top", "none"], "--top goes with --to galileo"),
         (["cooling.xml", "-o", "o.xml", "--set", "p=1"], "--set goes with constants of a PRISM"),
         (["repair.tra", "-o", "o.lab", "--to", "explicit"], "name it .tra"),
-        (["rate.xml", "-o", "o.json"], "state the mission time to compute it for"),
+        (["rate.xml", "-o", "o.json"], "give the mission time to evaluate it"),
         (["x.py", "-o", "o.xml"], "no risk block in x.py; `tracerisk run`"),
         (["cooling.xml", "-o", "no/o.xml"], "no/o.xml: cannot be written"),
     ],
@@ -636,7 +636,7 @@ def test_a_limit_that_does_not_hold_is_reported_by_the_exit_code(call):
     ("arguments", "message"),
     [
         (("cooling.xml", "--property", "P=? [F x]"), "--property goes with chains"),
-        (("chain.prism", "--property", "P=? [F"), "--property P=? [F:1:7: the file ends"),
+        (("chain.prism", "--property", "P=? [F"), "--property P=? [F:1:7: expected"),
         (("chain.prism", "--properties", "none.props"), "none.props: cannot be read"),
         (("repair.tra", "--property", "P=? [F x=1]"), "'x' is not a variable"),
     ],
