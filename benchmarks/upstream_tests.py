@@ -239,7 +239,7 @@ def processed(job: Mapping[str, object], folder: Path) -> str:
         ).returncode
     except subprocess.TimeoutExpired:
         return f"it did not end within {LONGEST_S} s"
-    return "ended" if code == 0 else f"its process ended with {code}"
+    return "ended" if code == 0 else f"its process ended with code {code}"
 
 
 def judged(test: str, outcome: str, cause: str, known: Sequence[Rule]) -> Result:

@@ -100,7 +100,7 @@ def test_yaml_is_written_anew_and_says_the_same(cell):
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (("cell.yaml", "-o", "cell.txt"), "ends in '.txt', which is not a format; allowed: .sysml"),
+        (("cell.yaml", "-o", "cell.txt"), "ends in '.txt', which is not a supported format; allowed: .sysml"),
         (("cell", "-o", "a.yaml"), "cell: its name has no ending"),
         (("cell.yaml", "-o", "./cell.yaml"), "whose comments would be lost"),
         (("gone.yaml", "-o", "a.yaml"), "gone.yaml: cannot be read"),
@@ -261,7 +261,7 @@ def test_a_first_description_is_the_same_in_both_formats(tmp_path, robot):
     for file in files:
         assert main(["hardware", "init", "--robot", robot, "-o", str(file), "-q"]) == 0
     assert read_description(files[0]) == read_description(files[1])
-    _, examples = files[1].read_text().split("// Examples of what may be said of a part:\n")
+    _, examples = files[1].read_text().split("// Examples of annotations of a part:\n")
     files[1].write_text(re.sub(r"^// ?", "", examples, flags=re.MULTILINE))
     motor, power = read_description(files[1]).components
     assert (motor.load_law is not None, len(motor.modes), motor.age_s) == (True, 2, 4.32e7)

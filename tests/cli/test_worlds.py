@@ -65,7 +65,7 @@ def test_a_table_lists_the_worlds(raced):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--worlds", "nowhere"), "there is no world 'nowhere'; allowed: all, discovery"),
+        (("--worlds", "nowhere"), "unknown world 'nowhere'; allowed: all, discovery"),
         (("--worlds", "all", "--watch"), "leave out --watch"),
         (("--worlds=all", "--fault", "panda_joint4:dead@1"), "leave out --fault"),
     ],
@@ -80,7 +80,7 @@ def test_what_does_not_go_is_an_error(raced, options, message):
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        ("['foo']", "require_worlds: there is no world 'foo'; allowed: all, discovery"),
+        ("['foo']", "require_worlds: unknown world 'foo'; allowed: all, discovery"),
         ("3", "expected true, false or a list of names of worlds, found 3"),
     ],
 )

@@ -78,7 +78,7 @@ def test_a_child_that_computes_or_sleeps_too_long_ends_with_its_limit(run, after
         run(after, own=0.3)
     assert error.value.exit_code is ExitCode.CONTROLLER_FAILED
     assert error.value.with_code == (
-        "arm.xacro: expanding the xacro file took more than 0.3 s of computing or sleeping; raise "
+        "arm.xacro: expanding the xacro file took more than 0.3 s of CPU time or sleep; raise "
         "it with --stall-limit or the setting stall_limit_s (now 0.3) [limit]"
     )
 
@@ -102,7 +102,7 @@ def test_a_child_that_is_stopped_uses_no_time_of_its_own_but_wall_time(run, give
 def test_what_comes_before_the_start_mark_does_not_count(run):
     compute = "while time.process_time() < 0.25: pass"
     assert run(before=compute, own=0.1).returncode == 0
-    with pytest.raises(LimitError, match=r"0\.1 s of computing"):
+    with pytest.raises(LimitError, match=r"0\.1 s of CPU time"):
         run(
             after="begun = time.process_time()\n    while time.process_time() < begun + 1: pass",
             own=0.1,
@@ -113,8 +113,7 @@ def test_a_child_without_memory_ends_with_its_limit(run):
     with pytest.raises(LimitError) as error:
         run("bytearray(600 * 2**20)", memory=2000)
     assert error.value.message == (
-        "expanding the xacro file took more than 500 MB of memory, a quarter of what a controller "
-        "has; raise it with --memory-limit or the setting memory_limit_mb (now 2000)"
+        "expanding the xacro file took more than 500 MB of memory, a quarter of a controller's limit; raise it with --memory-limit or the setting memory_limit_mb (now 2000)"
     )
     assert run("bytearray(600 * 2**20)", memory=4000).returncode == 0
 

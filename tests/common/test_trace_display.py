@@ -137,7 +137,7 @@ def test_where_there_is_no_html_it_is_a_few_lines():
         "Trace of arm.py: on panda in scene tube_racks, 10.0 s simulated, the controller ended",
         "  move: 2 visits, 8.00 s",
         "  pick: 1 visit, 2.00 s",
-        "2 functions, 3 visits, 0 findings, 0 functions that can move the arm and never ran",
+        "2 functions, 3 visits, 0 findings, 0 functions that can move the arm but never ran",
     ]
 
 

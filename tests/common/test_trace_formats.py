@@ -139,17 +139,17 @@ def test_a_call_sequence_may_repeat():
 
 
 BAD_LOGS = {
-    "": "run.log: holds no 'CallSequence:' line",
+    "": "run.log: has no 'CallSequence:' line",
     "Functions:init()": "run.log:1: unknown line",
-    "ActiveComponents:a": "run.log:1: components of no function",
+    "ActiveComponents:a": "run.log:1: components without a function;",
     "Function:init": "'init' is not a name such as init()",
     "Function:a(),b()": "expected one function, found 2",
     "Function:a()\nFunction:a()": "run.log:2: a() is listed twice",
-    "Function:a()\nActiveComponents:x,x": "names a component twice",
+    "Function:a()\nActiveComponents:x,x": "has a duplicate component",
     "Function:a()\nActiveComponents:x y": "'x y' is not a name such as electric_motor",
     "CallSequence:b()": "b() is called but has no",
     "Function:a()\nFunction:b()\nCallSequence:b()": "a() is listed but not in the call sequence",
-    "Function:b()\nCallSequence:b()\nCallSequence:b()": "run.log:3: a second call sequence",
+    "Function:b()\nCallSequence:b()\nCallSequence:b()": "run.log:3: duplicate call sequence;",
 }
 
 

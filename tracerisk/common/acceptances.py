@@ -37,7 +37,7 @@ def _acceptance(entry: Any, number: int, fail: Callable[[str], NoReturn]) -> Acc
     texts = {key: entry.get(key, "") for key in _KEYS}
     for key, text in texts.items():
         if not isinstance(text, str):
-            fail(f"entry {number}: {key} is {text!r}; expected a text")
+            fail(f"entry {number}: {key} is {text!r}; expected a string")
         if text == "*" or ("*" in text and key in ("code", "function")):
             fail(f"entry {number}: {key} is {text!r}; wildcards are not allowed")
     if texts["code"] not in ACCEPTABLE:

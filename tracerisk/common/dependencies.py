@@ -76,7 +76,7 @@ _WHAT = {
     "cpp": "tree-sitter",
     "lsp": "pygls",
     "film": "av",
-    "dds": "cyclonedds, of Python 3.10 to 3.13 and not of Linux on ARM",
+    "dds": "cyclonedds, which supports Python 3.10 to 3.13, but not Linux on ARM",
 }
 
 
@@ -142,7 +142,7 @@ def require_film() -> None:
 def require_dds() -> None:
     """Raise DependencyError unless the extra `dds` is installed."""
     if not all(map(is_installed, EXTRAS["dds"])):
-        raise missing_extra("dds", "hearing a robot of ROS 2")
+        raise missing_extra("dds", "listening to a ROS 2 robot")
 
 
 def require_large(*distributions: str) -> None:
@@ -195,7 +195,7 @@ def cannot_import(distribution: str, cause: ImportError) -> DependencyError:
         f"module '{MODULES[distribution]}' cannot be imported by Python "
         f"{platform.python_version()} ({sys.executable}): {cause}; install it with "
         f"`{sys.executable} -m pip install --force-reinstall --only-binary=:all: {distribution}`, "
-        "or use an interpreter for which it has a wheel (Python 3.10 to 3.14); "
+        "or use an interpreter that it has a wheel for (Python 3.10 to 3.14); "
         "`tracerisk doctor` lists every package"
     )
 

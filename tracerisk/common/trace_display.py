@@ -60,7 +60,7 @@ def _counted(trace: Trace) -> str:
         _plural(len(trace.functions), "function"),
         _plural(len(trace.visits), "visit"),
         _plural(len(trace.findings), "finding"),
-        f"{_plural(len(trace.uncovered), 'function')} that can move the arm and never ran",
+        f"{_plural(len(trace.uncovered), 'function')} that can move the arm but never ran",
     ]
     return ", ".join(counts)
 
@@ -124,7 +124,7 @@ def _timeline(trace: Trace) -> str:
     return (
         f"<svg xmlns='http://www.w3.org/2000/svg' width='{wide:.0f}' height='{high:.0f}' "
         f"viewBox='{-_MARGIN:.0f} {-_MARGIN:.0f} {wide:.0f} {high:.0f}' "
-        f"style='max-width:100%;height:auto' font-family='sans-serif' font-size='12' "
+        "style='max-width:100%;height:auto' font-family='sans-serif' font-size='12' "
         f"fill='{_INK}'><title>{escape(f'Visits of {trace.controller} over time')}</title>"
         f"<rect x='{-_MARGIN:.0f}' y='{-_MARGIN:.0f}' width='{wide:.0f}' height='{high:.0f}' "
         f"fill='{_PAPER}'/>{''.join(parts)}</svg>"

@@ -56,7 +56,7 @@ def loads(text: str, file: str) -> Trace:
         data = json.loads(text, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
         raise LogError(
-            f"is not valid JSON: {error.msg}; is the file whole?",
+            f"is not valid JSON: {error.msg}; is the file truncated?",
             Location(file, error.lineno, error.colno),
         ) from error
     except (ValueError, RecursionError) as error:

@@ -101,12 +101,14 @@ def _parse(text: str, file: str) -> tuple[dict[str, list[str]], list[tuple[str, 
             active[current] = []
         elif line.startswith(_COMPONENTS):
             if current is None:
-                raise LogError("components of no function; a 'Function:name()' line first", place)
+                raise LogError(
+                    "components without a function; write a 'Function:name()' line first", place
+                )
             active[current] = _names(line.removeprefix(_COMPONENTS), _COMPONENT, place)
             current = None
         elif line.startswith(_SEQUENCE):
             if calls:
-                raise LogError("a second call sequence; a log holds one", place)
+                raise LogError("duplicate call sequence; a log has one", place)
             named = _names(line.removeprefix(_SEQUENCE), _CALL, place)
             calls = [(name, number) for name in named]
         elif line:
@@ -114,7 +116,7 @@ def _parse(text: str, file: str) -> tuple[dict[str, list[str]], list[tuple[str, 
                 f"unknown line {line[:40]!r}; {one_of([_FUNCTION, _COMPONENTS, _SEQUENCE])}", place
             )
     if not calls:
-        raise LogError("holds no 'CallSequence:' line with a call in it", Location(file))
+        raise LogError("has no 'CallSequence:' line with a call", Location(file))
     return active, calls
 
 
@@ -131,5 +133,5 @@ def _names(
     if just_one and len(names) != 1:
         raise LogError(f"expected one function, found {len(names)}", place)
     if len(set(names)) != len(names) and pattern is _COMPONENT:
-        raise LogError("names a component twice", place)
+        raise LogError("has a duplicate component", place)
     return names

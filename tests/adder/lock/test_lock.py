@@ -160,7 +160,7 @@ BAD_LOCKS = {
         GOOD.replace('"fingerprint": "abc"', '"fingerprint": "abc", "fingerprint": "d"'),
         ": duplicate fingerprint in one object",
     ),
-    "no number": (changed(trace={"a": float("nan")}), ": holds a number that is not finite: NaN"),
+    "no number": (changed(trace={"a": float("nan")}), ": holds a number is not finite: NaN"),
     "no fingerprint": (changed(fingerprint=3), ": c.py: fingerprint is missing or no text"),
     "an unknown key of a controller": (
         changed(time=3),

@@ -32,7 +32,7 @@ BROKEN = (
     ),
     Broken(
         _one("failure_rate: []"),
-        "h.yaml:3:5: components.a.failure_rate: is an empty list; give a figure, or leave it out",
+        "h.yaml:3:5: components.a.failure_rate: is an empty list; give a figure, or remove it",
         True,
     ),
     Broken(
@@ -52,7 +52,7 @@ BROKEN = (
     ),
     Broken(
         _one("probability: {value: 1e-7, per: hour, of: grasp}"),
-        "h.yaml:3:43: components.a.probability.of: counts demands, but the figure is per hour; leave 'of' out",
+        "h.yaml:3:43: components.a.probability.of: the figure is per hour, not per demand; remove 'of'",
         True,
     ),
     Broken(
@@ -62,7 +62,7 @@ BROKEN = (
     ),
     Broken(
         _one("probability: {value: 1e-7, per: demand, of: grasp}", "twin: {joints: [j1]}"),
-        "h.yaml:3:5: a.probability: counts each grasp, but only a gripper grasps and releases; bind it to the gripper (twin: {gripper: true}), or count 'of: start'",
+        "h.yaml:3:5: a.probability: is per grasp, but only a gripper grasps and releases; bind it to the gripper (twin: {gripper: true}), or use 'of: start'",
         False,
     ),
     Broken(
@@ -72,7 +72,7 @@ BROKEN = (
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour, value_is: mean}"),
-        "h.yaml:3:44: components.a.failure_rate.value_is: says nothing without 'error_factor'; give it, or leave both out",
+        "h.yaml:3:44: components.a.failure_rate.value_is: has no effect without 'error_factor'; give it, or remove both",
         True,
     ),
     Broken(
@@ -82,7 +82,7 @@ BROKEN = (
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour, unit: FIT}"),
-        "h.yaml:3:33: components.a.failure_rate.per: FIT are failures per 1e9 hours already; leave 'per' out",
+        "h.yaml:3:33: components.a.failure_rate.per: FIT means failures per 1e9 hours; remove 'per'",
         True,
     ),
     Broken(
@@ -122,7 +122,7 @@ BROKEN = (
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", "age: {value: 12000, per: hour}"),
-        "h.yaml:4:5: a.age: matters only to what wears out; give 'weibull: {shape: 2, scale: 30000, per: hour}', or leave it out",
+        "h.yaml:4:5: a.age: applies to wear-out only; give 'weibull: {shape: 2, scale: 30000, per: hour}', or leave it out",
         True,
     ),
     Broken(
@@ -137,19 +137,19 @@ BROKEN = (
     ),
     Broken(
         _one("standby_rate: {value: 1e-6, per: hour}", "active: always"),
-        "h.yaml:3:5: a.standby_rate: what is always active is never idle; leave it out",
+        "h.yaml:3:5: a.standby_rate: a component that is always active has no standby time; remove it",
         True,
     ),
     Broken(
         _one("probability: {value: 1e-7, per: demand}", "active: always"),
-        "h.yaml:3:5: a.probability: what is always active has no demands; give its figure per time",
+        "h.yaml:3:5: a.probability: a component that is always active has no demands; give its figure per time",
         False,
     ),
     Broken(
         _one(
             "failure_rate: {value: 1e-6, per: hour}", "active: always", "common_cause: {beta: 0.1}"
         ),
-        "h.yaml:5:5: components.a.common_cause: of units that are all needed one failure is enough; it is for redundant ones (redundancy: true, required: k or spare: hot)",
+        "h.yaml:5:5: components.a.common_cause: applies to redundant units; when all units are needed, one failure is enough (redundancy: true, required: k or spare: hot)",
         True,
     ),
     Broken(
@@ -182,7 +182,7 @@ BROKEN = (
             "redundancy: false",
             "required: 2",
         ),
-        "h.yaml:7:5: components.a.required: is for redundant units, but 'redundancy' is false; leave one out",
+        "h.yaml:7:5: components.a.required: applies to redundant units, but 'redundancy' is false; remove one",
         True,
     ),
     Broken(
@@ -196,7 +196,7 @@ BROKEN = (
         _one(
             "failure_rate: {value: 1e-6, per: hour}", "active: always", "quantity: 2", "required: 2"
         ),
-        "h.yaml:6:5: a.required: 2 of 2 must work: all are needed, so none is redundant; leave it out, or give more units",
+        "h.yaml:6:5: a.required: 2 of 2 must work, so no unit is redundant; remove it, or give more units",
         False,
     ),
     Broken(
@@ -218,7 +218,7 @@ BROKEN = (
         _one(
             "failure_rate: {value: 1e-6, per: hour}", "active: always", "quantity: 2", "spare: warm"
         ),
-        "h.yaml:6:5: components.a.spare: a warm spare needs 'dormancy', its rate as a share of a working one's",
+        "h.yaml:6:5: components.a.spare: a warm spare needs 'dormancy', its failure rate as a share of a working unit's",
         True,
     ),
     Broken(
@@ -229,7 +229,7 @@ BROKEN = (
             "spare: cold",
             "dormancy: 0.1",
         ),
-        "h.yaml:7:5: components.a.dormancy: of a cold spare is 0 already; leave it out",
+        "h.yaml:7:5: components.a.dormancy: is 0 for a cold spare; remove it",
         True,
     ),
     Broken(
@@ -240,7 +240,7 @@ BROKEN = (
             "spare: warm",
             "dormancy: 1",
         ),
-        "h.yaml:7:5: components.a.dormancy: is 1, that of a hot spare; write 'spare: hot'",
+        "h.yaml:7:5: components.a.dormancy: is 1, the dormancy of a hot spare; write 'spare: hot'",
         True,
     ),
     Broken(
@@ -262,17 +262,17 @@ BROKEN = (
             "redundancy: true",
             "dormancy: 0.01",
         ),
-        "h.yaml:7:5: components.a.dormancy: is that of a warm spare; give 'spare: warm' with it",
+        "h.yaml:7:5: components.a.dormancy: applies to a warm spare; give 'spare: warm' too",
         True,
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", "active: always", "dormancy: 0.01"),
-        "h.yaml:5:5: components.a.dormancy: is for spares; give 'spare: hot', 'warm' or 'cold', or leave it out",
+        "h.yaml:5:5: components.a.dormancy: applies to spares; give 'spare: hot', 'warm' or 'cold', or remove it",
         True,
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", "active: always", "spare: cold"),
-        "h.yaml:5:5: a.spare: there is only 1 unit, none beside it; give a quantity of 2 or more, or leave it out",
+        "h.yaml:5:5: a.spare: there is only 1 unit; give a quantity of 2 or more, or remove it",
         False,
     ),
     Broken(
@@ -282,7 +282,7 @@ BROKEN = (
             "redundancy: true",
             "common_cause: {beta: 0.1}",
         ),
-        "h.yaml:6:5: a.common_cause: there is only 1 unit, none beside it; give a quantity of 2 or more, or leave it out",
+        "h.yaml:6:5: a.common_cause: there is only 1 unit; give a quantity of 2 or more, or remove it",
         False,
     ),
     Broken(
@@ -298,12 +298,12 @@ BROKEN = (
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", "quantity: many", "twin: {joints: [j1]}"),
-        "h.yaml:4:5: components.a.quantity: 'many' is not allowed; write a whole number, or \"*\" for as many as the robot has",
+        "h.yaml:4:5: components.a.quantity: 'many' is not allowed; write a whole number, or \"*\" for the number that the robot has",
         True,
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", 'quantity: "*"'),
-        "h.yaml:4:5: a.quantity: is left to what the robot has, but no 'twin' says where to count; give a number",
+        "h.yaml:4:5: a.quantity: is the number that the robot has, but no 'twin' says where to count; give a number",
         True,
     ),
     Broken(
@@ -312,12 +312,12 @@ BROKEN = (
             "twin: {joints: [j1]}",
             "modes: {jam: {fraction: 0.7, when: [moving]}, slip: {fraction: 0.4, when: [holding]}}",
         ),
-        "h.yaml:5:5: a.modes: the fractions sum to 1.1; they may be at most 1",
+        "h.yaml:5:5: a.modes: the fractions sum to 1.1; they may sum to at most 1",
         False,
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", "twin: {joints: [j1]}", "modes: {}"),
-        "h.yaml:5:5: components.a.modes: names none; give one such as jam: {fraction: 0.4, when: [moving]}",
+        "h.yaml:5:5: components.a.modes: is empty; give a mode such as jam: {fraction: 0.4, when: [moving]}",
         True,
     ),
     Broken(
@@ -335,7 +335,7 @@ BROKEN = (
             "twin: {joints: [j1]}",
             "modes: {jam: {fraction: 0.4}}",
         ),
-        "h.yaml:5:5: a.modes: the fractions sum to 0.4; those of modes without 'when' share out all failures, and sum to 1",
+        "h.yaml:5:5: a.modes: the fractions sum to 0.4; fractions of modes without 'when' must sum to 1",
         False,
     ),
     Broken(
@@ -344,7 +344,7 @@ BROKEN = (
             "twin: {joints: [j1]}",
             "modes: {jam: {fraction: 0.4}, dead: {fraction: 0.6, when: [moving]}}",
         ),
-        "h.yaml:5:13: a.modes.jam: has no 'when', and others have one; give each mode one, or none",
+        "h.yaml:5:13: a.modes.jam: has no 'when', but other modes have one; give it to all modes, or to none",
         False,
     ),
     Broken(
@@ -381,7 +381,7 @@ BROKEN = (
             "modes:",
             "  jam: {fraction: 0.4, when: [start]}",
         ),
-        "h.yaml:6:28: a.modes.jam.when: 'start' counts for nothing, for the component has no figure per demand that counts 'start'; leave it out, or give such a figure",
+        "h.yaml:6:28: a.modes.jam.when: 'start' has no effect, because the component has no figure per demand of 'start'; remove it, or give such a figure",
         False,
     ),
     Broken(
@@ -391,7 +391,7 @@ BROKEN = (
             "modes:",
             "  drop: {fraction: 0.4, when: [grasping]}",
         ),
-        "h.yaml:6:29: a.modes.drop.when: the twin does not report 'grasping' of what the component is bound to; allowed: holding, moving, start",
+        "h.yaml:6:29: a.modes.drop.when: the twin does not report 'grasping' for the binding of this component; allowed: holding, moving, start",
         False,
     ),
     Broken(
@@ -402,7 +402,7 @@ BROKEN = (
             "modes:",
             "  opens: {fraction: 0.4, when: [moving, release]}",
         ),
-        "h.yaml:7:30: a.modes.opens.when: 'release' counts for nothing, for the component has no figure per demand that counts 'release'; leave it out, or give such a figure",
+        "h.yaml:7:30: a.modes.opens.when: 'release' has no effect, because the component has no figure per demand of 'release'; remove it, or give such a figure",
         False,
     ),
     Broken(
@@ -413,7 +413,7 @@ BROKEN = (
             "modes:",
             "  opens: {fraction: 0.4, when: [moving]}",
         ),
-        "h.yaml:6:5: a.modes: none of them counts the figure per demand, so it would count for nothing; name in a mode's 'when' one of: start, grasp, release",
+        "h.yaml:6:5: a.modes: no failure mode uses the figure per demand, so it has no effect; name in a mode's 'when' one of: start, grasp, release",
         False,
     ),
     Broken(
@@ -422,7 +422,7 @@ BROKEN = (
             "twin: {joints: [j1]}",
             "modes: {jam: {fraction: 0.4, when: [moving]}}",
         ),
-        "h.yaml:5:34: a.modes.jam.when: 'moving' counts for nothing, for the component has no figure per time in use; leave it out, or give such a figure",
+        "h.yaml:5:34: a.modes.jam.when: 'moving' has no effect, because the component has no figure per time in use; remove it, or give such a figure",
         False,
     ),
     Broken(
@@ -431,7 +431,7 @@ BROKEN = (
             "failure_rate: {value: 1e-6, per: hour}",
             "modes: {jam: {fraction: 0.4, when: [moving]}}",
         ),
-        "h.yaml:5:5: a.modes: the twin does not see what is always active, neither when it is used nor how hard; bind it (twin: ...) in place of 'active: always', or leave this out",
+        "h.yaml:5:5: a.modes: the twin does not measure use and load of a component that is always active; bind it (twin: ...) instead of 'active: always', or remove this",
         True,
     ),
     Broken(
@@ -440,7 +440,7 @@ BROKEN = (
             "active: always",
             "load_law: {reference_load: 0.3, wearing_share: 0.6}",
         ),
-        "h.yaml:5:5: a.load_law: the twin does not see what is always active, neither when it is used nor how hard; bind it (twin: ...) in place of 'active: always', or leave this out",
+        "h.yaml:5:5: a.load_law: the twin does not measure use and load of a component that is always active; bind it (twin: ...) instead of 'active: always', or remove this",
         True,
     ),
     Broken(
@@ -449,7 +449,7 @@ BROKEN = (
             "twin: {sensors: camera}",
             "load_law: {reference_load: 0.3, wearing_share: 0.6}",
         ),
-        "h.yaml:5:5: a.load_law: needs a component that moves; bind it to joints, actuators or the gripper, or leave it out",
+        "h.yaml:5:5: a.load_law: needs a moving component; bind it to joints, actuators or the gripper, or remove it",
         False,
     ),
     Broken(
@@ -458,7 +458,7 @@ BROKEN = (
             "twin: {joints: [j1]}",
             "load_law: {reference_load: 0.3, wearing_share: 0.6}",
         ),
-        "h.yaml:5:5: a.load_law: ages nothing, for the component has no figure per time in use (probability, failure_rate or weibull per hour); give one, or leave it out",
+        "h.yaml:5:5: a.load_law: has no effect, because the component has no figure per time in use (probability, failure_rate or weibull per hour); give one, or leave it out",
         False,
     ),
     Broken(
@@ -468,7 +468,7 @@ BROKEN = (
             "load_law: {reference_load: 0.3, wearing_share: 0.6}",
             "modes: {slip: {fraction: 0.4, when: [holding]}}",
         ),
-        "h.yaml:5:5: a.load_law: ages nothing, for no failure mode counts while moving; name 'moving' in a mode's 'when', or leave it out",
+        "h.yaml:5:5: a.load_law: has no effect, because no failure mode counts while moving; name 'moving' in a mode's 'when', or leave it out",
         False,
     ),
     Broken(
@@ -486,7 +486,7 @@ BROKEN = (
             "failure_rate: {value: 1e-6, per: hour}",
             "load_law: {reference_load: 1e-40, wearing_share: 0.6, exponent: 9}",
         ),
-        "h.yaml:5:16: a.load_law.reference_load: 1e-40 is a fraction of the rated one; allowed: 0.001 to 1",
+        "h.yaml:5:16: a.load_law.reference_load: 1e-40 is not a fraction of the rated value; allowed: 0.001 to 1",
         True,
     ),
     Broken(
@@ -495,17 +495,17 @@ BROKEN = (
             "failure_rate: {value: 1e-6, per: hour}",
             "load_law: {reference_load: 0.3, wearing_share: 0.6, reference_speed: 1e-4}",
         ),
-        "h.yaml:5:57: a.load_law.reference_speed: 0.0001 is a fraction of the rated one; allowed: 0.001 to 1",
+        "h.yaml:5:57: a.load_law.reference_speed: 0.0001 is not a fraction of the rated value; allowed: 0.001 to 1",
         True,
     ),
     Broken(
         _one("twin: {sensors: camera}", "probability: {value: 1e-6, per: demand}"),
-        "h.yaml:4:5: a.probability: counts demands, and a camera or a wrench sensor has none; give it per time",
+        "h.yaml:4:5: a.probability: is per demand, but cameras and wrench sensors have no demands; give it per time",
         False,
     ),
     Broken(
         _one("twin: {contacts: [finger]}", "probability: {value: 1e-6, per: demand, of: start}"),
-        "h.yaml:4:5: a.probability: counts each start, but a contact begins no motion; count 'of: grasp'",
+        "h.yaml:4:5: a.probability: is per start, but a contact starts no motion; use 'of: grasp'",
         False,
     ),
     Broken(
@@ -514,7 +514,7 @@ BROKEN = (
             "failure_rate: {value: 1e-6, per: hour}",
             "modes: {jam: {fraction: 1, when: [moving]}}",
         ),
-        "h.yaml:5:32: a.modes.jam.when: the twin does not report 'moving' of what the component is bound to; allowed: grasp, grasping, release",
+        "h.yaml:5:32: a.modes.jam.when: the twin does not report 'moving' for the binding of this component; allowed: grasp, grasping, release",
         False,
     ),
     Broken(
@@ -523,12 +523,12 @@ BROKEN = (
             "failure_rate: {value: 1e-6, per: hour}",
             "modes: {blind: {fraction: 1, when: [holding]}}",
         ),
-        "h.yaml:5:34: a.modes.blind.when: the twin does not report 'holding' of what the component is bound to; leave 'modes' out",
+        "h.yaml:5:34: a.modes.blind.when: the twin does not report 'holding' for the binding of this component; leave 'modes' out",
         False,
     ),
     Broken(
         _one("active: always", "quantity: 10001", "failure_rate: {value: 1e-6, per: hour}"),
-        "h.yaml:4:5: a.quantity: 10001 are more units than can be followed; allowed: up to 10000; describe an assembly of many as one component, by its own figure",
+        "h.yaml:4:5: a.quantity: 10001 are too many units to model; allowed: up to 10000; describe an assembly of many as one component, by its own figure",
         True,
     ),
     Broken(
@@ -546,7 +546,7 @@ BROKEN = (
             "twin: {joints: [j1]}",
             "load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 3.5}",
         ),
-        "h.yaml:5:57: components.a.load_law.exponent: 3.5 is not one for which a run measures wear; allowed: 1, 2, 3, 10/3, 4, 6, 9",
+        "h.yaml:5:57: components.a.load_law.exponent: 3.5 is not an exponent whose wear a run measures; allowed: 1, 2, 3, 10/3, 4, 6, 9",
         True,
     ),
     Broken(
@@ -555,7 +555,7 @@ BROKEN = (
             "twin: {joints: [j1]}",
             "load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 7/2}",
         ),
-        "h.yaml:5:57: components.a.load_law.exponent: 7/2 is not one for which a run measures wear; allowed: 1, 2, 3, 10/3, 4, 6, 9",
+        "h.yaml:5:57: components.a.load_law.exponent: 7/2 is not an exponent whose wear a run measures; allowed: 1, 2, 3, 10/3, 4, 6, 9",
         True,
     ),
     Broken(
@@ -574,7 +574,7 @@ BROKEN = (
     ),
     Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", "twin: {optional: true}"),
-        "h.yaml:4:5: components.a.twin: names nothing; allowed: actuators, contacts, gripper, joints, sensors, or write 'active: always' in its place",
+        "h.yaml:4:5: components.a.twin: is empty; allowed: actuators, contacts, gripper, joints, sensors, or write 'active: always' instead",
         True,
     ),
     Broken(

@@ -44,7 +44,7 @@ def test_component_of_a_log_is_bound_by_name_and_absent_ones_are_left_out():
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ({}, "'part' has no place in the robot"),
+        ({}, "'part' is not bound to the robot;"),
         ({"twin": TwinBinding(joints=("j8",))}, "joint 'j8', which the robot lacks"),
         ({"quantity": 6, "twin": TwinBinding(joints="*")}, "the robot has 7 such joints"),
     ],
@@ -56,7 +56,7 @@ def test_component_the_robot_has_no_place_for_is_an_error_with_file_and_line(fie
 
 
 def test_gripper_of_a_robot_without_one_is_an_error():
-    with pytest.raises(HardwareError, match="the robot has 0"):
+    with pytest.raises(HardwareError, match="the robot has none"):
         bind(one(twin=TwinBinding(gripper=True)), PANDA[:-1])
 
 
@@ -162,7 +162,10 @@ def test_two_actuators_of_one_joint_are_two_units_that_share_its_use(quantity):
     [
         (("shoulder",), "which the robot lacks .* allowed: m1, m2a, m2b, reach, tendon"),
         (("tendn",), "actuator 'tendn', which the robot lacks .* did you mean 'tendon'"),
-        (("m1", "m2a", "m2b"), "sees 'elbow' in several actuators: m2a, m2b; part it in two"),
+        (
+            ("m1", "m2a", "m2b"),
+            "binds several actuators to 'elbow': m2a, m2b; split it into two components",
+        ),
     ],
 )
 def test_an_actuator_that_is_not_there_is_reported_with_those_that_are(actuators, message):
@@ -183,8 +186,7 @@ def test_several_units_share_a_place_that_is_named():
     [
         (
             {"twin": TwinBinding(actuators=("motor1",))},
-            "is bound to actuator 'motor1', which the robot lacks (one without a name of its own in "
-            "the model has that of its joint); allowed: j1, j2, j3",
+            "is bound to actuator 'motor1', which the robot lacks (an unnamed actuator of a model has the name of its joint); allowed: j1, j2, j3",
         ),
         (
             {"twin": TwinBinding(sensors=("eyes",))},
@@ -193,7 +195,7 @@ def test_several_units_share_a_place_that_is_named():
         ),
         (
             {"twin": TwinBinding(sensors="wrench"), "quantity": None},
-            "is bound to the sensors of kind 'wrench', of which the robot has none; allowed: "
+            "is bound to the sensors of kind 'wrench', but the robot has none; allowed: "
             "camera, encoder, or write 'optional: true' in its 'twin'",
         ),
         (
@@ -203,12 +205,12 @@ def test_several_units_share_a_place_that_is_named():
         ),
         (
             {"twin": TwinBinding(joints="*", actuators=("j1",)), "quantity": None},
-            "sees 'j1' twice; name it in one of its bindings only",
+            "binds 'j1' twice; name it in one binding only",
         ),
         (
             {"twin": TwinBinding(sensors="encoder"), "quantity": 3},
             "has quantity 3, but the robot has 2 such sensors; give 'quantity: 2', one a sensor, "
-            "or name those that it stands for",
+            "or list the ones it describes",
         ),
         (
             {"twin": TwinBinding(sensors="camera"), "quantity": 3},
@@ -224,7 +226,7 @@ def test_a_place_that_is_not_there_is_reported_with_those_that_are(fields, messa
 
 @pytest.mark.parametrize(
     ("required", "message"),
-    [(4, "4 must work, but the quantity is 3"), (3, "3 of 3 must work: all are needed")],
+    [(4, "4 must work, but the quantity is 3"), (3, "3 of 3 must work, so no unit is redundant")],
 )
 def test_a_group_that_must_all_work_is_reported_once_the_robot_says_how_many(required, message):
     hardware = one(

@@ -56,14 +56,14 @@ BROKEN = {
     "components: {a: {failure_rate: {value: 1e-7, per: visit}}}": "allowed: hour, minute",
     "components: {a: {failure_rate: {value: -1, per: hour}}}": "outside [0, inf]",
     "components: {a: {failure_rate: {value: 1, unit: fits}}}": "'fits' is not allowed; allowed: FIT",
-    "components: {a: {failure_rate: {value: 1, unit: FIT, per: hour}}}": "leave 'per' out",
+    "components: {a: {failure_rate: {value: 1, unit: FIT, per: hour}}}": "remove 'per'",
     "components: {a: {probability: {per: hour}}}": "'value' is missing in components.a.probability",
     "components: {a: {active: always}}": "has no failure figure",
     "components: {a: {probability: 1e-7, quantitty: 2}}": "did you mean 'quantity'?",
     "components: {a: {probability: 1e-7, quantity: 0}}": "below 1",
     "components: {a: {probability: 1e-7, quantity: 1.5}}": "expected a whole number",
     "components: {a: {probability: 1e-7, redundancy: maybe}}": "expected true or false",
-    "components: {a: {probability: 1e-7, detected: each_visit}}": "of units that are all needed",
+    "components: {a: {probability: 1e-7, detected: each_visit}}": "units that are all needed",
     "components: {a: {probability: 1e-7, redundancy: true, detected: never}}": (
         "components.a.detected: 'never' is not allowed; allowed: each_visit, mission_start"
     ),
@@ -74,16 +74,16 @@ BROKEN = {
         "components.a.detected.test_interval: is 0; give a number above 0"
     ),
     "components: {a: {probability: 1e-7, active: often}}": "allowed: always",
-    "components: {a: {probability: 1e-7, twin: {}}}": "names nothing",
+    "components: {a: {probability: 1e-7, twin: {}}}": "is empty",
     "components: {a: {probability: 1e-7, twin: {joints: all}}}": 'write "*"',
     "components: {a: {probability: 1e-7, twin: {joints: [j, j]}}}": "names 'j' twice",
     "components: {a: {probability: 1e-7, twin: {joints: []}}}": "empty list",
     "components: {a: {probability: 1e-7, quantity: 3, twin: {joints: [j, k]}}}": "names 2 places",
-    "components: {a: {probability: 1e-7, twin: {gripper: false}}}": "sees nothing",
+    "components: {a: {probability: 1e-7, twin: {gripper: false}}}": "there is no other binding",
     "components: {a: {probability: 1e-7, active: always, twin: {gripper: true}}}": "either",
     "components: {'two words': {probability: 1e-7}}": "not a component's name",
     "components: {a: {probability: {value: 1e-7, per: demand}, active: always}}": "has no demands",
-    "components: {}": "names no component",
+    "components: {}": "has no components;",
     "components: []": "expected a mapping, found a list",
     "parts: {}": "unknown key 'parts'",
     "components: {a: {probability: 1, active: always}, a: {probability: 1}}": "not valid YAML",
@@ -249,7 +249,9 @@ components:
 """
     one, two = read(tmp_path, text).components
     assert (two.figures, two.twin) == (one.figures, TwinBinding(joints=("j2",)))
-    with pytest.raises(HardwareError, match=r"^hardware\.yaml:3:5: a\.age: matters only"):
+    with pytest.raises(
+        HardwareError, match=r"^hardware\.yaml:3:5: a\.age: applies to wear-out only"
+    ):
         read(tmp_path, "components:\n  a:\n    age: {value: 1, per: hour}\n    probability: 1\n")
     broken = text.replace("twin: {joints: [j2]}", "active: always")
     with pytest.raises(HardwareError, match=r"^hardware\.yaml:7:5: two\.active: .* either"):

@@ -11,7 +11,7 @@ from tracerisk.common.sandbox.forking import NotForkableError
 
 def test_a_pipe_that_the_controller_has_opened_is_refused():
     for end in (pair := os.pipe()):
-        with pytest.raises(NotForkableError, match="has a pipe or event queue open"):
+        with pytest.raises(NotForkableError, match="has an open pipe or event queue,"):
             forking._reopened(end, {}, frozenset())
         assert forking._reopened(end, {}, frozenset(pair)) is None
     for end in pair:
@@ -19,13 +19,13 @@ def test_a_pipe_that_the_controller_has_opened_is_refused():
 
 
 def test_a_socket_that_the_controller_has_opened_is_refused():
-    with socket.socket() as opened, pytest.raises(NotForkableError, match="has a socket open"):
+    with socket.socket() as opened, pytest.raises(NotForkableError, match="has an open socket"):
         forking._reopened(opened.fileno(), {}, frozenset())
 
 
 def test_a_file_to_write_into_is_refused_where_it_has_no_copy(tmp_path):
     with (tmp_path / "log").open("w") as file:
-        with pytest.raises(NotForkableError, match="log open to write into it"):
+        with pytest.raises(NotForkableError, match="log open for writing"):
             forking._reopened(file.fileno(), {}, frozenset())
         (tmp_path / "copies").mkdir()
         (tmp_path / "copies" / "log").touch()

@@ -28,7 +28,7 @@ def test_a_number_without_a_dot_is_read_without_a_word(tmp_path, version):
             "a.yaml:1:104: is not valid YAML: is nested deeper than 100 levels",
         ),
         ("a:\n " + "- " * 50_000, "a.yaml:2:202: is not valid YAML: is nested deeper than 100 "),
-        ("b: 1\na: !!set x\n", "a.yaml:2: holds a value that is none of its tag (!!set, !!omap)"),
+        ("b: 1\na: !!set x\n", "a.yaml:2: has a value that does not fit its tag (!!set, !!omap);"),
         ("1: 2\n", "a.yaml:1:1: key 1 is not a string; put it in quotes"),
         ("- 1\n", "a.yaml:1: expected a mapping at the top, found "),
     ],

@@ -24,7 +24,7 @@ def test_all_stands_for_every_world_and_a_group_for_those_that_begin_so():
 
 @pytest.mark.parametrize("text", ["discover", "other", "nominal", "latency,foo"])
 def test_an_unknown_name_lists_those_there_are(text):
-    with pytest.raises(InputError, match=r"there is no world '\w+'; .*allowed: all, discovery"):
+    with pytest.raises(InputError, match=r"unknown world '\w+'; .*allowed: all, discovery"):
         worlds_named(text)
 
 

@@ -111,7 +111,7 @@ def with_cell(**values):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", "is no evidence"),
+        ("{", "is not an evidence"),
         ("[]", "expected an object"),
         ('{"version": 9, "controllers": {}}', "version 9"),
         ('{"version": 1, "controllers": {"a.py": 3}}', "a.py: expected an object"),
@@ -132,12 +132,12 @@ def with_cell(**values):
         (with_cell(time_s=-1.0), "time_s: expected seconds"),
         (with_cell(states_s=[1.0]), "expected three times"),
         (with_cell(fails="yes"), "fails: expected true or false"),
-        (with_cell(lost=None), "lost: expected a list of texts"),
-        (with_cell(lost="all"), "lost: expected a list of texts"),
-        (with_cell(unit=7), "unit: expected a text"),
+        (with_cell(lost=None), "lost: expected a list of strings"),
+        (with_cell(lost="all"), "lost: expected a list of strings"),
+        (with_cell(unit=7), "unit: expected a string"),
         (with_cell(followed_s="long"), "followed_s: expected seconds"),
         (with_cell(time_s=10**400), "time_s: expected seconds"),
-        ("[" * 100_000, "is no evidence"),
+        ("[" * 100_000, "is not an evidence"),
     ],
 )
 def test_what_is_malformed_is_named_with_its_file(tmp_path, text, message):
@@ -215,7 +215,7 @@ def test_evidence_of_the_version_without_digests_is_read():
 
 
 def test_a_line_of_a_journal_that_was_edited_is_refused():
-    with pytest.raises(InputError, match="does not fit its digest"):
+    with pytest.raises(InputError, match="does not match its digest"):
         parse_cell(cell_line(CELL).replace("collision", "nothing"), Location("x"))
 
 

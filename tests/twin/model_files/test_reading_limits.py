@@ -22,7 +22,7 @@ ENDLESS = """<robot name="bent" xmlns:xacro="http://www.ros.org/wiki/xacro">
   <link name="bent_base"/><xacro:twice n="40"/>
 </robot>
 """
-TOLD = r"took more than 0\.3 s of computing or sleeping; raise it with --stall-limit"
+TOLD = r"took more than 0\.3 s of CPU time or sleep; raise it with --stall-limit"
 
 
 def test_a_xacro_that_expands_for_ever_ends_with_its_limit(tmp_path):

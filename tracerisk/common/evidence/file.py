@@ -36,7 +36,8 @@ def read_evidence(path: Path) -> dict[str, Evidence]:
         size = path.stat().st_size
         if size > _MOST_BYTES:
             raise InputError(
-                f"has {size} bytes, more than {_MOST_BYTES}; is it evidence?", Location(str(path))
+                f"has {size} bytes, more than {_MOST_BYTES}; is it an evidence file?",
+                Location(str(path)),
             )
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -53,7 +54,7 @@ def loads_evidence(text: str, name: str) -> dict[str, Evidence]:
     except (ValueError, RecursionError) as error:
         line = getattr(error, "lineno", None)
         raise InputError(
-            f"is no evidence: {error}; restore it from git, or remove it and run "
+            f"is not an evidence file: {error}; restore it from git, or remove it and run "
             "`tracerisk evidence`",
             Location(name, line),
         ) from error
@@ -119,8 +120,8 @@ def merge_evidence(files: Sequence[Path]) -> dict[str, Evidence]:
         for name, found in read_evidence(path).items():
             if found.edited is not None:
                 raise InputError(
-                    f"the evidence of {name} was edited: {found.edited.words}; `tracerisk evidence "
-                    f"{name}` with the options of that campaign tries it again",
+                    f"the evidence of {name} was edited: {found.edited.words}; rerun `tracerisk "
+                    f"evidence {name}` with the options of that campaign",
                     Location(str(path)),
                 )
             ours = merged.get(name)
@@ -131,8 +132,8 @@ def merge_evidence(files: Sequence[Path]) -> dict[str, Evidence]:
                 ours, cells=(), has_digest=True
             ):
                 raise InputError(
-                    f"the evidence of {name} is of another campaign than that before it: its "
-                    "sources, robot, seed, success or number of cells differ",
+                    f"the evidence of {name} is from another campaign than the earlier evidence: "
+                    "sources, robot, seed, success criterion or number of cells differ",
                     Location(str(path)),
                 )
             cells = {each.key: each for each in (*ours.cells, *found.cells)}
@@ -152,10 +153,10 @@ def parse_cell(text: str, where: Location) -> Cell:
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"is no cell of evidence: {error}", where) from error
+        raise InputError(f"is not a cell of an evidence file: {error}", where) from error
     cell = _cell(data, where)
     if not _is_as_written(data):
-        raise InputError("a cell that does not fit its digest", where)
+        raise InputError("a cell that does not match its digest", where)
     return cell
 
 
@@ -203,7 +204,7 @@ class _Reader:
             raise self._error("expected an object with 'version' and 'controllers'")
         if data.get("version") not in (_VERSION, _WITHOUT_DIGEST):
             raise self._error(
-                f"is of version {data.get('version')!r}; this tracerisk reads version {_VERSION}"
+                f"has version {data.get('version')!r}; this tracerisk reads version {_VERSION}"
             )
         self._has_digest = data["version"] == _VERSION
         return {name: self._entry(name, each) for name, each in data["controllers"].items()}
@@ -228,7 +229,7 @@ class _Reader:
         read = tuple(_cell(each, self._where) for each in cells)
         if len({each.key for each in read}) != len(read):
             raise self._error(
-                f"{name}: duplicate cells; `tracerisk evidence --fresh` makes it anew"
+                f"{name}: duplicate cells; `tracerisk evidence --fresh` recreates the file"
             )
         found = Evidence(
             fingerprint=str(data["fingerprint"]),
@@ -245,9 +246,7 @@ class _Reader:
     def _as_written(self, name: str, found: Evidence, data: Mapping[str, Any]) -> Evidence:
         """Return what of an entry fits its digests."""
         if data.get(_DIGEST) != _digest_of_entry(name, data):
-            what = (
-                "its heading was changed, or failures were added, removed or put in another order"
-            )
+            what = "its heading was changed, or failures were added, removed or reordered"
             return replace(found, cells=(), before={}, edited=Edited(what, data))
         pairs = list(zip(found.cells, data[_CELLS], strict=True))
         edited = [cell for cell, each in pairs if not _is_as_written(each)]
@@ -296,10 +295,10 @@ def _cell(data: Any, where: Location) -> Cell:
             raise InputError(f"a cell: {key}: expected true or false", where)
     lost = given["lost"]
     if not isinstance(lost, list | tuple) or not all(isinstance(each, str) for each in lost):
-        raise InputError(f"a cell: lost: expected a list of texts, not {lost!r:.60}", where)
+        raise InputError(f"a cell: lost: expected a list of strings, not {lost!r:.60}", where)
     for key in _TEXTS:
         if not isinstance(given[key], str):
-            raise InputError(f"a cell: {key}: expected a text, not {given[key]!r:.60}", where)
+            raise InputError(f"a cell: {key}: expected a string, not {given[key]!r:.60}", where)
     for key in ("told_after_s", "effect_after_s", "followed_s"):
         if given[key] is not None:
             given[key] = _seconds(given[key], key, where)

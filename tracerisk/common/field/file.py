@@ -65,10 +65,10 @@ def read_field(path: Path) -> FieldProfile:
         raise InputError(f"cannot be read: {error}", where) from error
     except (ValueError, RecursionError) as error:
         line = getattr(error, "lineno", None)
-        raise InputError(f"is no JSON: {error}", Location(str(path), line)) from error
+        raise InputError(f"is not JSON: {error}", Location(str(path), line)) from error
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise InputError(
-            f"is no field profile: expected '{SCHEMA}' as its schema; `tracerisk field` writes "
+            f"is not a field profile: expected the schema '{SCHEMA}'; `tracerisk field` writes "
             "one from recordings",
             where,
         )
@@ -100,7 +100,7 @@ def _step(name: str, row: Mapping[str, Any]) -> FieldStep:
     found = following(counts) if any(counts.values()) else {}
     for target, each in found.items():
         if Fraction(row["next"][target]["share"]) != each.share:
-            raise ValueError(f"next {target} of {name}: its share does not go with its count")
+            raise ValueError(f"next {target} of {name}: its share does not match its count")
     duration = row["duration_s"]
     return FieldStep(
         name=name,

@@ -30,9 +30,9 @@ def read_triangles(path: Path) -> tuple[list[Vertex], list[Triangle]]:
         vertices = list(numbers)
         triangles = list(zip(indices[::3], indices[1::3], indices[2::3], strict=True))
     else:
-        raise ValueError(f"{path}: meshes are read from .stl and .obj, not from '{path.suffix}'")
+        raise ValueError(f"{path}: unsupported mesh format '{path.suffix}'; allowed: .stl, .obj")
     if not triangles:
-        raise ValueError(f"{path}: there are no faces in the mesh")
+        raise ValueError(f"{path}: the mesh has no faces")
     return vertices, triangles
 
 
@@ -47,7 +47,7 @@ def _stl_corners(data: bytes, path: Path) -> list[Vertex]:
     lines = (line.split() for line in data.decode("utf-8", "replace").splitlines())
     found = [_vertex(words[1:4]) for words in lines if words[:1] == ["vertex"]]
     if len(found) % 3:
-        raise ValueError(f"{path}: the STL file is cut off")
+        raise ValueError(f"{path}: the STL file is truncated")
     return found
 
 

@@ -70,14 +70,14 @@ def _bind_to_robot(component: Component, elements: Sequence[Element]) -> BoundCo
     twin = component.twin
     if twin is None:
         raise HardwareError(
-            f"component '{component.name}' has no place in the robot; say where the twin sees it "
+            f"component '{component.name}' is not bound to the robot; bind it "
             "(twin: {joints: \"*\"} or twin: {gripper: true}), or 'active: always'",
             component.location,
         )
     places = tuple(name for find in _PLACES for name in find(component, twin, elements))
     for index, name in enumerate(places):
         if name in places[:index]:
-            _fail(component, f"sees '{name}' twice; name it in one of its bindings only")
+            _fail(component, f"binds '{name}' twice; name it in one binding only")
     if not places:
         return None
     quantity = _quantity(component, twin, len(places))
@@ -102,8 +102,8 @@ def _quantity(component: Component, twin: TwinBinding, places: int) -> int:
     _fail(
         component,
         f"has quantity {asked}, but the robot has {places} such {' and '.join(kinds)}; give "
-        f"'quantity: {places}', one a {'or '.join(each[:-1] for each in kinds)}, or name those "
-        "that it stands for",
+        f"'quantity: {places}', one a {'or '.join(each[:-1] for each in kinds)}, or list the "
+        "ones it describes",
     )
 
 
@@ -124,7 +124,7 @@ def _joints(component: Component, twin: TwinBinding, elements: Sequence[Element]
         if not joints and not twin.optional:
             _fail(
                 component,
-                "is bound to the joints, but the robot has none; leave it out, or write "
+                "is bound to the joints, but the robot has none; remove the component, or write "
                 "'optional: true' in its 'twin' for robots that may have none",
             )
         return joints
@@ -149,8 +149,8 @@ def _actuators(component: Component, twin: TwinBinding, elements: Sequence[Eleme
         if name not in moved:
             _fail(
                 component,
-                f"is bound to actuator '{name}', which the robot lacks (one without a name of its "
-                f"own in the model has that of its joint); {one_of(moved, name)}",
+                f"is bound to actuator '{name}', which the robot lacks (an unnamed actuator of a "
+                f"model has the name of its joint); {one_of(moved, name)}",
             )
     places = [place for name in twin.actuators for place in moved[name]]
     if len(set(places)) == 1:  # several motors of one joint or gripper share its use
@@ -158,7 +158,10 @@ def _actuators(component: Component, twin: TwinBinding, elements: Sequence[Eleme
     for index, place in enumerate(places):
         if place in places[:index]:
             both = ", ".join(name for name in twin.actuators if place in moved[name])
-            _fail(component, f"sees '{place}' in several actuators: {both}; part it in two")
+            _fail(
+                component,
+                f"binds several actuators to '{place}': {both}; split it into two components",
+            )
     return places
 
 
@@ -169,7 +172,7 @@ def _grippers(component: Component, twin: TwinBinding, elements: Sequence[Elemen
     if not found and not twin.optional:
         _fail(
             component,
-            "is bound to the gripper, but the robot has 0; leave it out, or write "
+            "is bound to the gripper, but the robot has none; remove the component, or write "
             "'optional: true' in its 'twin' for robots that may have none",
         )
     return found
@@ -183,7 +186,7 @@ def _sensors(component: Component, twin: TwinBinding, elements: Sequence[Element
             kinds = {element.sensor for element in sensors if element.sensor is not None}
             _fail(
                 component,
-                f"is bound to the sensors of kind '{twin.sensors}', of which the robot has none; "
+                f"is bound to the sensors of kind '{twin.sensors}', but the robot has none; "
                 f"{one_of(kinds, twin.sensors)}, or write 'optional: true' in its 'twin'",
             )
         return found

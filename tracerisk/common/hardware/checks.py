@@ -92,15 +92,17 @@ def _check_figures(component: Component, fail: _Fail) -> None:
         if figure.per is not Basis.DEMAND:
             continue
         if not seen:
-            message = "counts demands, and a camera or a wrench sensor has none; give it per time"
+            message = (
+                "is per demand, but cameras and wrench sensors have no demands; give it per time"
+            )
         elif figure.demand is None or figure.demand in seen:
             continue
         elif figure.demand == "start":
-            message = "counts each start, but a contact begins no motion; count 'of: grasp'"
+            message = "is per start, but a contact starts no motion; use 'of: grasp'"
         else:
             message = (
-                f"counts each {figure.demand}, but only a gripper grasps and releases; "
-                "bind it to the gripper (twin: {gripper: true}), or count 'of: start'"
+                f"is per {figure.demand}, but only a gripper grasps and releases; "
+                "bind it to the gripper (twin: {gripper: true}), or use 'of: start'"
             )
         fail(message, "probability")
 
@@ -123,19 +125,22 @@ def _check_place(component: Component, fail: _Fail) -> None:
         return
     if component.twin is not None:
         fail(
-            "a component is either always active or seen by the twin; leave out one of the two",
+            "a component is either always active or bound to the twin; remove one of the two",
             "active",
         )
     for figure in component.figures:
         if figure.per is Basis.DEMAND:
-            fail("what is always active has no demands; give its figure per time", "probability")
+            fail(
+                "a component that is always active has no demands; give its figure per time",
+                "probability",
+            )
         if figure.standby:
-            fail("what is always active is never idle; leave it out", "standby_rate")
+            fail("a component that is always active has no standby time; remove it", "standby_rate")
     for key, given in (("modes", component.modes), ("load_law", component.load_law)):
         if given:
             fail(
-                "the twin does not see what is always active, neither when it is used nor how "
-                "hard; bind it (twin: ...) in place of 'active: always', or leave this out",
+                "the twin does not measure use and load of a component that is always active; "
+                "bind it (twin: ...) instead of 'active: always', or remove this",
                 key,
             )
 
@@ -146,7 +151,8 @@ def _check_quantity(component: Component, fail: _Fail) -> None:
     if quantity is None:
         if twin is None:
             fail(
-                "is left to what the robot has, but no 'twin' says where to count; give a number",
+                "is the number that the robot has, but no 'twin' says where to count; give a "
+                "number",
                 "quantity",
             )
         return
@@ -154,7 +160,7 @@ def _check_quantity(component: Component, fail: _Fail) -> None:
         fail(f"{quantity} is below 1", "quantity")
     if quantity > MOST_UNITS:
         fail(
-            f"{quantity} are more units than can be followed; allowed: up to {MOST_UNITS}; "
+            f"{quantity} are too many units to model; allowed: up to {MOST_UNITS}; "
             "describe an assembly of many as one component, by its own figure",
             "quantity",
         )
@@ -172,7 +178,8 @@ def _check_redundancy(component: Component, fail: _Fail) -> None:
     if not group:
         if group.common_cause or group.switch or group.dormancy != 1.0 or group.required != 1:
             fail(
-                "is false, but units required, spares or a common cause are for redundant units",
+                "is false, but required units, spares and common cause apply to redundant units "
+                "only",
                 "redundancy",
             )
         return
@@ -192,14 +199,14 @@ def check_required(component: Component, quantity: int, place: Place) -> None:
         )
     if group.required == quantity > 1:
         fail(
-            f"{quantity} of {quantity} must work: all are needed, so none is redundant; leave it "
-            "out, or give more units",
+            f"{quantity} of {quantity} must work, so no unit is redundant; remove it, or give "
+            "more units",
             "required",
         )
     if quantity == 1 and (group.has_spares or group.common_cause):
         key = "spare" if group.has_spares else "common_cause"
         fail(
-            "there is only 1 unit, none beside it; give a quantity of 2 or more, or leave it out",
+            "there is only 1 unit; give a quantity of 2 or more, or remove it",
             key,
         )
 
@@ -209,17 +216,17 @@ def _check_modes(component: Component, fail: _Fail) -> None:
         return
     total = math.fsum(mode.fraction for mode in component.modes)
     if total > 1.0 + _ROUNDING:
-        fail(f"the fractions sum to {total:.12g}; they may be at most 1", "modes")
+        fail(f"the fractions sum to {total:.12g}; they may sum to at most 1", "modes")
     for mode in component.modes:
         _check_mode(component, mode, fail)
         if component.modes_by_use and not mode.when:
-            message = "has no 'when', and others have one; give each mode one, or none"
+            message = "has no 'when', but other modes have one; give it to all modes, or to none"
             fail(message, "modes", mode.name)
     if not component.modes_by_use:
         if total < 1.0 - _ROUNDING:
             message = (
-                f"the fractions sum to {total:.12g}; those of modes without 'when' share out all "
-                "failures, and sum to 1"
+                f"the fractions sum to {total:.12g}; fractions of modes without 'when' must sum "
+                "to 1"
             )
             fail(message, "modes")
         return
@@ -232,7 +239,7 @@ def _check_modes(component: Component, fail: _Fail) -> None:
             needed = [figure.demand or "start, grasp, release"]
             what = f"per demand of {figure.demand}" if figure.demand else "per demand"
         fail(
-            f"none of them counts the figure {what}, so it would count for nothing; name in a "
+            f"no failure mode uses the figure {what}, so it has no effect; name in a "
             f"mode's 'when' one of: {', '.join(needed)}",
             "modes",
         )
@@ -257,20 +264,20 @@ def _check_mode(component: Component, mode: FailureMode, fail: _Fail) -> None:
     keys = ("modes", mode.name, "when")
     twin = component.twin
     if mode.fault is not None and mode.fault not in (allowed := _faults_of(component)):
-        message = f"'{mode.fault}' is not what the unit can have; {one_of(allowed, mode.fault)}"
+        message = f"'{mode.fault}' is not a fault of this unit; {one_of(allowed, mode.fault)}"
         fail(message, "modes", mode.name, "fault")
     figures = [figure for figure in component.figures if _is_moded(figure)]
     for word in mode.when:
         if not any(_counts_word(figure, word) for figure in figures):
-            needed = "per time in use" if word in _STATES else f"per demand that counts '{word}'"
+            needed = "per time in use" if word in _STATES else f"per demand of '{word}'"
             fail(
-                f"'{word}' counts for nothing, for the component has no figure {needed}; "
-                "leave it out, or give such a figure",
+                f"'{word}' has no effect, because the component has no figure {needed}; remove "
+                "it, or give such a figure",
                 *keys,
             )
         if twin is not None and word not in _seen(twin):
             fail(
-                f"the twin does not report '{word}' of what the component is bound to; "
+                f"the twin does not report '{word}' for the binding of this component; "
                 + (one_of(_seen(twin)) if _seen(twin) else "leave 'modes' out"),
                 *keys,
             )
@@ -302,25 +309,25 @@ def _check_load_law(component: Component, fail: _Fail) -> None:
     ):
         if value is not None and value < LEAST_REFERENCE:
             fail(
-                f"{value:g} is a fraction of the rated one; allowed: {LEAST_REFERENCE:g} to 1",
+                f"{value:g} is not a fraction of the rated value; allowed: {LEAST_REFERENCE:g} "
+                "to 1",
                 *keys,
                 key,
             )
     if component.twin is None or not component.twin.moves:
         fail(
-            "needs a component that moves; bind it to joints, actuators or the gripper, or leave "
-            "it out",
+            "needs a moving component; bind it to joints, actuators or the gripper, or remove it",
             *keys,
         )
     if not any(figure.per.seconds and not figure.standby for figure in component.figures):
         fail(
-            "ages nothing, for the component has no figure per time in use (probability, "
+            "has no effect, because the component has no figure per time in use (probability, "
             "failure_rate or weibull per hour); give one, or leave it out",
             *keys,
         )
     if component.modes_by_use and not any("moving" in mode.when for mode in component.modes):
         fail(
-            "ages nothing, for no failure mode counts while moving; name 'moving' in a mode's "
+            "has no effect, because no failure mode counts while moving; name 'moving' in a mode's "
             "'when', or leave it out",
             *keys,
         )
@@ -329,7 +336,7 @@ def _check_load_law(component: Component, fail: _Fail) -> None:
 def _check_age(component: Component, fail: _Fail) -> None:
     if component.age_s and not any(figure.kind == "weibull" for figure in component.figures):
         fail(
-            "matters only to what wears out; give 'weibull: {shape: 2, scale: 30000, per: hour}', "
+            "applies to wear-out only; give 'weibull: {shape: 2, scale: 30000, per: hour}', "
             "or leave it out",
             "age",
         )

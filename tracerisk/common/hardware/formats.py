@@ -19,7 +19,9 @@ def format_of_name(name: str) -> HardwareFormat:
     suffix = PurePath(name).suffix.lower()
     if suffix not in _SUFFIXES:
         found = f"its name ends in '{suffix}'" if suffix else "its name has no ending"
-        raise HardwareError(f"{found}, which is not a format; {one_of(_SUFFIXES)}", Location(name))
+        raise HardwareError(
+            f"{found}, which is not a supported format; {one_of(_SUFFIXES)}", Location(name)
+        )
     return _SUFFIXES[suffix]
 
 
@@ -54,7 +56,7 @@ def load_hardware(settings: Settings, robot: str) -> Hardware:
         raise HardwareError(
             f"describes robot '{hardware.robot}', but the controller drives '{robot}'; give the "
             "description of that robot, or leave 'robot' out of one that fits several; if the "
-            f"controller drives '{hardware.robot}', say so by --robot or the setting robot",
+            f"controller drives '{hardware.robot}', set --robot or the setting robot",
             Location(hardware.file),
         )
     return hardware

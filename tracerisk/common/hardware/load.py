@@ -68,7 +68,7 @@ def exponent_text(exponent: float) -> str:
 def unmeasured_exponent(given: str) -> str:
     """Return what is said of an exponent for which a run measures no wear."""
     allowed = ", ".join(map(exponent_text, WEAR_EXPONENTS))
-    return f"{given} is not one for which a run measures wear; allowed: {allowed}"
+    return f"{given} is not an exponent whose wear a run measures; allowed: {allowed}"
 
 
 def mean_speed(travel_s: float, moving_s: float) -> float:

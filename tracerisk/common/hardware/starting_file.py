@@ -34,7 +34,7 @@ _SENSOR_NAMES: dict[SensorKind, str] = {
 _SENSOR_FIGURE = FailureFigure("failure_rate", 1.52e-7, Basis.HOUR)
 _SENSOR_SOURCE = (
     "assumed: as the readheads of RLS's RM and RE encoders, 750 years to failure in continuous use "
-    "by the maker's records (rls.si)"
+    "by the manufacturer's records (rls.si)"
 )
 _LOAD_LAW = "load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 3}"
 _JOINT_MODES = (
@@ -119,7 +119,8 @@ def starting_yaml(hardware: Hardware, title: str) -> str:
         "# A file to start from: put in the figures of the makers' data, each with its source.",
         "# Lines that begin with '#' are examples; a figure may be per hour, minute or demand, or "
         "in FIT.",
-        "# `tracerisk hardware schema -o hardware.schema.json` writes what editors complete it by.",
+        "# `tracerisk hardware schema -o hardware.schema.json` writes the schema for completion "
+        "in editors.",
     ]
     lines += head_lines(hardware)
     for component in hardware.components:
@@ -134,10 +135,10 @@ def starting_sysml(hardware: Hardware, title: str) -> str:
 
     examples = write_sysml(Hardware("", _EXAMPLE_PARTS)).splitlines()
     return (
-        f"// The hardware of: {title}.\n"
-        "// A file to start from: put in the figures of the makers' data, each with its source.\n"
+        f"// Hardware of: {title}.\n"
+        "// A starting point: replace the figures by manufacturers' data, each with its source.\n"
         f"{write_sysml(hardware)}"
-        "\n// Examples of what may be said of a part:\n"
+        "\n// Examples of annotations of a part:\n"
         + "".join(f"//{' ' if line else ''}{line}\n" for line in examples)
     )
 

@@ -132,7 +132,7 @@ class _Comparison:
         lines: list[str] = []
         for name in sorted({*before, *after}):
             if name not in after:
-                lines.append(f"{name} is not in the scene any more")
+                lines.append(f"{name} is no longer in the scene")
             elif name not in before:
                 lines.append(f"{name} is new in the scene")
             else:
@@ -153,7 +153,10 @@ class _Comparison:
                 yield f"{name} is no longer moved"
                 return
             elif is_moved and not was_moved:
-                yield f"{name} is moved by {_mm(math.dist(new.begin_m, new.end_m))}, before: not"
+                yield (
+                    f"{name} is moved by {_mm(math.dist(new.begin_m, new.end_m))}, before: not "
+                    "moved"
+                )
             else:
                 yield f"{name} ends {_mm(off)} from where it ended"
         if tipped > limits.angle_deg * _ROUNDING:

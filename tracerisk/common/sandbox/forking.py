@@ -46,7 +46,7 @@ def fork_apart(moved: Mapping[str, str], known: frozenset[int]) -> int:
         for folder, copy in moved.items():
             shutil.copytree(folder, copy, symlinks=True, dirs_exist_ok=True)
     except OSError as error:
-        raise NotForkableError(f"what it has written cannot be copied: {error}") from error
+        raise NotForkableError(f"the files it wrote cannot be copied: {error}") from error
     reopened: dict[int, int] = {}
     try:
         for descriptor in sorted(open_descriptors() - {0, 1, 2}):
@@ -68,7 +68,7 @@ def fork_apart(moved: Mapping[str, str], known: frozenset[int]) -> int:
 def _check_alone() -> None:
     """Raise NotForkableError where the process has a thread that does not end before a fork."""
     if sys.platform != "linux":
-        raise NotForkableError("processes are forked on Linux alone")
+        raise NotForkableError("processes can be forked on Linux only")
     if _threads() > 1:
         # Those of libraries for linear algebra end before it, and start again when needed.
         child = _fork()
@@ -76,7 +76,7 @@ def _check_alone() -> None:
             os._exit(0)
         os.waitpid(child, 0)
     if _threads() > 1:
-        raise NotForkableError("a library of the controller runs threads of its own")
+        raise NotForkableError("a library of the controller runs its own threads")
 
 
 def _threads() -> int:
@@ -90,7 +90,9 @@ def _fork() -> int:
     fork.argtypes = ()
     child = int(fork())
     if child < 0:
-        raise NotForkableError(f"the system forks no process: {os.strerror(ctypes.get_errno())}")
+        raise NotForkableError(
+            f"the system cannot fork a process: {os.strerror(ctypes.get_errno())}"
+        )
     return child
 
 
@@ -103,7 +105,9 @@ def _reopened(descriptor: int, moved: Mapping[str, str], known: frozenset[int]) 
         if descriptor in known:
             return None
         kind = "socket" if stat.S_ISSOCK(status.st_mode) else "pipe or event queue"
-        raise NotForkableError(f"the controller has a {kind} open, which two cannot share")
+        raise NotForkableError(
+            f"the controller has an open {kind}, which two processes cannot share"
+        )
     path = str(Path(_OPENED.format(descriptor)).readlink())
     flags = fcntl.fcntl(descriptor, fcntl.F_GETFL)
     copy = next(
@@ -112,7 +116,7 @@ def _reopened(descriptor: int, moved: Mapping[str, str], known: frozenset[int]) 
     if copy is None and flags & os.O_ACCMODE == os.O_RDONLY:
         copy = _OPENED.format(descriptor)
     if copy is None or path.endswith(_DELETED):
-        raise NotForkableError(f"the controller has {path} open to write into it")
+        raise NotForkableError(f"the controller has {path} open for writing")
     try:
         fresh = os.open(copy, flags & _KEPT_FLAGS | os.O_CLOEXEC)
     except OSError as error:

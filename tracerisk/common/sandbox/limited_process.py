@@ -223,13 +223,13 @@ def run_limited(
                 if stream is not None:
                     stream.close()
     if child.returncode == _OUT_OF_MEMORY:
-        used = f"{limits.memory_bytes // _MB} MB of memory, a quarter of what a controller has"
+        used = f"{limits.memory_bytes // _MB} MB of memory, a quarter of a controller's limit"
         raise LimitError(f"{doing} took more than {used}; {limits.memory.advice}", place)
     if child.returncode in (-signal.SIGKILL, -signal.SIGXCPU):
         name = signal.Signals(-child.returncode).name
         raise LimitError(
-            f"{doing} was ended by {name}: the system may be short of memory, or have limits of "
-            "its own; free memory, or raise them",
+            f"{doing} was ended by {name}: the system may be short of memory, or impose its own "
+            "limits; free memory, or raise the limits",
             place,
         )
     return subprocess.CompletedProcess(child.args, child.returncode, out, err)
@@ -238,7 +238,7 @@ def run_limited(
 def last_words(done: subprocess.CompletedProcess[bytes]) -> str:
     """Return the last line of what a process that failed printed as its errors, or its code."""
     lines = done.stderr.decode(errors="replace").strip().splitlines()
-    return lines[-1].strip() if lines else f"its process ended with {done.returncode}"
+    return lines[-1].strip() if lines else f"its process ended with code {done.returncode}"
 
 
 def _watched(
@@ -262,7 +262,7 @@ def _watched(
             own.look()
             if own.seconds > limits.own.value:
                 raise LimitError(
-                    f"{doing} took more than {limits.own.value:g} s of computing or sleeping; "
+                    f"{doing} took more than {limits.own.value:g} s of CPU time or sleep; "
                     f"{limits.own.advice}",
                     place,
                 )

@@ -89,7 +89,7 @@ def is_contained(sandbox: Sandbox) -> bool:
 def _warn_once(missing: str) -> None:
     warnings.warn(
         f"controllers, launch files, xacro and model files run without a sandbox: {missing} is "
-        "missing; --sandbox require refuses, --sandbox off is silent",
+        "missing; --sandbox require refuses this, --sandbox off hides this message",
         SandboxWarning,
         stacklevel=2,
     )

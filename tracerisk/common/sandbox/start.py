@@ -91,7 +91,7 @@ def _import_own(folder: str) -> None:
         "tracerisk", Path(folder, "__init__.py"), submodule_search_locations=[folder]
     )
     if spec is None or spec.loader is None:
-        raise ImportError(f"there is no tracerisk in {folder}")
+        raise ImportError(f"tracerisk is not installed in {folder}")
     package = importlib.util.module_from_spec(spec)
     sys.modules["tracerisk"] = package
     spec.loader.exec_module(package)

@@ -28,13 +28,13 @@ def finite_number(text: str) -> float:
     _check_length(text)
     value = float(text)
     if not math.isfinite(value):
-        raise ValueError(f"a number that is not finite: {text[:20]}")
+        raise ValueError(f"a number is not finite: {text[:20]}")
     return value
 
 
 def _check_length(text: str) -> None:
     if len(text) > MOST_DIGITS:
-        raise ValueError(f"a number of {len(text)} digits; at most {MOST_DIGITS} are read")
+        raise ValueError(f"a number of {len(text)} digits; at most {MOST_DIGITS} are allowed")
 
 
 def loads_json(

@@ -136,11 +136,11 @@ class _Document:
             return value
         if isinstance(event, events.AliasEvent):
             if event.anchor not in self._anchors:
-                message = f"'*{event.anchor}' stands for no anchor before it"
+                message = f"unknown anchor '*{event.anchor}'"
                 raise PlacedYamlError(message, _start(event))
             return self._anchors[event.anchor]
         if event.tag not in (None, "!", f"{_CORE}map", f"{_CORE}seq"):
-            raise PlacedYamlError(f"the type {event.tag} is not known here", _start(event))
+            raise PlacedYamlError(f"unknown type {event.tag}", _start(event))
         self._depth += 1
         if self._depth > _MAX_DEPTH:
             raise PlacedYamlError(_TOO_DEEP, _start(event))
@@ -187,7 +187,7 @@ def _start(event: Any) -> Position:
 def _merged(value: Any, position: Position) -> list[PlacedMap]:
     maps = value if isinstance(value, PlacedList) else [value]
     if not all(isinstance(each, PlacedMap) for each in maps):
-        raise PlacedYamlError("'<<' merges maps, and what it holds is none", position)
+        raise PlacedYamlError("'<<' must refer to a mapping", position)
     return list(maps)
 
 
@@ -220,7 +220,7 @@ def _typed(text: str, event: Any) -> Any:
     kinds = {"null": type(None), "bool": bool, "int": int, "float": float}
     kind = kinds.get(event.tag.removeprefix(_CORE))
     if kind is None:
-        raise PlacedYamlError(f"the type {event.tag} is not known here", _start(event))
+        raise PlacedYamlError(f"unknown type {event.tag}", _start(event))
     if kind is float and type(value) is int:
         return float(value)
     if type(value) is not kind:

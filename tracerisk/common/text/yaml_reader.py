@@ -317,7 +317,7 @@ def read_yaml(
         lines = enumerate(text.splitlines(), start=1)
         line = next((n for n, words in lines if any(tag in words for tag in tags)), None)
         raise error(
-            "holds a value that is none of its tag (!!set, !!omap); write it without the tag",
+            "has a value that does not fit its tag (!!set, !!omap); write it without the tag",
             Location(file, line),
         ) from cause
     return _top(node, file, error)
@@ -351,7 +351,7 @@ def _text(path: Path, file: str, error: type[InputError]) -> str:
     except OSError as cause:
         raise error(f"cannot be read: {cause.strerror}", Location(file)) from cause
     if len(data) > _MAX_BYTES:
-        raise error(f"holds {len(data)} bytes; at most {_MAX_BYTES} are read", Location(file))
+        raise error(f"holds {len(data)} bytes; at most {_MAX_BYTES} are allowed", Location(file))
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as cause:

@@ -93,13 +93,13 @@ NOMINAL = World("nominal", "the run itself", "")
 WORLDS = (
     World(
         "latency",
-        "messages, calls and goals are 5 to 40 ms on their way",
+        "messages, calls and goals are delayed by 5 to 40 ms",
         "https://github.com/moveit/moveit_ros/issues/442",
         latency_s=(0.005, 0.040),
     ),
     World(
         "order",
-        "of messages on several topics that are sent at the same time the last arrives first",
+        "of messages sent at the same time on several topics, the last arrives first",
         "https://github.com/introlab/rtabmap_ros/issues/1205",
         latency_s=(0.002, 0.040),
         reverses_topics=True,
@@ -118,13 +118,13 @@ WORLDS = (
     ),
     World(
         "joints-alphabetical",
-        "joint states list the joints by name",
+        "joint states list the joints in order of their names",
         "https://github.com/UniversalRobots/Universal_Robots_ROS_Driver/issues/619",
         joint_order="alphabetical",
     ),
     World(
         "joints-reversed",
-        "joint states list the joints from the last to the first",
+        "joint states list the joints in reverse order",
         "https://github.com/kroshu/kuka_drivers/issues/254",
         joint_order="reversed",
     ),
@@ -154,13 +154,13 @@ WORLDS = (
     ),
     World(
         "other-solution",
-        "pose goals are reached in another posture of the arm, where there is one",
+        "pose goals are reached in another arm configuration, if there is one",
         "https://github.com/nasa/ow_simulator/issues/406",
         takes_other_solution=True,
     ),
     World(
         "start",
-        "each joint begins up to 4 mrad elsewhere",
+        "each joint starts up to 4 mrad off",
         "https://github.com/Kinovarobotics/ros_kortex/issues/54",
         start_off_rad=0.004,
     ),
@@ -175,7 +175,7 @@ def world_named(name: str) -> World:
     """Return the world of a name; raise InputError listing those there are."""
     if name not in _BY_NAME:
         known = [world.name for world in WORLDS]
-        raise InputError(f"there is no world '{name}'; {one_of(known, name)}")
+        raise InputError(f"unknown world '{name}'; {one_of(known, name)}")
     return _BY_NAME[name]
 
 
@@ -198,7 +198,7 @@ def worlds_named(names: str) -> tuple[World, ...]:
             found.add(name)
         else:
             known = [ALL, *groups, *(world.name for world in WORLDS)]
-            raise InputError(f"there is no world '{name}'; {one_of(known, name)}")
+            raise InputError(f"unknown world '{name}'; {one_of(known, name)}")
     if not found:
         raise InputError(f"names no world; {one_of([ALL, *(each.name for each in WORLDS)])}")
     return tuple(world for world in WORLDS if world.name in found)

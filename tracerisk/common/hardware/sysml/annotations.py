@@ -207,8 +207,8 @@ class Annotations:
                 outer = scope.lookup(type(target)(full[:-1], target.at))
                 if isinstance(outer, Symbol) and hit.owner is not outer:
                     raise HardwareError(
-                        f"'{full[-1]}' is inherited by '{full[-2]}', and the data would hold for "
-                        f"all that inherit it; redefine it there ('part :>> {full[-1]}')",
+                        f"'{full[-1]}' is inherited by '{full[-2]}', and the data would apply to "
+                        f"every part that inherits it; redefine it there ('part :>> {full[-1]}')",
                         scope.location(target.at),
                     )
             self._about.setdefault(hit, []).append(known)
@@ -234,7 +234,7 @@ class Annotations:
         if len(sources) > 1:
             names = " and ".join(f"'{each}'" for each in sources)
             raise HardwareError(
-                f"'{symbol.name}' inherits {kinds[0]} from {names}; give it its own",
+                f"'{symbol.name}' inherits {kinds[0]} from {names}; annotate it directly",
                 symbol.location(),
             )
         return [each for each in self.own(sources[0]) if each.kind in kinds] if sources else []

@@ -70,7 +70,7 @@ class Composition:
             count += 1
             if count > MAX_PARTS:
                 raise HardwareError(
-                    f"unfolds to more than {MAX_PARTS:,} parts; describe the system with fewer",
+                    f"expands to more than {MAX_PARTS:,} parts; describe the system with fewer",
                     root.location(),
                 )
             yield place
@@ -143,7 +143,7 @@ def _forbid_redefined(
     for each in found if redefined else ():
         if any(every in redefined for every in ancestors(each) if every is not each):
             raise HardwareError(
-                f"redefines what '{each.name}' redefines already; write 'part :>> {each.name}'",
+                f"redefines the same part as '{each.name}'; write 'part :>> {each.name}'",
                 member.location(),
             )
 
@@ -153,8 +153,7 @@ def _forbid_data_on_reference(member: Symbol) -> None:
 
     if any(each.kind is not None for each in own_annotations(member)):
         raise HardwareError(
-            f"'{member.name}' is a reference to a part, and no part of its own; give the data "
-            "where the part is declared",
+            f"'{member.name}' is a reference, not a part; put the data where the part is declared",
             member.location(),
         )
 
@@ -165,8 +164,8 @@ def _forbid_variation(member: Symbol) -> None:
     for word in ("variation", "variant"):
         if word in node.prefixes:
             raise HardwareError(
-                f"'{member.name}' is a {word}: which parts there are is not decided; describe "
-                "one configuration, without variation points",
+                f"'{member.name}' is a {word}, so the parts are not fixed; describe one "
+                "configuration, without variation points",
                 member.location(),
             )
 
@@ -175,7 +174,7 @@ def _check_circle(place: Place, part: Symbol) -> None:
     if len(place.way) > MAX_NESTING or part in place.way:
         names = " > ".join(str(each.name) for each in (*place.way[-3:], part))
         raise HardwareError(
-            f"a part that holds itself, or parts more than {MAX_NESTING} deep: {names}",
+            f"a part contains itself, or parts nest more than {MAX_NESTING} levels deep: {names}",
             part.location(),
         )
 
@@ -236,7 +235,7 @@ def _bounds(part: Symbol, given: Multiplicity) -> tuple[int, int | None]:
         )
     if high is not None and (low > high or high < 1):
         raise HardwareError(
-            f"a multiplicity of {_text((low, high))} leaves no unit; write a number above 0",
+            f"a multiplicity of {_text((low, high))} allows no units; write a number above 0",
             part.location(given.at),
         )
     return low, high

@@ -107,7 +107,7 @@ class Fields:
             return None
         value = self.meaning(key)
         if not isinstance(value, str):
-            self.fail(key, f"expected a text in double quotes, found {described(value)}")
+            self.fail(key, f"expected a string in double quotes, found {described(value)}")
         return value
 
     def texts(self, key: str) -> tuple[str, ...]:
@@ -140,7 +140,7 @@ class Fields:
         value = self.meaning(key)
         each_of = value if isinstance(value, tuple) else (value,)
         if not each_of:
-            self.fail(key, f"names none; {advice}")
+            self.fail(key, f"is an empty list; {advice}")
         found: list[str] = []
         for each in each_of:
             word = read(key, each)
@@ -183,7 +183,7 @@ class Fields:
     def _amount(self, key: str, power: int, example: str) -> Amount:
         value = self.meaning(key)
         if not isinstance(value, Amount) or value.unit.power != power:
-            self.fail(key, f"expected {example}; found {described(value)}")
+            self.fail(key, f"expected {example}, found {described(value)}")
         return value
 
     def nested(self, key: str, kind: str, package: str = OURS) -> Fields:
@@ -218,7 +218,7 @@ def described(value: Meaning) -> str:
     if isinstance(value, int | float):
         return f"the number {value} without a unit"
     if isinstance(value, str):
-        return f'the text "{value}"'
+        return f'the string "{value}"'
     if isinstance(value, Standard):
         return str(value)
     if isinstance(value, Amount):

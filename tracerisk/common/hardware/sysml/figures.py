@@ -53,9 +53,9 @@ def read_figure(fields: Fields) -> FailureFigure:
     if kind != "probability":
         for key in ("per", "demand"):
             if key in fields:
-                fields.fail(key, f"is for a probability; leave it out beside '{kind}'")
+                fields.fail(key, f"applies to a probability; remove it or '{kind}'")
     if kind != "rate" and fields.boolean("standby", default=False):
-        fields.fail("standby", "is for a rate; leave it out")
+        fields.fail("standby", "applies to a rate; remove it")
     if kind == "probability":
         return _probability(fields)
     return _rate(fields) if kind == "rate" else _weibull(fields)
@@ -69,10 +69,11 @@ def _probability(fields: Fields) -> FailureFigure:
         demand = fields.word("demand", "Use")
         if demand not in _DEMANDS:
             fields.fail(
-                "demand", f"'{demand}' is no demand; allowed: Use::start, Use::grasp, Use::release"
+                "demand",
+                f"'{demand}' is not a demand; allowed: Use::start, Use::grasp, Use::release",
             )
         if per is not Basis.DEMAND:
-            fields.fail("demand", f"counts demands, but the figure is per {per.value}")
+            fields.fail("demand", f"applies to demands, but the figure is per {per.value}")
     return FailureFigure("probability", value, per, demand=demand, **_uncertainty(fields))
 
 
@@ -107,7 +108,7 @@ def _uncertainty(fields: Fields) -> dict[str, Any]:
     factor = fields.number("errorFactor", minimum=1.0) if "errorFactor" in fields else None
     meaning = fields.word("valueIs", "Statistic") if "valueIs" in fields else "median"
     if "valueIs" in fields and factor is None:
-        fields.fail("valueIs", "says nothing without 'errorFactor'; give it, or leave both out")
+        fields.fail("valueIs", "has no effect without 'errorFactor'; give it, or remove both")
     return {"error_factor": factor, "value_is": meaning, "source": fields.text("source")}
 
 
@@ -160,7 +161,7 @@ def read_modes(found: list[Metadata], way: tuple[Symbol, ...]) -> tuple[FailureM
                 each.location,
             )
         if name in modes:
-            raise HardwareError(f"a second failure mode '{name}'; keep one", each.location)
+            raise HardwareError(f"duplicate failure mode '{name}'; keep one", each.location)
         fields = Fields.of(each, way)
         uses: Any = fields.words("uses", "Use") if "uses" in fields else ()
         fraction = fields.positive("fraction", maximum=1.0)
@@ -177,13 +178,13 @@ def read_redundancy(
     if not fields.boolean("redundant", default=bool(beyond)):
         for key in ("required", "spare", "dormancy", "switch", "commonCause", "detected"):
             if key in fields:
-                fields.fail(key, "is for redundant units; write 'redundant = true' too")
+                fields.fail(key, "applies to redundant units; write 'redundant = true' too")
         if "testInterval" in fields:
-            fields.fail("testInterval", "of units that are all needed none stays hidden")
+            fields.fail("testInterval", "units that are all needed have no hidden failures")
         return ALL_NEEDED, None
     interval = fields.time_s("testInterval") if "testInterval" in fields else None
     if interval is not None and "detected" in fields:
-        fields.fail("detected", "a 'testInterval' says when; leave one of the two out")
+        fields.fail("detected", "conflicts with 'testInterval'; remove one of the two")
     detected: Any = (
         fields.word("detected", "Detection")
         if "detected" in fields
@@ -206,20 +207,23 @@ def read_redundancy(
 def _dormancy(fields: Fields) -> float:
     if "spare" not in fields:
         if "dormancy" in fields:
-            fields.fail("dormancy", "is that of a warm spare; write 'spare = Spare::warm' with it")
+            fields.fail("dormancy", "applies to a warm spare; write 'spare = Spare::warm' too")
         return 1.0
     kind = fields.word("spare", "Spare")
     fixed = _SPARES[kind]
     if fixed is not None:
         if "dormancy" in fields:
-            fields.fail("dormancy", f"of a {kind} spare is {fixed:g} already; leave it out")
+            fields.fail("dormancy", f"is {fixed:g} for a {kind} spare; remove it")
         return fixed
     if "dormancy" not in fields:
-        fields.fail("spare", "a warm spare needs 'dormancy', its share of a working one's rate")
+        fields.fail(
+            "spare",
+            "a warm spare needs 'dormancy', its failure rate as a share of a working unit's",
+        )
     dormancy = fields.number("dormancy", maximum=1.0)
     if dormancy in (0.0, 1.0):
         word = "cold" if dormancy == 0.0 else "hot"
-        fields.fail("dormancy", f"is that of a {word} spare; write 'spare = Spare::{word}'")
+        fields.fail("dormancy", f"is the dormancy of a {word} spare; write 'spare = Spare::{word}'")
     return dormancy
 
 
@@ -227,7 +231,9 @@ def _switch(fields: Fields) -> float:
     if "switch" not in fields:
         return 0.0
     if "spare" not in fields:
-        fields.fail("switch", "is that of a spare that fails to take over; give 'spare' too")
+        fields.fail(
+            "switch", "is the probability that a spare fails to take over; give 'spare' too"
+        )
     return fields.number("switch", maximum=1.0)
 
 
@@ -237,7 +243,8 @@ def read_twin(fields: Fields) -> tuple[TwinBinding | None, bool]:
     if fields.boolean("always", default=False):
         if others:
             fields.fail(
-                others[0], "a component is either always active or seen by the twin; leave out one"
+                others[0],
+                "a component is either always active or bound to the twin; remove one of the two",
             )
         return None, True
     joints = fields.texts("joints")
@@ -260,7 +267,7 @@ def read_twin(fields: Fields) -> tuple[TwinBinding | None, bool]:
         if not others:
             return None, False
         raise HardwareError(
-            "TwinBinding names nothing that the twin could see; give joints, actuators, gripper, "
+            "TwinBinding is empty; give joints, actuators, gripper, "
             "sensors, sensorKind or contacts, or 'always = true'",
             fields.location,
         )

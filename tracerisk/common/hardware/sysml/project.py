@@ -25,7 +25,7 @@ def read_source(path: Path, shown: str) -> SourceText:
     except OSError as cause:
         raise HardwareError(f"cannot be read: {cause.strerror}", Location(shown)) from cause
     if len(data) > MAX_BYTES:
-        raise HardwareError(f"holds more than {MAX_BYTES} bytes; split it", Location(shown))
+        raise HardwareError(f"has more than {MAX_BYTES} bytes; split it", Location(shown))
     try:
         return SourceText(shown, data.decode("utf-8-sig"))
     except UnicodeDecodeError as cause:

@@ -36,7 +36,7 @@ def read_sysml(path: Path, *, shown: str | None = None) -> Hardware:
             return _Reading(Project(path, name)).hardware(name)
         except RecursionError:
             raise HardwareError(
-                "names lead to one another too far, by imports or aliases; shorten their way",
+                "names refer to each other through too many imports or aliases; shorten the chain",
                 Location(name, 1, 1),
             ) from None
 
@@ -94,7 +94,7 @@ class _Reading:
         """Return the fields of the one metadata of a kind that a part has."""
         found = self._annotations.of(part, kind)
         if len(found) > 1:
-            raise HardwareError(f"a second {kind} on '{part.name}'; keep one", found[1].location)
+            raise HardwareError(f"duplicate {kind} on '{part.name}'; keep one", found[1].location)
         return Fields.of(found[0], way) if found else None
 
     def _components(self, root: Symbol) -> dict[str, Component]:
@@ -107,8 +107,8 @@ class _Reading:
                 before = found[component.name].location
                 line = before.line if before is not None else None
                 raise HardwareError(
-                    f"a second component '{component.name}', the first is in line {line}; "
-                    "give one of the parts another name",
+                    f"duplicate component '{component.name}', first in line {line}; rename one "
+                    "of the parts",
                     component.location,
                 )
             found[component.name] = component
@@ -151,7 +151,7 @@ class _Reading:
             test_interval_s=interval,
         )
         if described is not None and "robot" in described:
-            described.fail("robot", "stands at the system as a whole; leave it out here")
+            described.fail("robot", "is on the system as a whole; remove it here")
         known = {each.kind: each.location for each in reversed((*data, *modes))}
         known |= {each.owner: each.location for each in (group, binding) if each is not None}
 
@@ -173,8 +173,8 @@ class _Reading:
         if any(meaning.read_risk(Fields.of(each, place.way)) for each in risks):
             self._warn(
                 risks[0].location,
-                f"'{place.symbol.name}' has FailureData, so the probability of its @Risk is left "
-                "out",
+                f"'{place.symbol.name}' has FailureData, so the probability of its @Risk is "
+                "ignored",
             )
         law: LoadLaw | None = None
         age_s = 0.0
@@ -184,11 +184,11 @@ class _Reading:
             figures.append(meaning.read_figure(fields))
             if "loadLaw" in fields:
                 if law is not None:
-                    fields.fail("loadLaw", "a second one on this part; keep one")
+                    fields.fail("loadLaw", "duplicate on this part; keep one")
                 law = meaning.read_load_law(fields)
             if "age" in fields:
                 if age_s:
-                    fields.fail("age", "a second one on this part; keep one")
+                    fields.fail("age", "duplicate on this part; keep one")
                 age_s = fields.time_s("age")
         return tuple(figures), law, age_s
 
@@ -200,7 +200,7 @@ class _Reading:
         ]
         if len(found) > 1:
             raise HardwareError(
-                f"a second @Risk with a probability on '{place.symbol.name}'; keep one, or use "
+                f"duplicate @Risk with a probability on '{place.symbol.name}'; keep one, or use "
                 "FailureData, of which several add up",
                 found[1][0].location,
             )
@@ -215,8 +215,8 @@ class _Reading:
             if each.kind == "Risk" and "totalRisk" in each.values():
                 self._warn(
                     each.location,
-                    f"'{place.symbol.name}' has a level of risk but no figure, and is left out; "
-                    "give it a probability or FailureData",
+                    f"'{place.symbol.name}' has a risk level but no figure, and is ignored; give "
+                    "it a probability or FailureData",
                 )
                 return
             if each.kind in ("Redundancy", "TwinBinding", "FailureMode"):
@@ -279,8 +279,8 @@ def _check_one_group(place: Place, group: Fields) -> None:
         return
     around = next(each for each in reversed(place.way[:-1]))
     raise HardwareError(
-        f"'{place.symbol.name}' is a redundant group, and there are several of it, one in each "
-        f"'{around.name}'; name each of these as a part of its own",
+        f"'{place.symbol.name}' is a redundant group in several parts '{around.name}'; declare "
+        "each of these as a separate part",
         group.location,
     )
 
@@ -297,7 +297,6 @@ def _quantity(place: Place, twin: TwinBinding | None) -> int | None:
     if twin is not None and twin.optional and low == 0:
         return high
     raise HardwareError(
-        f"'{place.symbol.name}' has {low} to {high} units; give one number, for the figures need "
-        "it",
+        f"'{place.symbol.name}' has {low} to {high} units; give one number, which the figures need",
         place.symbol.location(),
     )

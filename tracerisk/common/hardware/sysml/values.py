@@ -85,7 +85,7 @@ class Context:
         operator that does not fit its operands.
         """
         if self.depth > MAX_CHAIN:
-            self.fail("names whose values lead to one another in a circle", expression.at)
+            self.fail("names whose values refer to each other in a cycle", expression.at)
         return _DISPATCH[type(expression)](self, expression)
 
 
@@ -96,8 +96,7 @@ def _literal(context: Context, node: Literal) -> Meaning:
 
 def _computed(context: Context, node: Computed) -> Meaning:
     return context.fail(
-        "a computed value that is not worked out here; write the value itself, or +, -, *, / and ^ "
-        "of numbers",
+        "an unsupported expression; write the value itself, or +, -, *, / and ^ of numbers",
         node.at,
     )
 
@@ -169,11 +168,11 @@ def _unit_named(standard: Standard) -> Unit | None:
 def _quantity(context: Context, node: Quantity) -> Meaning:
     number = context.evaluate(node.number)
     if not _is_number(number):
-        context.fail("a unit stands behind a number only", node.number.at)
+        context.fail("a unit is allowed only after a number", node.number.at)
     unit = context.evaluate(node.unit)
     if not isinstance(unit, Unit):
         context.fail(
-            "not a unit that is understood; allowed: h, min, s, d of package SI, their inverses "
+            "not a supported unit; allowed: h, min, s, d of package SI, their inverses "
             "(h^-1 or 1/h), and FIT",
             node.unit.at,
         )
@@ -186,13 +185,13 @@ def _instance(context: Context, node: Instance) -> Meaning:
     if hit is None:
         raise context.scope.unknown(node.of)
     if not isinstance(hit, Standard) or len(hit.path) != 2:
-        context.fail(f"'{node.of}(...)' is not worked out here; write the value itself", node.at)
+        context.fail(f"'{node.of}(...)' is not supported; write the value itself", node.at)
     named: dict[str, tuple[Expression, Symbol]] = {}
     for name, value in node.arguments:
         if name is None:
             context.fail("a value without its name; write 'name = value'", value.at)
         if name in named:
-            context.fail(f"a second value for '{name}'; keep one", value.at)
+            context.fail(f"duplicate value for '{name}'; keep one", value.at)
         named[name] = (value, context.scope)
     return Built(hit, named, node.at)
 
@@ -213,7 +212,7 @@ def _unary(context: Context, node: Unary) -> Meaning:
             assert isinstance(value, int | float)
             value = value if operator == "+" else -value
         else:
-            context.fail(f"'{operator}' does not fit what follows", node.at)
+            context.fail(f"'{operator}' does not apply to its operand", node.at)
     return value
 
 
@@ -231,7 +230,7 @@ def _operation(context: Context, node: Operation) -> Meaning:
         rank = _PRECEDENCE.get(operator)
         if rank is None:
             context.fail(
-                f"'{operator}' is not worked out here; write the value itself, or +, -, *, / and "
+                f"'{operator}' is not supported; write the value itself, or +, -, *, / and "
                 "^ of numbers",
                 node.at,
             )
@@ -254,7 +253,7 @@ def _apply(context: Context, operator: str, left: Meaning, right: Meaning, at: i
     if isinstance(found, complex) or (isinstance(found, float) and not math.isfinite(found)):
         found = None
     if found is None:
-        context.fail(f"'{operator}' gives no finite value, or does not fit what is around it", at)
+        context.fail(f"'{operator}' has no finite value, or does not apply to its operands", at)
     return found
 
 

@@ -67,7 +67,7 @@ def _given(entry: YamlMap, key: str) -> list[YamlMap]:
         }.get(key, "{value: 5.7e-6, per: hour} or {value: 5700, unit: FIT}")
         return [_unit_map(entry, key, example)]
     if not (maps := entry.maps(key)):
-        entry.fail(key, "is an empty list; give a figure, or leave it out")
+        entry.fail(key, "is an empty list; give a figure, or remove it")
     return maps
 
 
@@ -83,7 +83,7 @@ def _probability(figure: YamlMap) -> FailureFigure:
     per = _basis(figure, tuple(Basis))
     demand = word_of(figure, "of", words(Demand)) if "of" in figure else None
     if demand is not None and per is not Basis.DEMAND:
-        figure.fail("of", f"counts demands, but the figure is per {per.value}; leave 'of' out")
+        figure.fail("of", f"the figure is per {per.value}, not per demand; remove 'of'")
     return FailureFigure("probability", value, per, demand=demand, **_uncertainty(figure))
 
 
@@ -96,7 +96,7 @@ def _rate(figure: YamlMap, *, standby: bool) -> FailureFigure:
         if unit != "FIT":
             figure.fail("unit", f"'{unit}' is not allowed; {one_of(['FIT'], unit)}, or give 'per'")
         if "per" in figure:
-            figure.fail("per", "FIT are failures per 1e9 hours already; leave 'per' out")
+            figure.fail("per", "FIT means failures per 1e9 hours; remove 'per'")
         value = rate_from_fit(value)
     else:
         per = _basis(figure, _SPANS)
@@ -116,7 +116,7 @@ def _uncertainty(figure: YamlMap) -> dict[str, Any]:
     factor = figure.number("error_factor", minimum=1.0) if "error_factor" in figure else None
     meaning = word_of(figure, "value_is", words(Statistic)) if "value_is" in figure else "median"
     if "value_is" in figure and factor is None:
-        figure.fail("value_is", "says nothing without 'error_factor'; give it, or leave both out")
+        figure.fail("value_is", "has no effect without 'error_factor'; give it, or remove both")
     source = figure.optional_string("source")
     return {"error_factor": factor, "value_is": meaning, "source": source}
 

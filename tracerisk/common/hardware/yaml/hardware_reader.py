@@ -39,7 +39,7 @@ def read_hardware(path: Path, *, shown: str | None = None) -> Hardware:
         for name, entry in described.items_as_maps()
     )
     if not components:
-        top.fail("components", "names no component; give at least one")
+        top.fail("components", "has no components; give at least one")
     return Hardware(
         file=shown if shown is not None else str(path),
         components=components,
@@ -83,8 +83,8 @@ def _quantity(entry: YamlMap, twin: TwinBinding | None) -> int | None:
         if word != ROBOTS_NUMBER:
             entry.fail(
                 "quantity",
-                f"'{word}' is not allowed; write a whole number, or \"*\" for as many as the "
-                "robot has",
+                f"'{word}' is not allowed; write a whole number, or \"*\" for the number that "
+                f"the robot has",
             )
         return None
     return entry.integer("quantity", minimum=1)

@@ -46,16 +46,16 @@ def read_redundancy(
 def _forbid_for_all_needed(entry: YamlMap) -> None:
     for key in _BEYOND_TRUE:
         if key in entry:
-            entry.fail(key, "is for redundant units, but 'redundancy' is false; leave one out")
+            entry.fail(key, "applies to redundant units, but 'redundancy' is false; remove one")
     for key in ("dormancy", "switch"):
         if key in entry:
-            entry.fail(key, "is for spares; give 'spare: hot', 'warm' or 'cold', or leave it out")
+            entry.fail(key, "applies to spares; give 'spare: hot', 'warm' or 'cold', or remove it")
     if "detected" in entry:
-        entry.fail("detected", "of units that are all needed none stays hidden; leave it out")
+        entry.fail("detected", "units that are all needed have no hidden failures; remove it")
     if "common_cause" in entry:
         entry.fail(
             "common_cause",
-            "of units that are all needed one failure is enough; it is for redundant ones "
+            "applies to redundant units; when all units are needed, one failure is enough "
             "(redundancy: true, required: k or spare: hot)",
         )
 
@@ -71,19 +71,24 @@ def _common_cause(entry: YamlMap) -> float:
 def _dormancy(entry: YamlMap) -> float:
     if "spare" not in entry:
         if "dormancy" in entry:
-            entry.fail("dormancy", "is that of a warm spare; give 'spare: warm' with it")
+            entry.fail("dormancy", "applies to a warm spare; give 'spare: warm' too")
         return 1.0
     kind, fixed = entry.string("spare"), word_of(entry, "spare", _SPARES)
     if fixed is not None:
         if "dormancy" in entry:
-            entry.fail("dormancy", f"of a {kind} spare is {fixed:g} already; leave it out")
+            entry.fail("dormancy", f"is {fixed:g} for a {kind} spare; remove it")
         return fixed
     if "dormancy" not in entry:
-        entry.fail("spare", "a warm spare needs 'dormancy', its rate as a share of a working one's")
+        entry.fail(
+            "spare",
+            "a warm spare needs 'dormancy', its failure rate as a share of a working unit's",
+        )
     dormancy = entry.number("dormancy", minimum=0.0, maximum=1.0)
     if dormancy in (0.0, 1.0):
         word = "cold" if dormancy == 0.0 else "hot"
-        entry.fail("dormancy", f"is {dormancy:g}, that of a {word} spare; write 'spare: {word}'")
+        entry.fail(
+            "dormancy", f"is {dormancy:g}, the dormancy of a {word} spare; write 'spare: {word}'"
+        )
     return dormancy
 
 

@@ -23,8 +23,8 @@ def read_twin(entry: YamlMap) -> TwinBinding | None:
     twin.forbid_unknown(_TWIN_KEYS)
     if not set(twin.keys()) & _SEEN_KEYS:
         raise HardwareError(
-            f"{entry.name_of('twin')}: names nothing; {one_of(_SEEN_KEYS)}, "
-            "or write 'active: always' in its place",
+            f"{entry.name_of('twin')}: is empty; {one_of(_SEEN_KEYS)}, or write 'active: always' "
+            "instead",
             entry.key_location("twin"),
         )
     gripper = twin.boolean("gripper", default=False)
@@ -37,7 +37,7 @@ def read_twin(entry: YamlMap) -> TwinBinding | None:
         contacts=_names(twin, "contacts"),
     )
     if binding.named_units == 0:
-        twin.fail("gripper", "is false and nothing else is named: the twin sees nothing")
+        twin.fail("gripper", "is false, and there is no other binding")
     if binding.optional and not binding.can_be_optional:
         twin.fail("optional", NOT_OPTIONAL)
     return binding
@@ -65,7 +65,7 @@ def _sensors(twin: YamlMap) -> tuple[str, ...] | SensorKind:
     return _names(twin, "sensors", "; name a sensor or write a kind, such as encoder")
 
 
-def _names(twin: YamlMap, key: str, advice: str = "; name one, or leave it out") -> tuple[str, ...]:
+def _names(twin: YamlMap, key: str, advice: str = "; name one, or remove it") -> tuple[str, ...]:
     if key not in twin:
         return ()
     names = twin.strings(key)

@@ -39,7 +39,7 @@ def read_modes(entry: YamlMap) -> tuple[FailureMode, ...]:
     if modes is None:
         return ()
     if not modes.keys():
-        entry.fail("modes", "names none; give one such as jam: {fraction: 0.4, when: [moving]}")
+        entry.fail("modes", "is empty; give a mode such as jam: {fraction: 0.4, when: [moving]}")
     return tuple(_mode(name, mode) for name, mode in modes.items_as_maps())
 
 

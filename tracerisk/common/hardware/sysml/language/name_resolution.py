@@ -106,7 +106,7 @@ class Symbol:
                     if each in found:
                         before = found[each].location()
                         raise HardwareError(
-                            f"a second '{each}' here, the first is in line {before.line}; give "
+                            f"duplicate '{each}', first in line {before.line}; give "
                             "it another name",
                             member.location(),
                         )
@@ -343,7 +343,7 @@ def _aliased(alias: Symbol) -> Found | None:
         scope = hit.scope()
         raw: Found | None = scope.own(target.name[0]) if len(target.name) == 1 else None
         hit = raw if raw is not None else scope.lookup(target)
-    raise HardwareError(f"alias '{alias.name}' leads to itself", alias.location())
+    raise HardwareError(f"alias '{alias.name}' refers to itself", alias.location())
 
 
 def _below(space: Symbol, name: str) -> Found | None:
@@ -384,8 +384,8 @@ def ancestors(symbol: Symbol) -> tuple[Found, ...]:
                 for general in each.generals():
                     if general is symbol:
                         raise HardwareError(
-                            f"'{symbol.name}' specialises itself, by way of "
-                            f"'{each.name}'; break the circle",
+                            f"'{symbol.name}' specialises itself, through '{each.name}'; break "
+                            "the cycle",
                             symbol.location(),
                         )
                     if general not in found:
@@ -398,7 +398,7 @@ def ancestors(symbol: Symbol) -> tuple[Found, ...]:
             return kin
         level = following
     raise HardwareError(
-        f"'{symbol.name}' stands at the end of a chain of more than {MAX_CHAIN} specialisations",
+        f"'{symbol.name}' has a chain of more than {MAX_CHAIN} specialisations",
         symbol.location(),
     )
 

@@ -21,16 +21,16 @@ def skipped_warnings(files: tuple[Symbol, ...]) -> tuple[str, ...]:
             for target in node.metadata:
                 if _is_ours(scope, target):
                     raise HardwareError(
-                        f"'{target}' stands within '{node.word} ...', which is not read; hardware "
-                        "is described by parts",
+                        f"'{target}' is inside '{node.word} ...', which is not read; describe "
+                        "hardware by parts",
                         scope.location(target.at),
                     )
             counts.setdefault(node.word, []).append(node.at)
         for word, offsets in counts.items():
             number = f"{len(offsets)} elements are" if len(offsets) > 1 else "an element is"
             warnings.append(
-                f"{top.location(offsets[0])}: '{word}': {number} skipped; what a system does, "
-                "requires or connects is not part of the hardware description"
+                f"{top.location(offsets[0])}: '{word}': {number} skipped; behaviour, "
+                "requirements and connections are not part of the hardware description"
             )
     return tuple(warnings)
 

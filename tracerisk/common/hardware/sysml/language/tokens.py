@@ -101,7 +101,7 @@ def cut(source: SourceText) -> list[Token]:
                 is_start = True
             elif kind == "_CLOSE":
                 if not open_braces:
-                    raise HardwareError("'}' closes nothing; leave it out", source.location(at))
+                    raise HardwareError("unmatched '}'; remove it", source.location(at))
                 open_braces.pop()
                 depth = 0
                 is_start = True
@@ -130,7 +130,7 @@ def cut(source: SourceText) -> list[Token]:
         append(token)
     if open_braces:
         raise HardwareError(
-            "this '{' is never closed; expected '}' before the end of the file",
+            "unclosed '{'; expected '}' before the end of the file",
             source.location(open_braces[-1]),
         )
     return found
@@ -150,22 +150,22 @@ def _matches(source: SourceText) -> Iterator[re.Match[str]]:
 
 def _bad_character(text: str, at: int) -> str:
     if text.startswith(("/*", "//*"), at):
-        return "this comment is never closed; expected '*/'"
+        return "unclosed comment; expected '*/'"
     if text[at] == '"':
         return "this text is never closed; expected '\"' at its end"
     if text[at] == "'":
         return 'this quoted name is not closed; expected "\'" on the same line'
     if text[at].isalpha():
         return (
-            f"'{text[at]}' cannot stand in a name without quotes; write the whole name in single "
+            f"'{text[at]}' is not allowed in a name without quotes; write the whole name in single "
             "quotes, or use A to Z, digits and '_'"
         )
-    return f"'{text[at]}' ({ascii(text[at])[1:-1]}) means nothing here; leave it out"
+    return f"'{text[at]}' ({ascii(text[at])[1:-1]}) is not allowed here; remove it"
 
 
 def _too_deep(source: SourceText, at: int) -> HardwareError:
     return HardwareError(
-        f"is nested more than {MAX_DEPTH} deep; give what is inside a definition of its own",
+        f"is nested more than {MAX_DEPTH} levels deep; move the inner part into its own definition",
         source.location(at),
     )
 
@@ -201,7 +201,7 @@ def _matching(source: SourceText, opening: re.Match[str], stream: Iterator[re.Ma
         if depth == 0:
             return match.end()
     raise HardwareError(
-        "this '{' is never closed; expected '}' before the end of the file",
+        "unclosed '{'; expected '}' before the end of the file",
         source.location(opening.start()),
     )
 

@@ -307,7 +307,7 @@ def _element(kind: str, is_definition: bool, at: int, parts: Several[Any]) -> El
             name, short, at = part
         elif part[0] == "[":
             if multiplicity is not None:
-                raise NotationError("a second multiplicity; keep one", part[1].at)
+                raise NotationError("duplicate multiplicity; keep one", part[1].at)
             multiplicity = part[1]
         else:
             sign, targets = part

@@ -23,7 +23,7 @@ def unknown_name(scope: Symbol, target: Reference) -> str:
                 known = _names_in(space)
                 return f"'{within}' has no '{missing}'; {one_of(known, missing)}"
         return (
-            f"no package or element '{name[0]}' is known here; declare it in this file or in "
+            f"unknown package or element '{name[0]}'; declare it in this file or in "
             "a .sysml file beside it"
         )
     visible: set[str] = set()
@@ -31,7 +31,7 @@ def unknown_name(scope: Symbol, target: Reference) -> str:
     while around is not None:
         visible.update(each.name for each in around.members if each.name)
         around = around.owner
-    return f"'{target}' stands for nothing here; declare or import it; {one_of(visible, name[0])}"
+    return f"unknown name '{target}'; declare or import it; {one_of(visible, name[0])}"
 
 
 def _names_in(space: Found) -> tuple[str, ...]:
