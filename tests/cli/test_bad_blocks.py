@@ -148,7 +148,7 @@ BAD = {
         "quantity = 7",
         "quantity = 7  ! six of them are in use",
         11,
-        "a reason stands only at a value set by hand; write `quantity := `",
+        "a reason is allowed only for a value set by hand; write `quantity := `",
     ),
 }
 

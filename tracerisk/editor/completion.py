@@ -28,7 +28,7 @@ _SECTION = re.compile(r"@(?P<kind>Function|Component)\b(?P<mark>\s*:=)?")
 _KEYED = re.compile(r"(?P<key>\w+)\s*:?=\s*(?P<value>.*)")
 _SECTIONS = {
     "@Component := {": "a component that the tool does not compute, added by hand",
-    "@Component := omit {": "a component that is no part of the function's risk",
+    "@Component := omit {": "a component excluded from the function's risk",
     "@Component {": "a component as the tool writes it",
     "@Function {": "the function that the block describes",
 }
@@ -47,7 +47,7 @@ _REDUNDANCIES = {
     "true, spare cold": "the others wait, and do not fail before",
     "true, spare warm 0.1": "the others wait, and fail at that share of the rate",
     "true, common_cause 0.1": "that share of failures hits every unit",
-    "true, detected each_visit": "the group is whole again at each visit",
+    "true, detected each_visit": "all units work again at each visit",
 }
 
 
@@ -224,7 +224,9 @@ def _described(figures: Sequence[ControllerFigures]) -> Iterator[tuple[Component
 
 def component_words(component: Component, hardware: Hardware | None) -> str:
     """Return what a hardware description says of a component, on one line."""
-    count = "as many as the robot has" if component.quantity is None else f"{component.quantity}"
+    count = (
+        "the number that the robot has" if component.quantity is None else f"{component.quantity}"
+    )
     lines = [f"units: {count}"]
     for figure in component.figures:
         what = figure.kind.replace("_", " ")

@@ -94,7 +94,7 @@ def render_uncertainty(
     title, numbers = "Share of each input in that spread", ("point", *headings, "share")
     inputs = table_of(title, ["parameter"], numbers, rows, overflow="ellipsis")
     cut = [
-        f"{each.name}: {each.cut} of {found.samples} samples above 1 were taken as 1; "
+        f"{each.name}: {each.cut} of {found.samples} samples above 1 were set to 1; "
         "is its error factor meant?"
         for each in found.inputs
         if each.cut

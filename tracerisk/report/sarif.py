@@ -77,7 +77,7 @@ RULES: tuple[Rule, ...] = (
         "undecided-block",
         "error",
         "It is unknown who wrote a value: a user, or tracerisk on another branch.",
-        "Refresh with --discard-edits to have what is computed now in its place, or take the "
+        "Refresh with --discard-edits to overwrite it with the computed value, or take the "
         "whole block from a version that you trust.",
     ),
     Rule(

@@ -166,7 +166,7 @@ def _readings(assessment: Assessment) -> str:
     risk = mission.failure_probability
     relative = spread / risk if risk > 0.0 else 0.0
     if relative < _SEEN:
-        return f"The same by each reading: {', '.join(figures)}."
+        return f"The readings agree: {', '.join(figures)}."
     text = "; ".join(f"{name} {_probability(value)}" for name, value in figures.items())
     text = f"{text[0].upper()}{text[1:]}: they differ by {100.0 * relative:.2g} %."
     if mission.reading == GEOMETRIC:

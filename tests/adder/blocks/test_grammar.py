@@ -352,7 +352,7 @@ BAD_BLOCKS = {
     "reason line at the tool's value": (
         "RiskAnnotation\n@Function {\n  callSequence = 1\n    ! mine",
         4,
-        "there is none",
+        "none precedes it",
     ),
     "bad computed value": (
         "RiskAnnotation\n@Function {\n  name = f\n  callSequence := 1 ! computed 1x\n}",

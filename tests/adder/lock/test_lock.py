@@ -146,7 +146,7 @@ BAD_LOCKS = {
         GOOD.replace("{\n", "{\n<<<<<<< HEAD\n", 1),
         ":2: holds a conflict whose sides are no whole locks; take one side of the file",
     ),
-    "another file": ("[]", ": the lock is missing or no JSON object"),
+    "another file": ("[]", ": the lock is missing or not a JSON object"),
     "another schema": ("{}", ": is not a lock of tracerisk: it has no `schema` tracerisk.lock"),
     "a later version": (
         GOOD.replace('"version": 2', '"version": 3'),
@@ -161,13 +161,13 @@ BAD_LOCKS = {
         ": duplicate fingerprint in one object",
     ),
     "no number": (changed(trace={"a": float("nan")}), ": holds a number is not finite: NaN"),
-    "no fingerprint": (changed(fingerprint=3), ": c.py: fingerprint is missing or no text"),
+    "no fingerprint": (changed(fingerprint=3), ": c.py: fingerprint is missing or not a string"),
     "an unknown key of a controller": (
         changed(time=3),
         ": c.py: unknown key time; allowed: blocks",
     ),
     "an absolute path": (GOOD.replace('"c.py"', '"/c.py"'), ": /c.py is not a path relative"),
-    "no blocks": (changed(blocks=None), ": c.py: blocks is missing or no JSON object"),
+    "no blocks": (changed(blocks=None), ": c.py: blocks is missing or not a JSON object"),
     "a bad value": (
         GOOD.replace("7.344e-08", "7"),
         ": c.py: blocks: src/pick.py: place: gripper: probability = 7 is not allowed; "

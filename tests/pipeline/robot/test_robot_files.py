@@ -199,7 +199,7 @@ def test_a_xacro_finds_its_packages_and_an_srdf_beside_names_its_groups(example)
         ("arm.urdf", urdf(parent="floor"), "arm.urdf:5: <parent>: there is no link 'floor'"),
         ("arm.urdf", urdf(parent="arm"), "arm.urdf: is not a tree"),
         ("arm.urdf", urdf(more='<link name="b"/><joint name="x" type="fixed"><parent link="b"/><child link="arm"/></joint>'), "hangs on 'turn' and on 'x'"),
-        ("arm.urdf", urdf(more='<link name="alone"/>'), "arm.urdf: is not a tree: 2 links hang on nothing (base, alone)"),
+        ("arm.urdf", urdf(more='<link name="alone"/>'), "arm.urdf: is not a tree: 2 links have no parent (base, alone)"),
         ("arm.urdf", urdf(mesh="../../a.stl"), "arm.urdf:4: <mesh>: '../../a.stl' lies outside"),
         ("arm.urdf", urdf(mesh="file:///etc/a.stl"), "arm.urdf:4: <mesh>: 'file:///etc/a.stl' lies outside"),
         ("arm.urdf", urdf(mesh="http://there/a.stl"), "arm.urdf:4: <mesh>: 'http://there/a.stl' is not read"),

@@ -74,7 +74,7 @@ def test_a_gripper_is_found_by_its_group(panda: Robot):
         ("torque: 87.0", "torque: 87.0, plan_acceleration: 4", "4 is above the rated 3.75"),
         ("lower: -2.8973", "lower: 3.0", "is not above the lower limit"),
         ("open: {panda_finger_joint1: 0.035", "open: {panda_finger_joint1: 0.5", "0.5 is outside"),
-        ("parent: panda_link7", "parent: panda_hand", "hangs on itself"),
+        ("parent: panda_link7", "parent: panda_hand", "is its own ancestor"),
         ("child: panda_link2", "child: panda_link1", "more than one parent"),
         ("servo: wrist", "servo: wirst", "did you mean 'wrist'"),
         ("servo: wrist", "servo: finger", "'panda_joint5' has stiffness 0 and cannot move it"),

@@ -256,7 +256,7 @@ def test_endless_joints_turn_at_will():
         ('<!DOCTYPE x [<!ENTITY a "b">]><robot/>', "bad.urdf:1: declares a document type"),
         ("<robot/>", "has no link"),
         ("<robot>" + "<a>" * 300 + "</a>" * 300 + "</robot>", "deeper than 200"),
-        ('<robot><link name="a"/><link name="b"/></robot>', "2 links hang on nothing"),
+        ('<robot><link name="a"/><link name="b"/></robot>', "2 links have no parent"),
         ('<robot><link name="a"/></robot>', "no joint that moves"),
         (RATED.replace('link="fore"/>', 'link="for"/>', 1), "no link 'for'; did you mean 'fore'"),
         (RATED.replace('type="prismatic"', 'type="slides"'), "unknown joint type 'slides'"),

@@ -487,8 +487,7 @@ def test_a_robot_of_a_file_says_that_an_srdf_would_name_its_groups():
     known = with_assumed_names(tiny, reported.append)
     assert dict(known.named_states["left_arm"]["ready"]) == dict(tiny.named_states["limb"]["ready"])
     assert reported == [
-        "planning group 'left_arm' is assumed to be the limb of the tiny robot, for it is not "
-        "known; an SRDF beside its file would define it"
+        "unknown planning group 'left_arm'; using group limb of tiny; an SRDF beside its file would define it"
     ]
 
 
@@ -522,7 +521,7 @@ def test_a_controller_of_an_unknown_robot_runs(tmp_path):
     trace = pipeline.trace_controller(controller, Settings())
     assert [function.ref.name for function in trace.functions] == ["reach"]
     messages = [finding.message for finding in trace.findings]
-    assert any("'some_arm' is assumed" in message for message in messages)
+    assert any("unknown planning group 'some_arm'" in message for message in messages)
     assert any("'up_there'" in message for message in messages)
     assert any("approximate" in line for line in trace.assumptions)
     assert any("hardware: all figures are assumed" in line for line in trace.assumptions)

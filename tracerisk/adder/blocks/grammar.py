@@ -201,7 +201,7 @@ class _Parser:
         elif last is not None and last.by_hand:
             return last.comment
         raise self._error(
-            line, "a `!` line goes on with the reason of a `:=` line above; there is none"
+            line, "a `!` line continues the reason of a `:=` line, but none precedes it"
         )
 
     def _assignment(self, section: _Section, line: int, text: str) -> _Assignment:
@@ -228,7 +228,7 @@ class _Parser:
             raise self._error(line, "a name cannot be set by hand; write `name = `")
         if mark and not pinned:
             raise self._error(
-                line, f"a reason stands only at a value set by hand; write `{key} := `"
+                line, f"a reason is allowed only for a value set by hand; write `{key} := `"
             )
         return _Assignment(key, pinned, value.strip(), [comment.strip()] if mark else [], line)
 

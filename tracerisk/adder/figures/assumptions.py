@@ -18,7 +18,7 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
             bound,
             lambda each: any(figure.per is Basis.VISIT for figure in each.figures),
             "failure figures are per visit, whatever its length, so the mission's figure depends "
-            "on how the code is cut into functions",
+            "on how the code is divided into functions",
         ),
         *_tested(used),
         *_named(

@@ -157,7 +157,7 @@ class _Reader:
         self._known(entry, CONTROLLER_KEYS, path)
         fingerprint = entry.get("fingerprint")
         if not isinstance(fingerprint, str):
-            raise self._error(f"{path}: fingerprint is missing or no text")
+            raise self._error(f"{path}: fingerprint is missing or not a string")
         previous = entry.get("previous")
         others = entry.get("others", [])
         if not isinstance(others, list):
@@ -219,7 +219,7 @@ class _Reader:
 
     def _mapping(self, value: Any, where: str) -> dict[str, Any]:
         if not isinstance(value, dict):
-            raise self._error(f"{where} is missing or no JSON object; restore the file")
+            raise self._error(f"{where} is missing or not a JSON object; restore the file")
         return value
 
     def _known(self, entry: Mapping[str, Any], allowed: Iterable[str], where: str) -> None:

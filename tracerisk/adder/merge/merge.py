@@ -98,7 +98,7 @@ def edits_error(edits: Iterable[HandEdit]) -> EditInTheWayError:
             "it is unknown who wrote these values, a user or tracerisk on another branch; "
             f"{'they were left alone' if certain else 'nothing was written'}:",
             *doubtful,
-            "Use --discard-edits to have what is computed now in their place, or take the whole "
+            "Use --discard-edits to overwrite them with the computed values, or take the whole "
             "block from a version that you trust.",
         ]
     return EditInTheWayError("\n".join(parts))

@@ -34,7 +34,7 @@ _SENSOR_NAMES: dict[SensorKind, str] = {
 _SENSOR_FIGURE = FailureFigure("failure_rate", 1.52e-7, Basis.HOUR)
 _SENSOR_SOURCE = (
     "assumed: as the readheads of RLS's RM and RE encoders, 750 years to failure in continuous use "
-    "by the manufacturer's records (rls.si)"
+    "by the maker's records (rls.si)"
 )
 _LOAD_LAW = "load_law: {reference_load: 0.3, wearing_share: 0.6, exponent: 3}"
 _JOINT_MODES = (

@@ -102,9 +102,9 @@ def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
         for value in (mission.geometric_cycles, mission.fixed_cycles, mission.visits_as_run)
     }
     if len(alike) == 1:
-        ways = "the same by each reading: the chain's, and that of the visits as executed"
+        ways = "the readings agree: the chain's, and that of the visits as executed"
         if has_cycle:
-            ways = "the same by each reading: cycles that vary around their mean, "
+            ways = "the readings agree: cycles that vary around their mean, "
             ways += f"{cycles} fixed cycle{'' if is_one else 's'} ({each_fails}), as executed"
         return (("probability that a mission fails", alike.pop(), ways),)
     return (

@@ -108,4 +108,4 @@ def _data(picture: Picture) -> dict[str, object]:
 
 def _last_line(text: str) -> str:
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    return lines[-1] if lines else "no word of why"
+    return lines[-1] if lines else "no error message"

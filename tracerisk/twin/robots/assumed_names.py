@@ -49,8 +49,8 @@ class _AssumedGroups(Mapping[str, Group]):
             stand_in = self.stand_in(name)
             self._known[name] = self._known[stand_in]
             self._report(
-                f"planning group '{name}' is assumed to be the {stand_in} of the {self._robot.name}"
-                f" robot, for it is not known; {_remedy(self._robot)}"
+                f"unknown planning group '{name}'; using group {stand_in} of {self._robot.name}; "
+                f"{_remedy(self._robot)}"
             )
         return self._known[name]
 

@@ -325,17 +325,17 @@ def _check_tree(
     parents: dict[str, str] = {}
     for attachment in attachments:
         if attachment.child in parents or attachment.child == base:
-            top.fail("joints", f"link '{attachment.child}' hangs on more than one parent")
+            top.fail("joints", f"link '{attachment.child}' has more than one parent")
         parents[attachment.child] = attachment.parent
     for link in links:
         seen = {link}
         at = link
         while at != base:
             if at not in parents:
-                top.fail("joints", f"link '{link}' does not hang on the base link '{base}'")
+                top.fail("joints", f"link '{link}' is not connected to the base link '{base}'")
             at = parents[at]
             if at in seen:
-                top.fail("joints", f"link '{link}' hangs on itself")
+                top.fail("joints", f"link '{link}' is its own ancestor")
             seen.add(at)
 
 
@@ -353,7 +353,7 @@ def _positive(entry: YamlMap, key: str) -> float:
 def _known_all(entry: YamlMap, key: str, names: Collection[str]) -> tuple[str, ...]:
     found = entry.choices(key, names, "name")
     if not found:
-        entry.fail(key, "names nothing; name one or more")
+        entry.fail(key, "is empty; name one or more")
     return found
 
 

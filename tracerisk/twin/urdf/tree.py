@@ -138,14 +138,14 @@ def read_tree(root: XmlElement, file: str) -> Tree:
     tops = [name for name in links if name not in hangs]
     if len(tops) != 1:
         raise RobotError(
-            f"is not a tree: {len(tops)} links hang on nothing ({', '.join(tops[:6]) or 'none'}); "
+            f"is not a tree: {len(tops)} links have no parent ({', '.join(tops[:6]) or 'none'}); "
             "one must be the root",
             Location(file),
         )
     ordered = _ordered(tops[0], list(joints.values()))
     if len(ordered) != len(joints):
         lost = sorted(joints.keys() - {joint.name for joint in ordered})
-        raise RobotError(f"is not a tree: joint '{lost[0]}' hangs on itself", Location(file))
+        raise RobotError(f"is not a tree: joint '{lost[0]}' is its own ancestor", Location(file))
     return _without_world(Tree(tops[0], tuple(on_a_moving_base(joint) for joint in ordered)))
 
 

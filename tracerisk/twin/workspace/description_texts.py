@@ -63,10 +63,7 @@ class DescriptionTexts:
             before = self._counted.setdefault((file.is_srdf, is_named), [])
             expanded = sum(isinstance(self._expanded[one], Expanded) for one in before)
             if expanded >= _MOST_EXPANDED or len(before) >= _MOST_TRIED:
-                raise RobotError(
-                    f"not looked at: {len(before)} xacro files were tried before it, of which "
-                    f"{expanded} could be expanded"
-                )
+                raise RobotError(f"skipped after {len(before)} xacro files ({expanded} expanded)")
             before.append(key)
             try:
                 self._expanded[key] = self._expand_named(file, given)
