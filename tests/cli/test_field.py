@@ -180,9 +180,9 @@ def test_broken_recordings_are_named(example, text, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (('"schema": "tracerisk/field/1"', '"schema": "other"'), "is no field profile"),
+        (('"schema": "tracerisk/field/1"', '"schema": "other"'), "is not a field profile:"),
         (('"missions": 3', '"missions": -3'), "is malformed"),
-        (('"share": "1/4"', '"share": "1/5"'), "does not go with its count"),
+        (('"share": "1/4"', '"share": "1/5"'), "does not match its count"),
         (('"functions"', '"steps"'), "is malformed"),
     ],
 )

@@ -27,7 +27,7 @@ def test_an_entry_names_code_function_object_and_words(tmp_path):
         ('{code = "never-ran", function = "f"}', "words are missing; say why never-ran"),
         ('{code = "never-ran", function = "*", words = "x"}', "wildcards are not allowed"),
         ('{code = "never-ran", line = 3, words = "x"}', "unknown key 'line'"),
-        ('{code = "never-ran", function = 3, words = "x"}', "function is 3; expected a text"),
+        ('{code = "never-ran", function = 3, words = "x"}', "function is 3; expected a string"),
         (
             '{code = "never-ran", words = "x"}, {code = "never-ran", words = "y"}',
             "entry 2 is a duplicate",

@@ -301,7 +301,7 @@ def test_doctor_names_no_robot_where_a_launch_file_is_not_read_in_time(example):
     example.write("launch/turn.launch.py", endless)
     outcome = example.run("doctor", "arm_task/turn.py")
     assert outcome.code == 4
-    assert "reading the launch file took more than 0.3 s of computing or sleeping" in outcome.err
+    assert "reading the launch file took more than 0.3 s of CPU time or sleep" in outcome.err
     assert "stall_limit_s (now 0.3)" in outcome.err
     assert outcome.out == ""
 
