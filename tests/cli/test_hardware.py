@@ -100,7 +100,10 @@ def test_yaml_is_written_anew_and_says_the_same(cell):
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (("cell.yaml", "-o", "cell.txt"), "ends in '.txt', which is not a supported format; allowed: .sysml"),
+        (
+            ("cell.yaml", "-o", "cell.txt"),
+            "ends in '.txt', which is not a supported format; allowed: .sysml",
+        ),
         (("cell", "-o", "a.yaml"), "cell: its name has no ending"),
         (("cell.yaml", "-o", "./cell.yaml"), "whose comments would be lost"),
         (("gone.yaml", "-o", "a.yaml"), "gone.yaml: cannot be read"),

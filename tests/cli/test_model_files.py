@@ -524,7 +524,10 @@ def test_constants_of_prism_are_set_in_what_is_written(call):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["pumps.dft", "-o", "o.xml"], "pumps.dft: 'pumps': only Galileo can hold elements that depend"),
+        (
+            ["pumps.dft", "-o", "o.xml"],
+            "pumps.dft: 'pumps': only Galileo can hold elements that depend",
+        ),
         (["tree.xml", "-o", "o.dft"], "'T': only Open-PSA and OpenPRA can hold event trees"),
         (["chain.prism", "-o", "o.xml"], "holds a chain, which open-psa cannot hold"),
         (["cooling.xml", "-o", "o.tra"], "holds fault or event trees, which explicit cannot hold"),

@@ -189,7 +189,10 @@ def test_what_was_not_asked_for_is_not_in_the_json(model):
         ),
         (["--uncertainty"], "no parameter has a distribution"),
         (["--uncertainty", "--error-factor", "much"], "expected [NAME=]F, such as 3 or gripper=3"),
-        (["--uncertainty", "--error-factor", "0.5"], "error factor 0.5: allowed: finite numbers from 1"),
+        (
+            ["--uncertainty", "--error-factor", "0.5"],
+            "error factor 0.5: allowed: finite numbers from 1",
+        ),
         (["--uncertainty", "--error-factor", "arm=3"], "no parameter 'arm'"),
         (
             ["--uncertainty", "--error-factor", "3", "--error-factor", "4"],

@@ -223,7 +223,9 @@ def test_a_file_that_is_open_is_each_branchs_own(tmp_path):
             marks=SLOW,
         ),
         # Refused as in `test_forking.py`.
-        pytest.param("global pair; pair = os.pipe()", "has an open pipe or event queue", marks=SLOW),
+        pytest.param(
+            "global pair; pair = os.pipe()", "has an open pipe or event queue", marks=SLOW
+        ),
         pytest.param(
             "global file; file = tempfile.NamedTemporaryFile()", "has temporary files", marks=SLOW
         ),
