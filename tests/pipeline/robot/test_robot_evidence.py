@@ -493,3 +493,71 @@ def test_joints_that_only_count_are_those_of_the_arm_that_is_named(tmp_path, nam
     assert called == (joints if renamed else own)
     words = f"its joints are called {joints[0]} to {joints[-1]}, as the controller lists them"
     assert (words in robot.doubt) is renamed
+
+
+COPY = (
+    '<robot name="cell"><group name="arm"><chain base_link="root" tip_link="panda_joint7_link"/>'
+    "</group></robot>"
+)
+
+
+@pytest.mark.parametrize(
+    ("source", "module"),
+    [
+        ("from robots import panda\nmove(panda.joints, panda.GROUP)\n", "robots__panda"),
+        ("import panda\nmove(panda.joints, panda.GROUP)\n", "panda"),
+        ('from arms import joints, GROUP\nmove(joints, GROUP, "panda")\n', "arms"),
+        ("class Panda:\n    from cell_of_the_panda import *\n", "cell_of_the_panda"),
+    ],
+)
+def test_the_name_of_a_robot_is_as_much_a_description_s_of_its_joints(tmp_path, source, module):
+    files = {
+        "app__go_DOT_py": source,
+        f"app__{module}_DOT_py": f'GROUP = "arm"\njoints = {PANDA}\n',
+        "app__package_DOT_xml": PACKAGE.format("app"),
+        "cell__package_DOT_xml": PACKAGE.format("cell"),
+        "cell__urdf__cell_DOT_urdf": urdf("cell", *PANDA),
+        "cell__config__cell_DOT_srdf": COPY,
+        "rig__package_DOT_xml": PACKAGE.format("rig"),
+        "rig__urdf__rig_DOT_urdf": urdf("rig", "slide", "tilt"),
+    }
+    choice = chosen(tmp_path, **files)
+    assert (choice.robot.name, set(choice.robot.groups)) == ("cell", {"arm"})
+
+
+@pytest.mark.parametrize(
+    ("text", "is_taken"),
+    [
+        ('"""The default is in the joint_limits.yaml of the moveit_config package."""', False),
+        ('log("no moveit_config was found")', False),
+        ('help = "The moveit_config package, as <robot>_moveit_config"', False),
+        ('package = "moveit_config"', True),
+        ('file = "package://moveit_config/config/big.srdf"', True),
+        ('run("roslaunch moveit_config demo.launch")', True),
+    ],
+)
+def test_prose_does_not_name_a_package_that_lies_beside(tmp_path, text, is_taken):
+    mine = written(
+        tmp_path / "src/mine", {"go.py": f"{text}\n", "package.xml": PACKAGE.format("mine")}
+    )
+    for name, content in BIG.items():
+        file = name.replace("__", "/").replace("_DOT_", ".").partition("/")[2]
+        path = tmp_path / "src/other/moveit_config" / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content.replace("big_config", "moveit_config"))
+    choice = choose_robot(pipeline.load_controller(mine), Settings())
+    assert (choice.robot.name == "big") is is_taken
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "import intera_interface",
+        "from intera_interface import Limb",
+        "from intera_motion_interface import MotionTrajectory",
+        "from intera_core_msgs.msg import JointCommand",
+    ],
+)
+def test_the_sdk_of_one_arm_names_it(tmp_path, line):
+    choice = of_source(tmp_path, f"{line}\n")
+    assert (choice.robot.name, choice.robot.doubt) == ("sawyer", "")

@@ -39,6 +39,7 @@ from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.package_folders import imported_names
 from tracerisk.pipeline.workspace.workspace import named_packages, workspace_of
 from tracerisk.ros.vendors.driver_search import read_drivers, shipped_drivers
+from tracerisk.twin.robots.generic import is_finger_name
 from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.names_in_source import LaunchedDescription, Spoken
 from tracerisk.twin.robots.prefix import prefix_in
@@ -134,6 +135,7 @@ class Gathering:
             # Without it the joints that the controller lists are none of a shipped arm's.
             evidence = [one for one in evidence if one.points > 0 or one.robot not in self.shipped]
         fitting = self._fitting(evidence)
+        own = _copies(robots, plain)
         for hint in robot_hints(self._controller):
             if NAMES[hint.what] < CLEAR and is_decided(evidence):
                 break
@@ -146,7 +148,9 @@ class Gathering:
                 evidence += [*more, *said]
             if self._settings.launch is False and hint.what == "a launch file":
                 continue
-            evidence += evidence_of_names(hint, self.shipped, fitting)
+            said = list(evidence_of_names(hint, self.shipped, fitting))
+            evidence += said
+            evidence += [replace(one, robot=key) for one in said for key in own.get(one.robot, ())]
         evidence += [] if is_decided(evidence) else self._of_driver()
         evidence += self._of_likeness(found)
         return Gathered(tuple(evidence), found, prefix)
@@ -251,6 +255,23 @@ class Gathering:
                 around = " ".join(folder.name for folder in list(one.files[0].parents)[:2])
                 hint = Hint("the SRDF", {one.key: f"{one.srdf.name} {one.key} {around}"})
                 yield from evidence_of_names(hint, self.shipped, one.like)
+
+
+def _copies(described: Sequence[Parts], shipped: Sequence[Parts]) -> dict[str, list[str]]:
+    """Return the descriptions that are of a shipped robot by joints that no other one has.
+
+    A name of that robot is as much the description's, which may have other groups. The gripper
+    may be another one.
+    """
+    found: dict[str, list[str]] = {}
+    arms = {
+        one.key: {joint for joint in one.joints if not is_finger_name(joint)} for one in shipped
+    }
+    for parts in described:
+        like = [name for name, joints in arms.items() if joints and joints <= parts.joints]
+        if len(like) == 1:
+            found.setdefault(like[0], []).append(parts.key)
+    return found
 
 
 def _says_joints(robots: Sequence[Parts], speech: Speech) -> bool:

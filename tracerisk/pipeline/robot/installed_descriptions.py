@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -15,6 +16,9 @@ _FOLDERS = ("urdf", "robots", "robot", "xacro", "srdf", "description")
 _ENDINGS = (".srdf", ".urdf", ".xacro")
 _OF_MOVEIT = "_moveit_config"
 _MOST_READ = 200
+_NAMING = re.compile(
+    r"\$\((?:find|find-pkg-share|dirname) |package://|\broslaunch |\brosrun |\bros2 "
+)
 
 
 def installed_descriptions(
@@ -24,8 +28,8 @@ def installed_descriptions(
 
     It names them in its `strings`, its launch files or its manifest, and a package
     `<name>_moveit_config` by the name alone, as MoveItConfigsBuilder does. Those that only lie
-    beside its project it must name in its strings. Behind them are the packages on which they
-    depend, as far as these describe robots.
+    beside its project it must name in its strings, and not in prose. Behind them are the packages
+    on which they depend, as far as these describe robots.
     """
     installed = workspace.installed
     if not installed:
@@ -35,7 +39,7 @@ def installed_descriptions(
         prefix for prefix in workspace.prefixes if not prefix.fills_in
     )
     named = named_packages(root, from_prefixes, strings) & installed.keys()
-    named |= packages_in(strings) & installed.keys()
+    named |= packages_in(filter(_may_name, strings)) & installed.keys()
     of_moveit = {f"{each}{_OF_MOVEIT}" for each in strings} & installed.keys()
     waiting = sorted(named | of_moveit)
     seen = set(waiting)
@@ -64,6 +68,11 @@ def installed_in(files: Iterable[Path], prefixes: Iterable[Prefix]) -> str:
         if any(file.is_relative_to(Path(prefix.path).resolve()) for file in files)
     ]
     return f"; installed in {', '.join(places)}" if places else ""
+
+
+def _may_name(text: str) -> bool:
+    """Return whether a text may name a package: a word, a path, a command, and no sentence."""
+    return len(text.split()) == 1 or bool(_NAMING.search(text))
 
 
 def _describes(folder: Path) -> bool:
