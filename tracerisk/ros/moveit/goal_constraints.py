@@ -7,6 +7,7 @@ the nearest that is found: the middle of what is allowed comes first, then sampl
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -20,6 +21,7 @@ from tracerisk.ros.moveit.path_constraints import PathRule, message_pose
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import ORIGIN, unit_quaternion
+from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.physics.motion import PlanningError, Pose
 from tracerisk.twin.robots.robot import Joint, Scaling
 
@@ -49,10 +51,10 @@ class JointBounds:
 
     @classmethod
     def of(cls, one: Any, joint: Joint) -> JointBounds:
-        """Return what a constraint allows a joint: within its limits, unless all is past them."""
+        """Return what a constraint allows a joint within its limits."""
         middle = float(one.position)
         lower, upper = middle - one.tolerance_below, middle + one.tolerance_above
-        if joint.type != "continuous" and lower <= joint.upper and upper >= joint.lower:
+        if joint.type != "continuous":
             lower, upper = max(lower, joint.lower), min(upper, joint.upper)
         return cls(min(max(middle, lower), upper), lower, upper)
 
@@ -139,6 +141,7 @@ class GoalReader:
                 ErrorCode.INVALID_GOAL_CONSTRAINTS,
                 "goals of visibility cannot be planned: the twin has no cameras",
             )
+        constraints = self._on_limits(constraints)
         by_link: dict[str, tuple[list[Any], list[Any]]] = {}
         for one in constraints.position_constraints:
             by_link.setdefault(one.link_name or self.tip(group), ([], []))[0].append(one)
@@ -179,6 +182,30 @@ class GoalReader:
             tuple((one, self.frame(one.header.frame_id)) for one in turns),
             self._server.forward({}, link) if is_known else ORIGIN,
         )
+
+    def _on_limits(self, constraints: Any) -> Any:
+        """Return constraints with each joint on a limit for which all that they allow is past it.
+
+        MoveIt takes them so, with a warning in its own log alone.
+        """
+        joints = {joint.name: joint for joint in self._server.robot.joints}
+        taken = copy.copy(constraints)
+        taken.joint_constraints = []
+        for one in constraints.joint_constraints:
+            joint, on_limit = joints.get(one.joint_name), copy.copy(one)
+            taken.joint_constraints.append(on_limit)
+            if joint is None or joint.type == "continuous":
+                continue
+            if one.position + one.tolerance_above < joint.lower:
+                on_limit.position, on_limit.tolerance_above = joint.lower, 0.0
+            elif one.position - one.tolerance_below > joint.upper:
+                on_limit.position, on_limit.tolerance_below = joint.upper, 0.0
+            else:
+                continue
+            past = past_limits(joint, one.position, 0.0)
+            words = f"MoveIt takes a goal of joint '{joint.name}' to {past}; it stops there"
+            self._server.execution.report("stopped_at_limit", words, object_name=joint.name)
+        return taken
 
     def _joints(self, group: str, constraints: Sequence[Any]) -> dict[str, JointBounds]:
         """Return where the group's joints are to be; those of other groups are only checked."""
