@@ -41,7 +41,7 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.config import read_settings
+from tracerisk.config import ProjectSettings
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.freshness import RunInputs, settings_data
 from tracerisk.trace import QualifiedName
@@ -70,7 +70,7 @@ def make(folder: Path, names: Sequence[str]) -> None:
     lock = Lock()
     for name in names:
         (folder / name).write_bytes(source)
-        settings = settings_data(read_settings(folder, name), folder)
+        settings = settings_data(ProjectSettings(folder).of(name), folder)
         recorded = RunInputs(settings=settings, sources={name: code_digest(source, name)})
         outcome = annotate_sources(
             name,

@@ -1,6 +1,6 @@
 import pytest
 
-from tracerisk.config import Settings, controller_root, read_settings, setting_origins
+from tracerisk.config import ProjectSettings, Settings, controller_root
 from tracerisk.errors import SettingsError
 
 
@@ -9,14 +9,14 @@ def write(root, body: str) -> None:
 
 
 def test_defaults_where_there_is_no_table(tmp_path):
-    assert read_settings(tmp_path) == Settings()
+    assert ProjectSettings(tmp_path).of() == Settings()
     (tmp_path / "pyproject.toml").write_text("[project]\nname = 'x'\n")
-    assert read_settings(tmp_path) == Settings()
+    assert ProjectSettings(tmp_path).of() == Settings()
 
 
 def test_settings_are_read_and_options_override_them(tmp_path):
     write(tmp_path, 'active = "moving"\nduration_s = 20\nhelpers = ["go_to"]')
-    settings = read_settings(tmp_path)
+    settings = ProjectSettings(tmp_path).of()
     assert settings == Settings(active="moving", duration_s=20.0, helpers=("go_to",))
     assert settings.with_options({"active": "moving+holding", "seed": None}) == Settings(
         duration_s=20.0, helpers=("go_to",)
@@ -26,7 +26,7 @@ def test_settings_are_read_and_options_override_them(tmp_path):
 def test_a_named_file_of_the_root_becomes_its_path(tmp_path):
     (tmp_path / "arm.yaml").write_text("")
     write(tmp_path, 'hardware = "arm.yaml"\nrobot = "panda"')
-    settings = read_settings(tmp_path)
+    settings = ProjectSettings(tmp_path).of()
     assert settings.hardware == str(tmp_path / "arm.yaml")
     assert settings.robot == "panda"
 
@@ -49,7 +49,7 @@ BAD = {
 def test_a_bad_setting_is_an_error_with_file_and_line(tmp_path, body, message):
     write(tmp_path, body)
     with pytest.raises(SettingsError) as caught:
-        read_settings(tmp_path)
+        ProjectSettings(tmp_path).of()
     assert message in str(caught.value)
     assert "pyproject.toml" in str(caught.value)
 
@@ -76,19 +76,19 @@ def test_a_controller_carries_settings_of_its_own_which_go_before_all_others(tmp
     (tmp_path / "place.py").write_text("")
     body = 'scene = "pedestal"\nseed = 4\n[tool.tracerisk.controllers."pick.py"]\nscene = "floor"'
     write(tmp_path, body)
-    assert read_settings(tmp_path, "pick.py") == Settings(scene="tube_racks", seed=4)
-    assert read_settings(tmp_path, "place.py") == Settings(scene="pedestal", seed=4)
-    origin = setting_origins(tmp_path, "pick.py")["scene"]
+    assert ProjectSettings(tmp_path).of("pick.py") == Settings(scene="tube_racks", seed=4)
+    assert ProjectSettings(tmp_path).of("place.py") == Settings(scene="pedestal", seed=4)
+    origin = ProjectSettings(tmp_path).origins("pick.py")["scene"]
     assert origin.is_own
     assert str(origin.location) == f"{tmp_path / 'pick.py'}:6"
 
 
 def test_a_controller_carries_its_settings_where_there_is_no_other_file(tmp_path):
     (tmp_path / "pick.py").write_bytes(carrying('scene = "tube_racks"').encode())
-    assert read_settings(tmp_path, "pick.py").scene == "tube_racks"
+    assert ProjectSettings(tmp_path).of("pick.py").scene == "tube_racks"
     windows = carrying('scene = "tube_racks"').replace("\n", "\r\n")
     (tmp_path / "pick.py").write_bytes(b"\xef\xbb\xbf" + windows.encode())
-    assert read_settings(tmp_path, "pick.py").scene == "tube_racks"
+    assert ProjectSettings(tmp_path).of("pick.py").scene == "tube_racks"
 
 
 def test_names_of_files_in_a_controller_start_from_its_folder(tmp_path):
@@ -96,7 +96,7 @@ def test_names_of_files_in_a_controller_start_from_its_folder(tmp_path):
     (tmp_path / "src" / "cell.yaml").write_text("")
     (tmp_path / "src" / "pick.py").write_text(carrying('scene = "cell.yaml"'))
     write(tmp_path, "")
-    settings = read_settings(tmp_path, "src/pick.py")
+    settings = ProjectSettings(tmp_path).of("src/pick.py")
     assert settings.scene == str(tmp_path / "src" / "cell.yaml")
 
 
@@ -111,7 +111,7 @@ def test_names_of_files_in_a_controller_start_from_its_folder(tmp_path):
 )
 def test_what_is_no_block_of_settings_gives_none(tmp_path, text):
     (tmp_path / "pick.py").write_text(text)
-    assert read_settings(tmp_path, "pick.py") == Settings()
+    assert ProjectSettings(tmp_path).of("pick.py") == Settings()
 
 
 BAD_OWN = {
@@ -131,7 +131,7 @@ BAD_OWN = {
 def test_a_bad_setting_in_a_controller_is_an_error_with_its_line(tmp_path, text, message):
     (tmp_path / "pick.py").write_text(text)
     with pytest.raises(SettingsError) as caught:
-        read_settings(tmp_path, "pick.py")
+        ProjectSettings(tmp_path).of("pick.py")
     assert message in str(caught.value)
     assert "pick.py" in str(caught.value)
 
@@ -153,23 +153,23 @@ def test_a_controller_has_settings_of_its_own(tmp_path):
         '[tool.tracerisk]\nrobot = "panda"\nmax_failure_probability = 1e-4\n\n'
         '[tool.tracerisk.controllers."src/pick.py"]\nrobot = "ur5e"\nargs = ["--left"]\n'
     )
-    shared = read_settings(tmp_path)
+    shared = ProjectSettings(tmp_path).of()
     assert (shared.robot, shared.args, shared.max_failure_probability) == ("panda", (), 1e-4)
-    own = read_settings(tmp_path, "src/pick.py")
+    own = ProjectSettings(tmp_path).of("src/pick.py")
     assert (own.robot, own.args, own.max_failure_probability) == ("ur5e", ("--left",), 1e-4)
-    assert read_settings(tmp_path, "src/other.py") == shared
+    assert ProjectSettings(tmp_path).of("src/other.py") == shared
 
 
 @pytest.mark.parametrize("data", [b"\xff\xfe", b"[tool\n"])
 def test_what_is_no_toml_is_reported(tmp_path, data):
     (tmp_path / "pyproject.toml").write_bytes(data)
     with pytest.raises(SettingsError, match=r"pyproject\.toml: is not valid TOML: "):
-        read_settings(tmp_path)
+        ProjectSettings(tmp_path).of()
 
 
 def test_tools_that_are_no_table_settle_nothing(tmp_path):
     (tmp_path / "pyproject.toml").write_text("tool = 3\n")
-    assert read_settings(tmp_path) == Settings()
+    assert ProjectSettings(tmp_path).of() == Settings()
 
 
 @pytest.mark.parametrize(
@@ -187,22 +187,22 @@ def test_what_is_wrong_in_a_table_is_reported_with_its_line(tmp_path, text, line
     (tmp_path / "a.py").write_text("")
     (tmp_path / "pyproject.toml").write_text(text)
     with pytest.raises(SettingsError, match=message) as caught:
-        read_settings(tmp_path, "a.py")
+        ProjectSettings(tmp_path).of("a.py")
     assert caught.value.location.line == line
 
 
 def test_settings_that_nest_too_deeply_are_an_error_with_their_file(tmp_path):
     write(tmp_path, "states = " + "[" * 100_000)
     with pytest.raises(SettingsError, match=r"pyproject.toml: .*nests too deeply"):
-        read_settings(tmp_path)
+        ProjectSettings(tmp_path).of()
 
 
 @pytest.mark.parametrize("key", ["robot", "scene", "scenario", "hardware"])
 def test_a_name_that_is_too_long_for_a_file_is_a_name(tmp_path, key):
     write(tmp_path, f'{key} = "{"p" * 5000}"')
-    assert getattr(read_settings(tmp_path), key) == "p" * 5000
+    assert getattr(ProjectSettings(tmp_path).of(), key) == "p" * 5000
 
 
 def test_the_home_of_a_user_who_is_not_there_stays_as_it_is_written(tmp_path):
     write(tmp_path, 'readable = ["~nobody-of-this-name/data"]')
-    assert read_settings(tmp_path).readable == (str(tmp_path / "~nobody-of-this-name/data"),)
+    assert ProjectSettings(tmp_path).of().readable == (str(tmp_path / "~nobody-of-this-name/data"),)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.cli import check, run
-from tracerisk.config import Settings, loads_toml, read_settings
+from tracerisk.config import ProjectSettings, Settings, loads_toml
 
 TEXT = (Path(__file__).parents[1] / "docs" / "settings.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| `(\w+)` \| (\S+) \| (.*?) \|", TEXT, re.MULTILINE)
@@ -38,10 +38,10 @@ def test_the_example_is_read(tmp_path):
     (tmp_path / "pyproject.toml").write_text(example)
     (tmp_path / "src").mkdir()
     (tmp_path / "src/pick.py").touch()
-    settings = read_settings(tmp_path, "src/pick.py")
+    settings = ProjectSettings(tmp_path).of("src/pick.py")
     assert (settings.robot, settings.args, settings.max_failure_probability) == (
         "ur5e",
         ("--left",),
         1e-5,
     )
-    assert read_settings(tmp_path).args == ()
+    assert ProjectSettings(tmp_path).of().args == ()

@@ -355,26 +355,19 @@ def check(
     """
     from tracerisk.pipeline.check.check import check_controllers
     from tracerisk.pipeline.check.run import CoverageLimits
+    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
+    from tracerisk.pipeline.workspace.project import Projects
 
-    found = known_controllers(paths)
+    projects = Projects()
+    given = list(map(Path, paths))
+    found = controllers_of(given, projects) if given else all_controllers(projects)
     verdicts: Sequence[Any] = [None] * len(found)
     if base is not None:
         from tracerisk.pipeline.review.run_verdicts import base_verdicts
 
         verdicts = list(base_verdicts(list(found), base))
     limits = [CoverageLimits(min_coverage, verdict) for verdict in verdicts]
-    return found, check_controllers(found, limits)
-
-
-def known_controllers(paths: Iterable[str | Path] = ()) -> Sequence[Path]:
-    """Return the controllers that depend on files; without, all of the locks in and below here.
-
-    Raises InputError when there is no lock that knows one.
-    """
-    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
-
-    given = list(map(Path, paths))
-    return controllers_of(given) if given else all_controllers()
+    return found, check_controllers(found, projects, limits)
 
 
 def refresh(
@@ -390,9 +383,10 @@ def refresh(
     """
     from tracerisk.adder.merge.merge import MergePolicy
     from tracerisk.pipeline.check.refresh import refresh_controller
+    from tracerisk.pipeline.workspace.project import Projects
 
     return refresh_controller(
-        Path(path), policy=policy or MergePolicy(), sandbox=sandbox, progress=progress
+        Path(path), Projects(), policy=policy or MergePolicy(), sandbox=sandbox, progress=progress
     )
 
 

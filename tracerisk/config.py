@@ -10,7 +10,6 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
@@ -187,31 +186,6 @@ def from_here(root: Path) -> Callable[[str], str]:
     return typed
 
 
-def read_settings(root: Path, file: str | None = None) -> Settings:
-    """Return the settings of the `pyproject.toml` in `root`; the defaults where there is none.
-
-    `file` is a controller, from the root: its table `[tool.tracerisk.controllers."FILE"]` goes
-    before the settings of all, and the settings in the file itself go before both.
-    `robot`, `scene`, `scenario`, `hardware`, `params`, `drivers` and `launch` that name a file are
-    returned as its path from the root; those in the controller start from the controller's folder.
-    Raises SettingsError with file and line at an unknown key or a bad value.
-    """
-    values: dict[str, Any] = {}
-    last = None
-    for last in _sources(root, file):
-        values.update(last.values(file))
-    settings = Settings(**values)
-    both = sorted(set(settings.states) & set(settings.helpers))
-    if both and last is not None:
-        last.fail("helpers", f"{', '.join(both)} stands in `states` too; keep it in one")
-    return settings
-
-
-def controllers_with_settings(root: Path) -> tuple[str, ...]:
-    """Return the controllers that have a table of their own in the `pyproject.toml` in `root`."""
-    return tuple(name for source in _sources(root, None) for name in source.controllers)
-
-
 @dataclass(frozen=True, slots=True)
 class SettingOrigin:
     """Where a setting comes from: `location` is `None` for a default.
@@ -223,28 +197,57 @@ class SettingOrigin:
     is_own: bool = False
 
 
-def setting_origins(root: Path, file: str | None = None) -> dict[str, SettingOrigin]:
-    """Return where each setting of `read_settings(root, file)` comes from.
+class ProjectSettings:
+    """The settings of the controllers below a root: of its `pyproject.toml`, and of each file.
 
-    Raises as `read_settings`.
+    A controller's table `[tool.tracerisk.controllers."FILE"]` goes before the settings of all, and
+    the settings in the file itself go before both. `robot`, `scene`, `scenario`, `hardware`,
+    `params`, `drivers` and `launch` that name a file are its path from the root; those in the
+    controller start from the controller's folder.
     """
-    read_settings(root, file)
-    found = dict.fromkeys((field.name for field in fields(Settings)), SettingOrigin())
-    for source in _sources(root, file):
-        found.update(source.origins(file))
-    return found
 
+    def __init__(self, root: Path) -> None:
+        """Raises SettingsError where the `pyproject.toml` in `root` is not valid TOML."""
+        path = root / "pyproject.toml"
+        self._root = root
+        self._of_all = [_Reader(path, _text(path), root)] if path.is_file() else []
 
-def _sources(root: Path, file: str | None) -> Iterator[_Reader]:
-    """Yield what holds settings of a controller, those that go before others last."""
-    path = root / "pyproject.toml"
-    if path.is_file():
-        yield _Reader(path, _text(path), root)
-    script = None if file is None else root / file
-    if script is not None and script.is_file():
-        text = _inline_metadata(script)
-        if text is not None:
-            yield _Reader(script, text, script.parent, is_own=True)
+    def of(self, file: str | None = None) -> Settings:
+        """Return the settings of a controller, named from the root; without, those of all.
+
+        Raises SettingsError with file and line at an unknown key or a bad value.
+        """
+        values: dict[str, Any] = {}
+        last = None
+        for last in self._readers(file):
+            values.update(last.values(file))
+        settings = Settings(**values)
+        both = sorted(set(settings.states) & set(settings.helpers))
+        if both and last is not None:
+            last.fail("helpers", f"{', '.join(both)} stands in `states` too; keep it in one")
+        return settings
+
+    def origins(self, file: str | None = None) -> dict[str, SettingOrigin]:
+        """Return where each setting of a controller comes from. Raises as `of`."""
+        self.of(file)
+        found = dict.fromkeys((field.name for field in fields(Settings)), SettingOrigin())
+        for reader in self._readers(file):
+            found.update(reader.origins(file))
+        return found
+
+    @property
+    def controllers(self) -> tuple[str, ...]:
+        """The controllers that have a table of their own in the `pyproject.toml`."""
+        return tuple(name for reader in self._of_all for name in reader.controllers)
+
+    def _readers(self, file: str | None) -> Iterator[_Reader]:
+        """Yield what holds settings of a controller, those that go before others last."""
+        yield from self._of_all
+        script = None if file is None else self._root / file
+        if script is not None and script.is_file():
+            text = _inline_metadata(script)
+            if text is not None:
+                yield _Reader(script, text, script.parent, is_own=True)
 
 
 def loads_toml(text: str) -> dict[str, Any]:
@@ -260,10 +263,6 @@ def loads_toml(text: str) -> dict[str, Any]:
     except RecursionError as error:
         raise ValueError("it nests too deeply") from error
     return document
-
-
-# All controllers of a root share one text; what is kept is only read.
-_loaded = lru_cache(maxsize=8)(loads_toml)
 
 
 def _text(path: Path, errors: str = "strict") -> str:
@@ -316,7 +315,7 @@ class _Reader:
         self._is_own = is_own
         self._place: tuple[str, ...] = _TABLE
         try:
-            document = _loaded(text)
+            document = loads_toml(text)
         except ValueError as error:
             raise SettingsError(f"is not valid TOML: {error}", Location(str(path))) from error
         tools = document.get("tool", {})

@@ -2,14 +2,14 @@
 
 import pytest
 
-from tracerisk.config import read_settings
+from tracerisk.config import ProjectSettings
 from tracerisk.errors import SettingsError
 from tracerisk.trace import Acceptance
 
 
 def settings(folder, entry: str):
     (folder / "pyproject.toml").write_text(f"[tool.tracerisk]\naccept = [{entry}]\n")
-    return read_settings(folder)
+    return ProjectSettings(folder).of()
 
 
 def test_an_entry_names_code_function_object_and_words(tmp_path):

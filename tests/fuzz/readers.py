@@ -351,7 +351,7 @@ _READERS: dict[str, Reader] = {
     ),
     "srdf": Reader(lambda data, _: read_srdf(data, "arm.srdf"), (SRDF,)),
     "settings": Reader(
-        _file("pyproject.toml", lambda path: config.read_settings(path.parent)), (SETTINGS,)
+        _file("pyproject.toml", lambda path: config.ProjectSettings(path.parent).of()), (SETTINGS,)
     ),
 }
 READERS = {name: _with_files(name, reader) for name, reader in _READERS.items()}

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     import argparse
 
     from tracerisk.pipeline.check.finding import Checked
+    from tracerisk.pipeline.workspace.project import Projects
     from tracerisk.trace import Verdict
 
 
@@ -43,48 +44,53 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    return _watch(options) if options.watch else _check(options)
+    from tracerisk.pipeline.workspace.project import Projects
+
+    projects = Projects()
+    return _watch(options, projects) if options.watch else _check(options, projects)
 
 
-def _watch(options: argparse.Namespace) -> NoReturn:
+def _watch(options: argparse.Namespace, projects: Projects) -> NoReturn:
     """Check again and again; ends by an interrupt."""
     from tracerisk.cli.shared.watching import Watch, watch
     from tracerisk.pipeline.freshness.watched_files import checked_files
 
-    files = checked_files(_paths(options))
+    files = checked_files(_paths(options, projects), projects)
 
     def update(_: Watch) -> Iterable[Path]:
-        _check(options)
-        return {*files, *checked_files(_paths(options))}
+        _check(options, projects)
+        return {*files, *checked_files(_paths(options, projects), projects)}
 
     watch(files, update, quiet=options.quiet)
 
 
-def _paths(options: argparse.Namespace) -> Sequence[Path]:
+def _paths(options: argparse.Namespace, projects: Projects) -> Sequence[Path]:
     """Return the controllers to check; raise InputError where none is known."""
     from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
 
-    return controllers_of(options.files) if options.files else all_controllers()
+    if options.files:
+        return controllers_of(options.files, projects)
+    return all_controllers(projects)
 
 
-def _check(options: argparse.Namespace) -> int:
+def _check(options: argparse.Namespace, projects: Projects) -> int:
     """Check the controllers, print what was found, and return the exit code."""
     from tracerisk.pipeline.check.check import check_controllers
     from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.check.run import CoverageLimits
 
-    paths = _paths(options)
+    paths = _paths(options, projects)
     if options.files:
-        note_without_controllers(options)
+        note_without_controllers(options, projects)
     limits = [CoverageLimits(options.min_coverage, base) for base in _bases(paths, options.base)]
-    found = check_controllers(paths, limits)
+    found = check_controllers(paths, projects, limits)
     checked = [each for each in found if isinstance(each, Checked)]
     errors = [each for each in found if isinstance(each, TraceRiskError)]
     findings = [finding for each in checked for finding in each.findings]
     if options.sarif is not None:
         from tracerisk.pipeline.review.alerts import check_alerts
 
-        write_sarif(options.sarif, check_alerts(paths, found))
+        write_sarif(options.sarif, check_alerts(paths, found, projects))
     code = max(
         (*(finding.exit_code for finding in findings), *(error.exit_code for error in errors)),
         default=ExitCode.FINE,

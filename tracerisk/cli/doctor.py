@@ -165,11 +165,11 @@ def _sandbox() -> str:
 
 def _of_environment() -> str:
     """Return where packages are installed for a controller of either ROS in this folder."""
-    from tracerisk.pipeline.workspace.prefixes import find_prefixes
-    from tracerisk.pipeline.workspace.workspace import project_top
+    from tracerisk.config import Settings
+    from tracerisk.pipeline.workspace.project import Project
 
-    here = Path.cwd()
-    of_both = (find_prefixes(here, project_top(here), ros) for ros in (1, 2))
+    here = Project(Path.cwd())
+    of_both = (here.prefixes(1, Settings()), here.prefixes(2, Settings()))
     return _installed(tuple(dict.fromkeys(prefix for found in of_both for prefix in found)))
 
 
@@ -197,10 +197,8 @@ def _settings(
     controller: Controller, settings: Settings, given: Mapping[str, str | None]
 ) -> dict[str, dict[str, Any]]:
     """Return each setting of a controller: its value, where it comes from, and the place there."""
-    from tracerisk.config import setting_origins
-
     found = {}
-    for name, origin in setting_origins(controller.root, controller.file).items():
+    for name, origin in controller.project.setting_origins(controller.file).items():
         place = origin.location
         source = "default" if place is None else "controller" if origin.is_own else "all"
         if given.get(name) is not None:

@@ -103,18 +103,15 @@ def _show(options: argparse.Namespace) -> int:
 
 def _of_settings() -> str:
     """Return the description that the settings of this folder name."""
-    from tracerisk.config import (
-        controller_root,
-        controllers_with_settings,
-        from_here,
-        read_settings,
-    )
+    from tracerisk.config import from_here
+    from tracerisk.pipeline.workspace.project import Project
 
-    root = controller_root(Path("here.py"))
-    settings = read_settings(root)
+    project = Project.of(Path("here.py"))
+    settings = project.settings()
     if settings.hardware is None:
-        of_each = {read_settings(root, file).hardware for file in controllers_with_settings(root)}
-        named = sorted(from_here(root)(each) for each in of_each if each is not None)
+        files = project.controllers_with_settings
+        of_each = {project.settings(file).hardware for file in files}
+        named = sorted(from_here(project.root)(each) for each in of_each if each is not None)
         if named:
             raise InputError(
                 "the settings name a description for single controllers, and none for all; give "

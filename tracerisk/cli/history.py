@@ -41,11 +41,12 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.pipeline.freshness.known_controllers import all_controllers
     from tracerisk.pipeline.review.history import first_above, histories, is_cut_short
+    from tracerisk.pipeline.workspace.project import Projects
     from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
     files = [Path(each) for each in options.files]
     if not files:
-        files = [each for each in all_controllers() if each.is_file()]
+        files = [each for each in all_controllers(Projects()) if each.is_file()]
     if options.badge is not None and len(files) != 1:
         raise InputError(f"--badge is that of one controller, not of {len(files)}; name it")
     walked = histories(files, most=options.most)

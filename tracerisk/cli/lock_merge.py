@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
         )
     from tracerisk.adder.lock.lock import Lock
     from tracerisk.adder.lock.merge_driver import merge_locks
-    from tracerisk.adder.lock.reading import read_lock
+    from tracerisk.adder.lock.reading import loads
     from tracerisk.adder.sources.write import atomic_write
 
     paths = [Path(file) for file in options.files]
@@ -42,7 +42,11 @@ def run(options: argparse.Namespace) -> int:
         if not path.is_file():
             raise InputError("there is no such file; git gives three locks", Location(str(path)))
     # git gives an empty file for a side that has none.
-    locks = [read_lock(path) if path.read_bytes().strip() else Lock() for path in paths]
+    texts = [path.read_bytes() for path in paths]
+    locks = [
+        loads(text, str(path)) if text.strip() else Lock()
+        for path, text in zip(paths, texts, strict=True)
+    ]
     merged = merge_locks(*locks)
     atomic_write(paths[1], merged.dumps())
     stale = [name for name, entry in merged.controllers.items() if not entry.is_settled]

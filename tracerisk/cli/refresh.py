@@ -41,10 +41,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk import api
+    from tracerisk.pipeline.check.refresh import refresh_controller
+    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
+    from tracerisk.pipeline.workspace.project import Projects
 
-    paths = api.known_controllers(options.files)
-    note_without_controllers(options)
+    projects = Projects()
+    named = options.files
+    paths = controllers_of(named, projects) if named else all_controllers(projects)
+    note_without_controllers(options, projects)
     policy = shared.merge_policy(options)
     outcomes: list[dict[str, Any]] = []
     code = ExitCode.FINE
@@ -53,7 +57,9 @@ def run(options: argparse.Namespace) -> int:
             continue
         try:
             with progress_bar(quiet=options.quiet) as progress:
-                done = api.refresh(path, policy=policy, sandbox=options.sandbox, progress=progress)
+                done = refresh_controller(
+                    path, projects, policy=policy, sandbox=options.sandbox, progress=progress
+                )
             would_change = _settle(done, options)
         except DependencyError:
             raise  # reported once: no other controller would fare better

@@ -11,16 +11,13 @@ from pathlib import Path
 
 from tracerisk.adder.blocks.grammar import GUTTER, HEADER
 from tracerisk.adder.blocks.values import COMPONENT_KINDS, DONE, NEXT
-from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import Component, Hardware
-from tracerisk.config import read_settings
 from tracerisk.editor.figures import ControllerFigures
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs
-from tracerisk.pipeline.freshness.known_controllers import lock_of
 
 _LINE = re.compile(r"(?P<gutter>\s*(?:#\s?\||\*)\s?)(?P<text>.*)")
 _HEADER = re.compile(rf"{HEADER}\b")
@@ -240,8 +237,8 @@ def hardware_of(figures: ControllerFigures) -> Hardware | None:
     controller = figures.controller
     robot = figures.summary.get("robot")
     try:
-        entry: ControllerLock | None = lock_of(controller.root).controllers.get(controller.file)
-        settings = read_settings(controller.root, controller.file)
+        entry = controller.project.lock.controllers.get(controller.file)
+        settings = controller.settings
         if entry is not None:
             recorded = RunInputs.from_data(entry.inputs)
             settings = settings.with_options(given_options(recorded, controller))

@@ -13,7 +13,7 @@ from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.editor.outline import Outline
 from tracerisk.errors import TraceRiskError
-from tracerisk.pipeline.freshness.known_controllers import lock_of, with_moved
+from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.trace.last_run import kept_uncovered
 from tracerisk.pipeline.workspace.controller import Controller
@@ -122,7 +122,7 @@ def figures_of(controller: Controller, outline: Callable[[str], Outline]) -> Con
 
     Nothing is simulated. Raises InputError where the lock or a file cannot be read.
     """
-    lock = with_moved(lock_of(controller.root), controller)
+    lock = with_moved(controller.project.lock, controller)
     entry = lock.controllers.get(controller.file)
     placed: dict[FunctionRef, RiskBlock] = {}
     problem: TraceRiskError | None = None

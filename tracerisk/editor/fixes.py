@@ -16,7 +16,6 @@ from tracerisk.editor.pins import pinning, value_line, written_value
 from tracerisk.editor.session import Analysis, Document, Session
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding
-from tracerisk.pipeline.freshness.known_controllers import lock_of
 from tracerisk.trace import Reason, Verdict
 
 SETTINGS = "pyproject.toml"
@@ -144,8 +143,8 @@ def written_of(session: Session, document: Document, line: int) -> str | None:
     if block is None or value is None or document.path is None:
         return None
     try:
-        root = controller_root(document.path)
-        key, lock = lock_key(document.path, root), lock_of(root)
+        project = session.projects.of(document.path)
+        key, lock = lock_key(document.path, project.root), project.lock
     except TraceRiskError:
         return None
     for entry in lock.controllers.values():

@@ -88,7 +88,9 @@ class RiskServer:
             if document is None or not document.is_source or document.path is None:
                 continue
             try:
-                found = await loop.run_in_executor(None, controllers_with, document)
+                found = await loop.run_in_executor(
+                    None, controllers_with, document, session.projects
+                )
             except TraceRiskError as error:
                 problems[document.path] = Analysis(document.path, error=error)
                 continue
@@ -97,7 +99,7 @@ class RiskServer:
         opened = session.opened
         for path in paths:
             session.analyses[path.resolve()] = await loop.run_in_executor(
-                None, analyse, path, opened
+                None, analyse, path, opened, session.projects
             )
         session.analyses.update({path.resolve(): each for path, each in problems.items()})
         session.forget_closed()
@@ -121,7 +123,9 @@ class RiskServer:
         """Solve the models of controllers while nobody types or asks."""
         await asyncio.sleep(_IDLE_S)
         for path in paths:
-            await asyncio.get_running_loop().run_in_executor(None, solve_ahead, path, opened)
+            await asyncio.get_running_loop().run_in_executor(
+                None, solve_ahead, path, opened, self.session.projects
+            )
 
     def _publish(self, asked: set[str], versions: Mapping[str, int | None]) -> None:
         """Send the diagnostics that are others than those that were sent last.

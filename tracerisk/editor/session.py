@@ -16,7 +16,6 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from tracerisk.adder.lock.lock import lock_key
-from tracerisk.config import controller_root
 from tracerisk.editor.figures import ControllerFigures, figures_of
 from tracerisk.editor.lines import Lines
 from tracerisk.editor.outline import Outline, outline_of
@@ -26,6 +25,7 @@ from tracerisk.pipeline.check.check import check_loaded
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.trace import Verdict
 
 _MARK = b"\xef\xbb\xbf"
@@ -73,6 +73,7 @@ class Session:
         self._whole: dict[str, tuple[bytes, Outline]] = {}
         self._controllers: dict[str, tuple[Path, ...]] = {}
         self.analyses: dict[Path, Analysis] = {}
+        self.projects = Projects()
 
     def put(self, uri: str, version: int | None, text: str) -> Document:
         """Take a version of a text, and return it."""
@@ -142,7 +143,7 @@ class Session:
         Raises InputError for a lock that cannot be read.
         """
         if document.uri not in self._controllers:
-            self._controllers[document.uri] = controllers_with(document)
+            self._controllers[document.uri] = controllers_with(document, self.projects)
         return self._controllers[document.uri]
 
     def remember(self, document: Document, controllers: tuple[Path, ...]) -> None:
@@ -183,7 +184,7 @@ class Session:
             return (), ()
         for path in paths:
             try:
-                controller = controller_with(path, opened)
+                controller = controller_with(path, opened, self.projects)
                 found = figures_of(controller, partial(self._outline, controller))
                 name = lock_key(document.path, controller.root)
             except TraceRiskError:
@@ -248,7 +249,7 @@ def _declared(source: bytes) -> str:
         return "utf-8"
 
 
-def controllers_with(document: Document) -> tuple[Path, ...]:
+def controllers_with(document: Document, projects: Projects) -> tuple[Path, ...]:
     """Return the controllers that a document belongs to, itself where it has blocks alone.
 
     Raises InputError for a lock that cannot be read.
@@ -256,20 +257,21 @@ def controllers_with(document: Document) -> tuple[Path, ...]:
     path = document.path
     if path is None or not document.is_source:
         return ()
-    found = controllers_of([path]) if path.is_file() or is_gone(path) else ()
+    is_known = path.is_file() or is_gone(path, projects)
+    found = controllers_of([path], projects) if is_known else ()
     if not found and b"RiskAnnotation" in document.source:
         return (path,)
     return found
 
 
-def controller_with(path: Path, opened: Mapping[Path, bytes]) -> Controller:
+def controller_with(path: Path, opened: Mapping[Path, bytes], projects: Projects) -> Controller:
     """Return the controller at `path` with the bytes of the files that are open.
 
     Raises InputError when it cannot be read.
     """
     here = path.resolve()
-    root = controller_root(path)
-    base = root.resolve()
+    project = projects.of(path)
+    base = project.root
     others = {
         each.relative_to(base).as_posix(): source
         for each, source in opened.items()
@@ -278,27 +280,27 @@ def controller_with(path: Path, opened: Mapping[Path, bytes]) -> Controller:
     file = here.relative_to(base).as_posix()
     source = others.pop(file, None)
     if source is None:
-        source = load_controller(path).source
-    return Controller(path, root, file, source, others)
+        source = load_controller(path, project).source
+    return Controller(path, project, file, source, others)
 
 
-def analyse(path: Path, opened: Mapping[Path, bytes]) -> Analysis:
+def analyse(path: Path, opened: Mapping[Path, bytes], projects: Projects) -> Analysis:
     """Check a controller with the texts that are open."""
     try:
-        if is_gone(path):
+        if is_gone(path, projects):
             from tracerisk.pipeline.check.check import check_controller
 
-            return Analysis(path, check_controller(path).findings)
-        checked = check_loaded(controller_with(path, opened))
+            return Analysis(path, check_controller(path, projects).findings)
+        checked = check_loaded(controller_with(path, opened, projects))
         return Analysis(path, checked.findings, verdict=checked.verdict)
     except TraceRiskError as error:
         return Analysis(path, error=error)
 
 
-def solve_ahead(path: Path, opened: Mapping[Path, bytes]) -> None:
+def solve_ahead(path: Path, opened: Mapping[Path, bytes], projects: Projects) -> None:
     """Solve the model of a controller, which is kept: it is there when it is asked for."""
     with suppress(TraceRiskError):
-        controller = controller_with(path, opened)
+        controller = controller_with(path, opened, projects)
         _ = figures_of(controller, partial(_outline, controller)).importances
 
 

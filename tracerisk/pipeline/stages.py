@@ -17,7 +17,6 @@ from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, lock_key
-from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.line_map import line_maps
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
@@ -28,7 +27,7 @@ from tracerisk.common.hardware.formats import load_hardware as load_hardware
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.outcome.changes import Tolerances
 from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
-from tracerisk.config import Settings, read_settings
+from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.freshness import run_inputs
@@ -38,6 +37,7 @@ from tracerisk.pipeline.freshness.used_evidence import used_evidence
 from tracerisk.pipeline.history.file_lock import one_writer
 from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.pipeline.workspace.controller import Controller, lines_since, load_controller
+from tracerisk.pipeline.workspace.project import Project
 from tracerisk.trace import FunctionRef, QualifiedName, Trace
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ class Annotated:
     def _as_things_stand(self, change: Changed) -> Changed:
         """Put the change on top of what the lock and the source hold by now."""
         key = lock_key(self.controller.path, self.controller.root)
-        lock = read_lock(self.lock_path)
+        lock = Project(self.lock_path.parent).lock
         # A second run of the same controller may have written the very same.
         left = tuple(
             each
@@ -117,7 +117,7 @@ class Annotated:
 
 def load_settings(controller: Controller, options: Mapping[str, Any] | None = None) -> Settings:
     """Return the settings of a controller's root, overridden by the options that are given."""
-    return read_settings(controller.root, controller.file).with_options(options or {})
+    return controller.settings.with_options(options or {})
 
 
 def load_robot(controller: Controller, settings: Settings) -> Robot:
@@ -142,7 +142,7 @@ def check_blocks(controller: Controller) -> None:
 
     Raises BlockError, SourceError or InputError at what is malformed.
     """
-    lock = with_moved(read_lock(controller.root / LOCK_NAME), controller)
+    lock = with_moved(controller.project.lock, controller)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     written = {} if entry is None else dict(entry.blocks)
     found = []
@@ -156,7 +156,7 @@ def check_blocks(controller: Controller) -> None:
             found += [(placed.block, base) for placed in followed.placed]
     others = {name for base in written.values() for name in base}
     check_steps(controller, found, others, before_run=True)
-    check_named_functions(controller, read_settings(controller.root, controller.file))
+    check_named_functions(controller, controller.settings)
 
 
 def trace_controller(
@@ -241,9 +241,12 @@ def annotate(
     key = lock_key(controller.path, controller.root)
     # Another run of tracerisk writes lock and sources in turn; both are read between its writes.
     with one_writer(controller.root):
-        lock = with_moved(read_lock(lock_path), controller)
+        now = load_controller(controller.path)
+        lock = with_moved(now.project.lock, controller)
         files = _annotated_files(controller, trace, lock)
-        controller, trace = _as_on_disk(controller, trace)
+        # Only its blocks may have changed since it was loaded: the trace is of this program.
+        trace = trace.with_lines(lines_since({controller.file: controller.source}, now))
+        controller = now
         before = {file: controller.source_of(file) for file in files}
     inputs = run_inputs(controller, trace, settings, given=given)
     computed = compute_blocks(
@@ -303,16 +306,6 @@ def _at_bare_lines(trace: Trace, sources: Mapping[str, bytes], controller: Contr
     line_of = bare_lines(sources, shown)
     worlds = tuple(run.with_line(line_of) for run in trace.worlds)
     return replace(trace, verdict=trace.verdict.with_lines(line_of), worlds=worlds)
-
-
-def _as_on_disk(controller: Controller, trace: Trace) -> tuple[Controller, Trace]:
-    """Return the controller as its file is now, and the trace with the lines that this has.
-
-    Only its blocks may have changed since it was loaded: another run may have written them.
-    Raises InputError where more has changed, for then the trace is of another program.
-    """
-    now = load_controller(controller.path)
-    return now, trace.with_lines(lines_since({controller.file: controller.source}, now))
 
 
 def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[str, ...]:

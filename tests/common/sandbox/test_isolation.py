@@ -11,12 +11,12 @@ import pytest
 from tracerisk.common.limits import DEFAULT_LIMITS, Sandbox
 from tracerisk.common.sandbox.kernel_features import Support, support
 from tracerisk.common.sandbox.process import SandboxWarning, is_contained, start
-from tracerisk.config import Settings, read_settings
+from tracerisk.config import ProjectSettings, Settings
 from tracerisk.errors import RobotError, SandboxError
 from tracerisk.pipeline.launch_files.process import read_launch
 from tracerisk.pipeline.stages import trace_controller
 from tracerisk.pipeline.workspace.controller import load_controller
-from tracerisk.pipeline.workspace.workspace import find_workspace
+from tracerisk.pipeline.workspace.project import Project
 from tracerisk.twin.urdf.xacro_files import expand_xacro
 
 contained = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
@@ -128,7 +128,7 @@ def test_what_settings_name_is_reached(tmp_path, monkeypatch):
         '[tool.tracerisk]\nreadable = ["../data"]\nwritable = ["logs"]\nenv = ["CELL"]\n'
     )
     controller = load_controller(cell / "cell.py")
-    settings = read_settings(cell, "cell.py")
+    settings = ProjectSettings(cell).of("cell.py")
     assert trace_controller(controller, settings).end.cause == "ended"
     assert (cell / "logs" / "a").read_text() == "17"
     # Required on the command line, no file of the workspace widens it.
@@ -219,7 +219,7 @@ def test_a_launch_file_does_nothing_but_describe(tmp_path, monkeypatch, names):
         f"def generate_launch_description():\n{tried}"
         "    return LaunchDescription([Node(package='ws', executable='x', arguments=found)])\n"
     )
-    read = read_launch(package / "go.launch.py", find_workspace(package.parent))
+    read = read_launch(package / "go.launch.py", Project(package.parent).workspace())
     assert [each.arguments for each in read.nodes] == [()], read.problems
     assert list(outside.iterdir()) == []
     assert (package / "victim").read_text() == "x"

@@ -21,7 +21,7 @@ from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.config import read_settings
+from tracerisk.config import ProjectSettings
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.freshness import RunInputs, settings_data
 from tracerisk.trace import QualifiedName
@@ -63,7 +63,7 @@ def put(folder: Path, *names: str) -> None:
     lock = Lock()
     for name in names:
         recorded = RunInputs(
-            settings=settings_data(read_settings(folder), folder),
+            settings=settings_data(ProjectSettings(folder).of(), folder),
             sources={name: code_digest(SOURCE, "a.py")},
         )
         outcome = annotate_sources(

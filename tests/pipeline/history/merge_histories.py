@@ -20,6 +20,7 @@ from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.common.trace_log import read_log
 from tracerisk.errors import EditInTheWayError, TraceRiskError
 from tracerisk.pipeline.check.check import check_controller
+from tracerisk.pipeline.workspace.project import Projects
 
 COMPONENTS = ("camera", "gripper", "motor")
 START = """\
@@ -508,7 +509,7 @@ class History:
 
     def findings(self) -> list[str]:
         """Return what check finds that a refresh would mend."""
-        found = check_controller(self.folder / "c.py").findings
+        found = check_controller(self.folder / "c.py", Projects()).findings
         return [str(each) for each in found if each.kind != "unknown"]
 
     def keeps_pins(self, before: str, after: str) -> None:
@@ -544,7 +545,7 @@ class History:
         if not (self.folder / "tracerisk.lock").exists():
             return
         try:
-            found = check_controller(self.folder / "c.py").findings
+            found = check_controller(self.folder / "c.py", Projects()).findings
         except TraceRiskError:
             return
         for each in found:

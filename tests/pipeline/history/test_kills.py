@@ -16,6 +16,7 @@ from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.pipeline.check.check import check_controllers
 from tracerisk.pipeline.check.finding import Checked
 from tracerisk.pipeline.freshness.known_controllers import controllers_in
+from tracerisk.pipeline.workspace.project import Projects
 
 STEPS = "def home(arm):\n    arm.go()\n\n\ndef place(arm):\n    arm.go()\n"
 LOG = """\
@@ -90,7 +91,8 @@ def kill_after(pid: int, seconds: float) -> bool:
 
 def edited() -> list[str]:
     """What `check` takes for a person's edit, or cannot read."""
-    found = check_controllers(controllers_in(Path()))
+    projects = Projects()
+    found = check_controllers(controllers_in(Path(), projects), projects)
     errors = [str(each) for each in found if isinstance(each, TraceRiskError)]
     findings = [f for each in found if isinstance(each, Checked) for f in each.findings]
     return errors + [str(each) for each in findings if each.kind != "stale"]
@@ -188,7 +190,7 @@ def test_a_file_that_changes_under_a_refresh_is_not_overwritten(project) -> None
     from tracerisk.pipeline.check.refresh import refresh_controller
 
     set_figure("1e-09")
-    done = refresh_controller("c00.py")
+    done = refresh_controller(Path("c00.py"), Projects())
     with Path("c00.py").open("a") as stream:
         stream.write("# A person's line.\n")
     before, lock = sources(), Path("tracerisk.lock").read_bytes()

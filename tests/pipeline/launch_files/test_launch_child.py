@@ -13,7 +13,7 @@ from tracerisk.common.limits import DEFAULT_LIMITS, Limit
 from tracerisk.errors import LimitError
 from tracerisk.pipeline.launch_files import child, process
 from tracerisk.pipeline.launch_files.process import read_launch
-from tracerisk.pipeline.workspace.workspace import find_workspace
+from tracerisk.pipeline.workspace.project import Project
 
 IMPORTS = """\
 from launch import LaunchDescription
@@ -74,7 +74,7 @@ def read(workspace, request, monkeypatch):
 
     def read_file(name, text):
         path = workspace.write(f"launch/{name}", text)
-        return read_launch(path, find_workspace(workspace.package))
+        return read_launch(path, Project(workspace.package).workspace())
 
     return read_file
 
@@ -427,7 +427,7 @@ def test_a_file_that_does_not_end_is_no_file_that_starts_nothing(body, workspace
     path = workspace.write("launch/endless.launch.py", f"{body}\n")
     limits = replace(DEFAULT_LIMITS, own=Limit("stall_limit_s", 0.3))
     with pytest.raises(LimitError, match=r"endless\.launch\.py: reading .* --stall-limit"):
-        read_launch(path, find_workspace(workspace.package), limits)
+        read_launch(path, Project(workspace.package).workspace(), limits)
 
 
 def test_the_release_is_reported_whatever_the_host_has_sourced(described, monkeypatch):

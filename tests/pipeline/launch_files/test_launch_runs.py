@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.common import trace_json
-from tracerisk.config import Settings, read_settings
+from tracerisk.config import ProjectSettings, Settings
 from tracerisk.errors import SettingsError
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.workspace.controller import load_controller
@@ -197,7 +197,7 @@ def test_a_launch_file_that_keeps_it_from_running_is_left_out(example):
 )
 def test_the_project_can_settle_it(tmp_path, line, value):
     (tmp_path / "pyproject.toml").write_text(f"[tool.tracerisk]\nlaunch = {line}\n")
-    settled = read_settings(tmp_path).launch
+    settled = ProjectSettings(tmp_path).of().launch
     assert settled == (str(tmp_path / value) if isinstance(value, str) else value)
 
 
@@ -205,7 +205,7 @@ def test_the_project_can_settle_it(tmp_path, line, value):
 def test_another_setting_is_an_error(tmp_path, line):
     (tmp_path / "pyproject.toml").write_text(f"[tool.tracerisk]\nlaunch = {line}\n")
     with pytest.raises(SettingsError, match="launch: expected a launch file, true or false, found"):
-        read_settings(tmp_path)
+        ProjectSettings(tmp_path).of()
 
 
 def test_one_may_not_name_a_launch_file_and_want_none(example):

@@ -4,6 +4,7 @@ import pytest
 
 from tracerisk.pipeline.workspace import libraries
 from tracerisk.pipeline.workspace.libraries import Libraries
+from tracerisk.pipeline.workspace.project import Project
 
 LIBRARY = """\
 import threading
@@ -194,7 +195,7 @@ LIBRARIES = {
 def test_what_another_program_imports_is_library_code(example, file, is_library):
     for name, text in FILES.items():
         example.write(name, text)
-    libraries = Libraries(example.folder / "demo/main.py", example.folder)
+    libraries = Libraries(example.folder / "demo/main.py", Project(example.folder))
     assert libraries.holds(example.folder / file) is is_library
 
 
@@ -206,10 +207,10 @@ def test_a_script_without_an_ending_and_an_installed_command_are_programs(exampl
         entry = "entry_points={'console_scripts': ['node = demo.node:start']}"
         example.write("setup.py", entry if name.endswith(".py") else "")
         path = example.write(name, f"{text}from demo import shared\n")
-        libraries = Libraries(example.folder / "demo/main.py", example.folder)
+        libraries = Libraries(example.folder / "demo/main.py", Project(example.folder))
         assert libraries.holds(example.folder / "demo/shared.py"), name
         path.unlink()
-        libraries = Libraries(example.folder / "demo/main.py", example.folder)
+        libraries = Libraries(example.folder / "demo/main.py", Project(example.folder))
         assert not libraries.holds(example.folder / "demo/shared.py"), name
 
 
@@ -251,7 +252,7 @@ def test_a_hidden_file_is_no_program_of_the_project(example):
         example.write(f"project/{name}", text)
     root = example.folder / "project"
     (root / ".other").write_text("#!/usr/bin/env python3\nimport demo.steps\n")
-    assert not Libraries(root / "demo/main.py", root).holds(root / "demo/steps.py")
+    assert not Libraries(root / "demo/main.py", Project(root)).holds(root / "demo/steps.py")
 
 
 def test_links_out_of_the_project_and_sources_that_cannot_be_read_harm_nothing(example, tmp_path):
@@ -262,7 +263,7 @@ def test_links_out_of_the_project_and_sources_that_cannot_be_read_harm_nothing(e
     (root / "demo" / "linked.py").symlink_to(example.folder / "beyond.py")
     (root / "demo" / "broken.py").symlink_to(example.folder / "nowhere.py")
     example.write("project/demo/binary.py", b"\x00\xff\xfe import demo.steps")
-    libraries = Libraries(root / "demo/main.py", root)
+    libraries = Libraries(root / "demo/main.py", Project(root))
     assert not libraries.holds(root / "demo/steps.py")
     assert libraries.holds(root / "demo/shared.py")
 
@@ -287,6 +288,6 @@ def test_each_folder_of_a_large_project_is_looked_at_once(tmp_path, monkeypatch)
             f"#!/usr/bin/env python3\nimport parts.module{n}\n"
         )
     script = tmp_path / "program0.py"
-    assert Libraries(script, tmp_path).holds(package / "module7.py")
+    assert Libraries(script, Project(tmp_path)).holds(package / "module7.py")
     assert len(listed) == len(set(listed)) < 10
     assert max(map(read.count, read)) == 2  # whether it is a program, and what it imports

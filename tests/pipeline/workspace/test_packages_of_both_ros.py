@@ -7,7 +7,8 @@ import pytest
 from tracerisk.config import Settings
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.pipeline.workspace.package_folders import ros_of_package
-from tracerisk.pipeline.workspace.workspace import find_workspace, workspace_of
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.workspace import workspace_of
 
 CATKIN = "<buildtool_depend>catkin</buildtool_depend>"
 AMENT = "<export><build_type>ament_python</build_type></export>"
@@ -63,7 +64,7 @@ def test_of_two_checkouts_in_one_src_the_controllers_ros_is_taken(tmp_path, tool
     package(foreign, other)
     for repository in (own.parent, fitting.parent, foreign.parent):
         (repository / ".git").mkdir()
-    assert find_workspace(own).packages == {"arm_msgs": fitting, "pick": own}
+    assert Project(own).workspace().packages == {"arm_msgs": fitting, "pick": own}
 
 
 @pytest.mark.parametrize(("tool", "other"), [(AMENT, CATKIN), (CATKIN, AMENT)])

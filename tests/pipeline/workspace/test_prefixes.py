@@ -11,7 +11,7 @@ import pytest
 from tests.installed_ros import MANIFEST, Prefix, write
 from tracerisk.common.sandbox.process import passed_environment
 from tracerisk.common.sandbox.ros_prefix import readable_folders, without_ros
-from tracerisk.config import Settings, read_settings
+from tracerisk.config import ProjectSettings, Settings
 from tracerisk.errors import InputError
 from tracerisk.pipeline.workspace import prefixes
 from tracerisk.pipeline.workspace.controller import load_controller
@@ -22,7 +22,8 @@ from tracerisk.pipeline.workspace.prefixes import (
     readable_of,
     with_interfaces,
 )
-from tracerisk.pipeline.workspace.workspace import find_workspace, workspace_of
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.workspace import workspace_of
 
 
 @pytest.fixture(autouse=True)
@@ -157,14 +158,14 @@ def test_the_own_workspace_goes_before_what_is_installed(tmp_path, monkeypatch):
     write(own, {"package.xml": MANIFEST.format(name="pick", needs=""), "go.py": "import rclpy\n"})
     monkeypatch.setenv("AMENT_PREFIX_PATH", str(overlay.path))
     workspace = workspace_of(load_controller(own / "go.py"), Settings())
-    assert workspace.packages == find_workspace(own).packages == {"pick": own}
+    assert workspace.packages == Project(own).workspace().packages == {"pick": own}
     assert workspace.installed == {"arm_msgs": overlay.path / "share/arm_msgs"}
     assert workspace.findable == {"pick": own, **workspace.installed}
 
 
 def test_the_setting_names_folders_from_the_file_that_gives_it(tmp_path):
     write(tmp_path, {"pyproject.toml": '[tool.tracerisk]\nros_prefixes = ["../underlay"]\n'})
-    settings = read_settings(tmp_path)
+    settings = ProjectSettings(tmp_path).of()
     assert settings.ros_prefixes == (str(tmp_path / "../underlay"),)
     assert settings.with_options({"sandbox": "require"}).ros_prefixes == ()
 

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from tracerisk.pipeline.workspace.prefixes import find_prefixes, installed_packages
-from tracerisk.pipeline.workspace.workspace import find_workspace, project_top, searched
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.workspace import searched
 
 
 def package(folder: Path) -> Path:
@@ -19,7 +20,7 @@ def test_checkouts_beside_the_controllers_package_are_none_of_its_own(tmp_path):
     own = package(tmp_path / "downloads" / "pick_demo")
     package(tmp_path / "downloads" / "other_arm")
     package(tmp_path / "downloads" / "third" / "third_description")
-    assert list(find_workspace(own).packages) == ["pick_demo"]
+    assert list(Project(own).workspace().packages) == ["pick_demo"]
 
 
 def test_packages_beside_the_controllers_that_it_depends_on_are_its_own(tmp_path):
@@ -32,24 +33,28 @@ def test_packages_beside_the_controllers_that_it_depends_on_are_its_own(tmp_path
     (arm / "package.xml").write_text(
         '<package><name>arm_msgs</name><depend version_gte="1">base_msgs</depend></package>\n'
     )
-    assert find_workspace(own).packages == {"arm_msgs": arm, "base_msgs": base, "pick_demo": own}
+    assert Project(own).workspace().packages == {
+        "arm_msgs": arm,
+        "base_msgs": base,
+        "pick_demo": own,
+    }
 
 
 def test_packages_of_one_workspace_are_found_in_its_src(tmp_path):
     own = package(tmp_path / "ws" / "src" / "pick_demo")
     package(tmp_path / "ws" / "src" / "arm" / "arm_description")
     package(tmp_path / "other" / "src" / "stranger")
-    assert list(find_workspace(own).packages) == ["arm_description", "pick_demo"]
+    assert list(Project(own).workspace().packages) == ["arm_description", "pick_demo"]
 
 
 def test_a_script_in_no_package_has_the_packages_of_the_workspace_it_lies_in(tmp_path):
     arm = package(tmp_path / "ws" / "src" / "arm" / "arm_description")
     own = tmp_path / "ws" / "src" / "tools" / "scripts"
     own.mkdir(parents=True)
-    assert find_workspace(own).packages == {"arm_description": arm}
+    assert Project(own).workspace().packages == {"arm_description": arm}
     loose = tmp_path / "program" / "src" / "tools"
     loose.mkdir(parents=True)
-    assert (project_top(loose), find_workspace(loose).packages) == (loose, {})
+    assert (Project(loose).top, Project(loose).workspace().packages) == (loose, {})
 
 
 @pytest.mark.parametrize("mark", ["README.md", "LICENSE", ".gitignore", "readme.rst"])
@@ -58,8 +63,8 @@ def test_packages_of_a_copied_repository_are_found_by_what_lies_at_its_top(tmp_p
     package(tmp_path / "repo" / "arm_description")
     package(tmp_path / "neighbour")
     (tmp_path / "repo" / mark).write_text("\n")
-    assert list(find_workspace(own).packages) == ["arm_description", "pick_demo"]
-    assert project_top(own) == tmp_path / "repo"
+    assert list(Project(own).workspace().packages) == ["arm_description", "pick_demo"]
+    assert Project(own).top == tmp_path / "repo"
 
 
 def test_a_script_beside_the_src_of_a_workspace_has_its_packages(tmp_path):
@@ -68,9 +73,9 @@ def test_a_script_beside_the_src_of_a_workspace_has_its_packages(tmp_path):
     for folder in (arm, tools):
         folder.mkdir(parents=True)
     (arm / "package.xml").write_text("<package><name>arm</name></package>")
-    assert find_workspace(tools).packages == {}
+    assert Project(tools).workspace().packages == {}
     (tmp_path / "ws" / "README.md").write_text("An arm.")
-    assert find_workspace(tools).packages == {"arm": arm}
+    assert Project(tools).workspace().packages == {"arm": arm}
 
 
 def test_a_repository_is_never_left(tmp_path):
@@ -78,13 +83,13 @@ def test_a_repository_is_never_left(tmp_path):
     own = package(tmp_path / "repo" / "pick_demo")
     package(tmp_path / "neighbour")
     (tmp_path / "repo" / ".git").mkdir()
-    assert list(find_workspace(own).packages) == ["pick_demo"]
+    assert list(Project(own).workspace().packages) == ["pick_demo"]
 
 
 def test_a_readme_above_src_counts_as_the_projects(tmp_path):
     own = package(tmp_path / "ws" / "src" / "pick_demo")
     (tmp_path / "ws" / "README.md").write_text("\n")
-    assert project_top(own) == tmp_path / "ws"
+    assert Project(own).top == tmp_path / "ws"
 
 
 def test_packages_beside_the_controllers_that_its_modules_import_are_its_own(tmp_path):
@@ -93,7 +98,7 @@ def test_packages_beside_the_controllers_that_its_modules_import_are_its_own(tmp
     arm = package(tmp_path / "arm_interfaces")
     (own / "scripts").mkdir()
     (own / "scripts" / "pick.py").write_text("import os\nfrom arm_interfaces.srv import Move\n")
-    assert find_workspace(own).packages == {"arm_interfaces": arm, "pick_demo": own}
+    assert Project(own).workspace().packages == {"arm_interfaces": arm, "pick_demo": own}
 
 
 @pytest.mark.parametrize("mark", [".git", "README.md"])
@@ -107,7 +112,7 @@ def test_what_a_package_needs_of_another_repository_in_the_same_src_is_found(tmp
         (folder / "package.xml").write_text(f"<package><name>{folder.name}</name></package>")
         (folder.parent / mark).mkdir()
     (own / "pick.py").write_text("from arm_msgs.srv import Move\n")
-    assert find_workspace(own).packages == {"arm_msgs": needed, "pick": own}
+    assert Project(own).workspace().packages == {"arm_msgs": needed, "pick": own}
 
 
 def repository(folder: Path, *packages: str) -> None:
@@ -130,7 +135,7 @@ def test_a_package_is_found_deep_in_the_src_around_a_repository(tmp_path, own, n
     repository(sources / "other_repo", needed, "unasked")
     root = sources / "own_repo" / own
     (root / "move.py").write_text("import arm_driver\n")
-    found = find_workspace(root).packages
+    found = Project(root).workspace().packages
     assert found == {root.name: root, "arm_driver": sources / "other_repo" / needed}
 
 
@@ -142,7 +147,7 @@ def test_a_script_in_no_package_has_what_it_imports_of_the_repositories_beside_i
     root = sources / "demos" / place
     root.mkdir(parents=True, exist_ok=True)
     (root / "bartender.py").write_text("from arm_modules.arm import Arm\n")
-    found = find_workspace(root).packages
+    found = Project(root).workspace().packages
     assert found["arm_modules"] == sources / "toolboxes" / "xs_toolbox" / "arm_modules"
     assert "unasked" not in found
 
@@ -155,8 +160,9 @@ def test_what_is_needed_and_what_fills_in_are_of_the_same_src(tmp_path, place):
     root = sources / "demos" / place
     root.mkdir(parents=True, exist_ok=True)
     (root / "bartender.py").write_text("from arm_modules.arm import Arm\n")
-    workspace = find_workspace(root)
-    beside = installed_packages(find_prefixes(root, project_top(root), 2, environment={}))
+    project = Project(root)
+    workspace = project.workspace()
+    beside = installed_packages(find_prefixes(root, project.top, 2, environment={}))
     assert workspace.packages["arm_modules"] == beside["arm_modules"]
     assert {*beside} - {*workspace.packages} == {"unasked"}
 
@@ -194,7 +200,7 @@ def test_packages_are_found_at_any_depth(what, tmp_path):
         package(own)
     else:
         own.mkdir(parents=True)
-    assert find_workspace(own).packages["arm_msgs"] == arm
+    assert Project(own).workspace().packages["arm_msgs"] == arm
 
 
 @pytest.mark.parametrize("folder", [".git", "build", "node_modules", "venv"])
@@ -204,7 +210,7 @@ def test_packages_are_not_looked_for_in_what_is_no_source(folder, tmp_path):
     package(tmp_path / folder / "lib" / "arm_msgs")
     (tmp_path / "venv").mkdir(exist_ok=True)
     (tmp_path / "venv" / "pyvenv.cfg").touch()
-    assert list(find_workspace(own).packages) == ["pick"]
+    assert list(Project(own).workspace().packages) == ["pick"]
 
 
 def test_a_search_that_ends_early_has_looked_around_the_controller(monkeypatch, tmp_path):
@@ -213,6 +219,6 @@ def test_a_search_that_ends_early_has_looked_around_the_controller(monkeypatch, 
         (tmp_path / "data" / f"run_{number:02}" / "frames").mkdir(parents=True)
     own, near = package(tmp_path / "z" / "y" / "pick"), package(tmp_path / "z" / "y" / "arm_msgs")
     far = package(tmp_path / "zz" / "a" / "b" / "c" / "base_msgs")
-    assert find_workspace(own).packages == {"arm_msgs": near, "base_msgs": far, "pick": own}
+    assert Project(own).workspace().packages == {"arm_msgs": near, "base_msgs": far, "pick": own}
     monkeypatch.setattr("tracerisk.pipeline.workspace.package_folders.MOST_ENTRIES", 20)
-    assert find_workspace(own).packages == {"arm_msgs": near, "pick": own}
+    assert Project(own).workspace().packages == {"arm_msgs": near, "pick": own}

@@ -11,6 +11,7 @@ from tracerisk.cli import main
 from tracerisk.config import Settings
 from tracerisk.errors import DriverError
 from tracerisk.pipeline.workspace.driver_files import check_driver, driver_files
+from tracerisk.pipeline.workspace.project import Project
 from tracerisk.ros.vendors.description_reader import read_driver
 
 SRV = "float64[] q\nbool fast\n---\nbool success\nstring message\n"
@@ -247,4 +248,4 @@ assert not buffer.can_transform("base_link", "lost", rospy.Time(0))
 
 
 def test_a_checkout_of_tracerisk_brings_no_description_twice():
-    assert driver_files(Path(__file__).parents[3], Settings()) == ()
+    assert driver_files(Project(Path(__file__).parents[3]), Settings()) == ()

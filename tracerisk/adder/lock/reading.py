@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -42,13 +41,7 @@ def read_lock(path: Path) -> Lock:
         data = path.read_bytes()
     except FileNotFoundError:
         return Lock()
-    return _loads_once(data, str(path))
-
-
-# A refresh of many controllers reads their lock several times for each.
-@lru_cache(maxsize=4)
-def _loads_once(data: bytes, file: str) -> Lock:
-    return loads(data, file)
+    return loads(data, str(path))
 
 
 def loads(data: bytes, file: str) -> Lock:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from tracerisk.common.hardware.model import Hardware
     from tracerisk.pipeline import Annotated
+    from tracerisk.pipeline.workspace.project import Projects
     from tracerisk.report.sarif import Alert
 
 SCHEMA = "tracerisk"
@@ -118,11 +119,11 @@ def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:
         note(f"warning: {warning}", quiet=quiet)
 
 
-def note_without_controllers(options: argparse.Namespace) -> None:
+def note_without_controllers(options: argparse.Namespace, projects: Projects) -> None:
     """Print a line for each named file without risk blocks on which no controller depends."""
     from tracerisk.pipeline.freshness.known_controllers import without_controllers
 
-    found = without_controllers(options.files)
+    found = without_controllers(options.files, projects)
     for name in found[:_MOST_NAMED]:
         message = "no risk blocks, and no controller depends on it"
         note(f"{name}: {message}; `tracerisk run {name}` writes blocks", quiet=options.quiet)

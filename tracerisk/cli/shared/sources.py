@@ -80,14 +80,14 @@ def named_robot(name: str, root: Path | None = None, settings: Settings | None =
     """
     from pathlib import Path
 
-    from tracerisk.config import read_settings
     from tracerisk.pipeline.robot.choice import read_model
+    from tracerisk.pipeline.workspace.project import Project
     from tracerisk.twin.robots.robot import is_model_file, load_robot
 
     if not is_model_file(name):
         return load_robot(name)
-    here = (root or Path()).resolve()
-    return read_model(here, name, (settings or read_settings(here)).limits).robot
+    here = Project((root or Path()).resolve())
+    return read_model(here, name, (settings or here.settings()).limits).robot
 
 
 def decoded(data: bytes, name: str, encoding: str = "utf-8") -> str:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key
-from tracerisk.adder.lock.reading import read_lock
-from tracerisk.config import Settings, read_settings
+from tracerisk.config import Settings
 from tracerisk.errors import InputError
 from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
@@ -40,9 +39,9 @@ def kept_run(path: Path | str) -> KeptRun:
     Raises InputError for a file or a lock that cannot be read.
     """
     controller = load_controller(path)
-    lock = read_lock(controller.root / LOCK_NAME)
+    lock = controller.project.lock
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
-    settings = read_settings(controller.root, controller.file)
+    settings = controller.settings
     if entry is None:
         message = f"{LOCK_NAME} knows of no run of it."
         return KeptRun(controller, settings, (str(controller.path),), None, message)
@@ -65,7 +64,7 @@ def last_duration_s(path: Path | str) -> float | None:
     """
     try:
         controller = load_controller(path)
-        lock = read_lock(controller.root / LOCK_NAME)
+        lock = controller.project.lock
         functions = lock.controllers[lock_key(controller.path, controller.root)].trace["functions"]
         total = math.fsum(float(each["duration_s"]) for each in functions.values())
     except (InputError, LookupError, TypeError, ValueError, AttributeError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from tracerisk.adder.blocks.block import RiskBlock
@@ -18,7 +19,7 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.common.records import fields, replace
 from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
-from tracerisk.config import Settings, controller_root, read_settings
+from tracerisk.config import Settings, controller_root
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding
@@ -30,13 +31,14 @@ from tracerisk.pipeline.check.run import (
     world_findings,
 )
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
-from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of, moved_from, with_moved
+from tracerisk.pipeline.freshness.known_controllers import is_gone, moved_from, with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap, kept_evidence
 from tracerisk.pipeline.freshness.who_wrote import evidence_for
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.trace import FunctionRef, QualifiedName, Verdict
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
@@ -45,19 +47,21 @@ _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
 _NO_LIMITS = CoverageLimits()
 
 
-def check_controller(path: Path | str, limits: CoverageLimits = _NO_LIMITS) -> Checked:
+def check_controller(
+    path: Path, projects: Projects, limits: CoverageLimits = _NO_LIMITS
+) -> Checked:
     """Return what keeps the blocks of the controller at `path` from being trusted.
 
     Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed.
     """
-    found = _check_once(path, limits)
+    found = _check_once(path, projects, limits)
     if not any(map(_sets_source_against_lock, found.findings)):
         return found
     from tracerisk.pipeline.history.file_lock import one_writer
 
     # Another run may have written between our looks at lock and source; it may not now.
     with one_writer(controller_root(found.path)):
-        return _check_once(path, limits)
+        return _check_once(path, projects, limits)
 
 
 def _sets_source_against_lock(finding: CheckFinding) -> bool:
@@ -65,13 +69,13 @@ def _sets_source_against_lock(finding: CheckFinding) -> bool:
     return of_a_block or finding.kind in _OF_LOCK_AND_SOURCE
 
 
-def _check_once(path: Path | str, limits: CoverageLimits) -> Checked:
-    if is_gone(Path(path)):
+def _check_once(path: Path, projects: Projects, limits: CoverageLimits) -> Checked:
+    if is_gone(path, projects):
         message = (
             f"{LOCK_NAME} knows this controller, which is gone; `tracerisk refresh` forgets it"
         )
-        return Checked(Path(path), (CheckFinding("gone", message, Location(str(path))),))
-    return check_loaded(load_controller(path), limits)
+        return Checked(path, (CheckFinding("gone", message, Location(str(path))),))
+    return check_loaded(load_controller(path, projects.of(path)), limits)
 
 
 def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) -> Checked:
@@ -82,7 +86,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     Raises as `check_controller`.
     """
     place = Location(str(controller.path), 1)
-    lock = lock_of(controller.root)
+    lock = controller.project.lock
     was = moved_from(lock, controller)
     entry = with_moved(lock, controller).controllers.get(controller.file)
     if entry is None:
@@ -95,7 +99,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
         message = f"{what}; `tracerisk {text}`"
         return Checked(controller.path, (CheckFinding("unknown", message, place),))
     recorded = RunInputs.from_data(entry.inputs)
-    settings = read_settings(controller.root, controller.file)
+    settings = controller.settings
     check_named_functions(controller, settings, files=tuple(recorded.sources))
     effective = settings.with_options(given_options(recorded, controller))
     sources = _sources(controller, entry)
@@ -131,6 +135,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
 
 def check_controllers(
     paths: Sequence[Path],
+    projects: Projects,
     limits: Sequence[CoverageLimits] = (),
     *,
     jobs: int | None = None,
@@ -140,13 +145,21 @@ def check_controllers(
     `limits` are those of each; none for all of them where it is empty.
     Many are shared out among as many processes as there are cores, or `jobs`.
     """
-    each = limits or [_NO_LIMITS] * len(paths)
-    return tuple(shared_out(_checked, list(zip(paths, each, strict=True)), jobs=jobs))
+    asked = zip(paths, limits or [_NO_LIMITS] * len(paths), strict=True)
+    return tuple(shared_out(partial(_checked, projects), list(asked), jobs=jobs))
 
 
-def _checked(what: tuple[Path, CoverageLimits]) -> Checked | TraceRiskError:
+def _checked(
+    projects: Projects, asked: Sequence[tuple[Path, CoverageLimits]]
+) -> list[Checked | TraceRiskError]:
+    return [_checked_or_error(path, projects, limits) for path, limits in asked]
+
+
+def _checked_or_error(
+    path: Path, projects: Projects, limits: CoverageLimits
+) -> Checked | TraceRiskError:
     try:
-        return check_controller(*what)
+        return check_controller(path, projects, limits)
     except TraceRiskError as error:
         return error
 

@@ -20,14 +20,13 @@ from tracerisk.adder.blocks.values import (
     component_fields,
 )
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, WrittenBlock, lock_key
-from tracerisk.adder.lock.reading import read_lock
 from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
-from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, Readable
 from tracerisk.instrument.source.language import is_c_like
-from tracerisk.pipeline.freshness.known_controllers import lock_folders, lock_of
+from tracerisk.pipeline.freshness.known_controllers import locks_in
+from tracerisk.pipeline.workspace.project import Project, Projects
 from tracerisk.trace import QualifiedName
 
 
@@ -41,11 +40,12 @@ def overrides_in(
     beside the value.
     Raises InputError for a file that cannot be read, BlockError for a malformed block.
     """
+    projects = Projects()
     found: dict[Path, list[Override]] = {}
     for each in files:
         path = Path(each)
         if path.resolve() not in found:
-            found[path.resolve()] = list(_of_file(path, (contents or {}).get(str(each))))
+            found[path.resolve()] = list(_of_file(path, (contents or {}).get(str(each)), projects))
     listed = [override for of_one in found.values() for override in of_one]
     return tuple(sorted(listed, key=_order))
 
@@ -57,8 +57,8 @@ def files_of_locks(root: Path) -> tuple[Path, ...]:
     """
     names = {
         folder / file
-        for folder in lock_folders(root)
-        for controller, entry in lock_of(folder).controllers.items()
+        for folder, lock in locks_in(root, Projects())
+        for controller, entry in lock.controllers.items()
         for file in (controller, *(name for name, blocks in entry.blocks.items() if blocks))
     }
     found = tuple(path for path in sorted(names) if path.is_file())
@@ -67,14 +67,14 @@ def files_of_locks(root: Path) -> tuple[Path, ...]:
     return found
 
 
-def _of_file(path: Path, content: bytes | None) -> Iterator[Override]:
+def _of_file(path: Path, content: bytes | None, projects: Projects) -> Iterator[Override]:
     with Readable(path):
         source = path.read_bytes() if content is None else content
-    if is_c_like(path.name) and not _bases(path):
+    bases = _bases(path, projects.of(path))
+    if is_c_like(path.name) and not bases:
         for block in read_c_blocks(source, str(path)):
             yield from _of_block(block, None, str(path))
         return
-    bases = _bases(path)
     known = {QualifiedName(name) for base in bases for name in base}
     followed = follow_renames(source, str(path), known)
     base = base_with_names(bases[0] if bases else {}, followed.renamed)
@@ -85,11 +85,9 @@ def _of_file(path: Path, content: bytes | None) -> Iterator[Override]:
             yield from _of_block(block, None, str(path))
 
 
-def _bases(path: Path) -> list[Mapping[str, WrittenBlock]]:
+def _bases(path: Path, project: Project) -> list[Mapping[str, WrittenBlock]]:
     """Return what the lock says was last written into a file, by whichever controller."""
-    root = controller_root(path)
-    lock = read_lock(root / LOCK_NAME)
-    key = lock_key(path, root)
+    lock, key = project.lock, lock_key(path, project.root)
     users: Iterable[ControllerLock] = (
         entry for entry in lock.controllers.values() if key in entry.blocks
     )

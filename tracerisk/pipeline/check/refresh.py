@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
-from tracerisk.adder.lock.reading import read_lock
+from tracerisk.adder.lock.lock import lock_key
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.limits import SandboxMode
-from tracerisk.config import SANDBOX_SETTINGS, read_settings
+from tracerisk.config import SANDBOX_SETTINGS
 from tracerisk.errors import ControllerFailedError, Location
 from tracerisk.pipeline.check.check import check_controller, given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
@@ -21,6 +20,7 @@ from tracerisk.pipeline.freshness.trace_cache import TraceCache
 from tracerisk.pipeline.stages import Annotated, annotate, check_blocks, trace_controller
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.trace import Trace, Verdict
 
 # What a refresh mends; the rest is for a user to mend.
@@ -48,7 +48,8 @@ class Refreshed:
 
 
 def refresh_controller(
-    path: Path | str,
+    path: Path,
+    projects: Projects,
     *,
     policy: MergePolicy | None = None,
     sandbox: SandboxMode | None = None,
@@ -61,12 +62,12 @@ def refresh_controller(
     Raises EditInTheWayError where a user edited a computed value and the policy says to stop,
     ControllerFailedError where the run fails, and what `run` raises else.
     """
-    controller = load_controller(path)
+    controller = load_controller(path, projects.of(path))
     check_blocks(controller)
-    lock = with_moved(read_lock(controller.root / LOCK_NAME), controller)
+    lock = with_moved(controller.project.lock, controller)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     recorded = RunInputs.from_data(entry.inputs) if entry is not None else RunInputs()
-    settings = read_settings(controller.root, controller.file)
+    settings = controller.settings
     given = given_options(recorded, controller)
     # A lock may come from anywhere: how a run is contained is not for it to say.
     given = {name: value for name, value in given.items() if name not in SANDBOX_SETTINGS}
@@ -79,7 +80,7 @@ def refresh_controller(
         # A published log names no robot: there was no run to judge.
         is_judged = kept_verdict(entry) is not None or entry.trace.get("robot") == ""
         is_settled = entry.is_settled and not wants_fresh and is_judged
-        found = {finding.kind for finding in check_controller(controller.path).findings}
+        found = {finding.kind for finding in check_controller(path, projects).findings}
         if is_settled and not found & _MENDED:
             text = "nothing that it depends on has changed"
             return Refreshed("fresh", text, verdict=kept_verdict(entry))

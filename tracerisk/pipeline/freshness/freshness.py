@@ -118,7 +118,7 @@ def run_inputs(
     root = controller.root.resolve()
     scene = settings.scene if settings.scene is not None and Path(settings.scene).suffix else None
     robot = map(str, robot_files(controller, settings))
-    drivers = map(str, driver_files(root, settings))
+    drivers = map(str, driver_files(controller.project, settings))
     named = (settings.scenario, scene, *settings.params, *drivers, *robot)
     listed = {
         *trace.inputs,
@@ -279,7 +279,7 @@ def _libraries(
         return ()
     from tracerisk.pipeline.workspace.libraries import Libraries
 
-    libraries = Libraries(controller.path, controller.root, settings.states)
+    libraries = Libraries(controller.path, controller.project, settings.states)
     paths = ((file, controller.path_of(file)) for file in sorted(sources))
     return tuple(file for file, path in paths if path.is_file() and libraries.holds(path))
 

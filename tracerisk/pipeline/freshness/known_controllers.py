@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
-from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key
-from tracerisk.adder.lock.reading import read_lock
+from tracerisk.adder.lock.lock import LOCK_NAME, Lock, LockError, lock_key
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.common.records import dataclass, field, replace
+from tracerisk.common.records import replace
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.project import Project, Projects
 
 T = TypeVar("T")
 
@@ -25,7 +24,7 @@ _MOST_FOLDERS = 20_000
 _OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
 
 
-def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
+def controllers_of(files: Sequence[Path | str], projects: Projects) -> tuple[Path, ...]:
     """Return the controllers whose blocks or traces depend on any of the files, sorted.
 
     That are the files themselves where the lock knows them or they have blocks, and the
@@ -39,24 +38,25 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
     for each in files:
         path = Path(each)
         if path.is_dir():
-            inside = controllers_in(path)
+            inside = controllers_in(path, projects)
             if not inside:
                 message = f"no {LOCK_NAME} in or below it knows a controller; name a controller"
                 raise InputError(message, Location(str(path)))
             found.update({controller.resolve(): controller for controller in inside})
             continue
         if not path.is_file():
-            if not is_gone(path):
+            if not is_gone(path, projects):
                 raise InputError("there is no such file; name a controller", Location(str(path)))
             found[path.resolve()] = path
             continue
-        root = controller_root(path)
+        project = projects.of(path)
+        root = project.root
         if root not in users_of:
-            users_of[root] = _users(lock_of(root))
+            users_of[root] = _users(project.lock)
         key = lock_key(path, root)
         users = users_of[root].get(key, ())
         if key in _OF_ALL:
-            users = sorted(lock_of(root).controllers)
+            users = sorted(project.lock.controllers)
         for name in users:
             controller = path if name == key else _shown(root / name, path)
             found.setdefault(controller.resolve(), controller)
@@ -66,24 +66,24 @@ def controllers_of(files: Sequence[Path | str]) -> tuple[Path, ...]:
     return tuple(found[each] for each in sorted(found))
 
 
-def controllers_in(root: Path) -> tuple[Path, ...]:
+def controllers_in(root: Path, projects: Projects) -> tuple[Path, ...]:
     """Return every controller of the locks in and below a folder, sorted, gone ones among them.
 
     Raises InputError where a lock cannot be read.
     """
-    found = (folder / key for folder in lock_folders(root) for key in lock_of(folder).controllers)
+    found = (folder / key for folder, lock in locks_in(root, projects) for key in lock.controllers)
     return tuple(sorted(found))
 
 
-def all_controllers() -> tuple[Path, ...]:
+def all_controllers(projects: Projects) -> tuple[Path, ...]:
     """Return every controller of the locks in and below this folder: where no file is named.
 
     Where there is none, those of the lock of the project that this folder is part of.
     Raises InputError where that has none either.
     """
-    found = controllers_in(Path())
+    found = controllers_in(Path(), projects)
     if not found:
-        above = controllers_in(controller_root(Path("here.py")))
+        above = controllers_in(controller_root(Path("here.py")), projects)
         found = tuple(Path(os.path.relpath(each)) for each in above)
     if not found:
         raise InputError(f"no {LOCK_NAME} in or below this folder knows a controller; name a FILE")
@@ -102,12 +102,25 @@ def lock_folders(root: Path) -> Iterator[Path]:
             yield Path(folder)
 
 
-def is_gone(path: Path) -> bool:
+def locks_in(root: Path, projects: Projects) -> Iterator[tuple[Path, Lock]]:
+    """Yield the locks in and below a folder, each with its folder.
+
+    Raises LockError where one cannot be read.
+    """
+    for folder in lock_folders(root):
+        try:
+            yield folder, projects.at(folder).lock
+        except LockError as error:
+            line = None if error.location is None else error.location.line
+            raise LockError(error.message, Location(str(folder / LOCK_NAME), line)) from error
+
+
+def is_gone(path: Path, projects: Projects) -> bool:
     """Return whether a lock knows a controller at `path` and there is no file."""
     if path.is_file():
         return False
-    root = controller_root(path)
-    return lock_key(path, root) in lock_of(root).controllers
+    project = projects.of(path)
+    return lock_key(path, project.root) in project.lock.controllers
 
 
 def forget_gone(root: Path, *, write: bool = True) -> tuple[str, ...]:
@@ -122,7 +135,7 @@ def forget_gone(root: Path, *, write: bool = True) -> tuple[str, ...]:
     from tracerisk.pipeline.history.file_lock import one_writer
 
     with one_writer(root):
-        lock = read_lock(path)
+        lock = Project(root).lock
         gone = tuple(key for key in sorted(lock.controllers) if not (root / key).is_file())
         if gone and write:
             for key in gone:
@@ -145,7 +158,7 @@ def forget_blocks(files: Sequence[Path]) -> None:
             continue
         here = {lock_key(file, root) for file in files if controller_root(file) == root}
         with one_writer(root):
-            lock = before = read_lock(path)
+            lock = before = Project(root).lock
             for name, entry in before.controllers.items():
                 left = {file: blocks for file, blocks in entry.blocks.items() if file not in here}
                 if left == entry.blocks:
@@ -207,9 +220,9 @@ def moved_from(lock: Lock, controller: Controller) -> str | None:
     return found[0] if len(found) == 1 else None
 
 
-def without_controllers(files: Sequence[Path | str]) -> tuple[str, ...]:
+def without_controllers(files: Sequence[Path | str], projects: Projects) -> tuple[str, ...]:
     """Return those of the files that have to do with no controller, in their order."""
-    return tuple(str(each) for each in files if not controllers_of([each]))
+    return tuple(str(each) for each in files if not controllers_of([each], projects))
 
 
 def _users(lock: Lock) -> dict[str, list[str]]:
@@ -221,29 +234,6 @@ def _users(lock: Lock) -> dict[str, list[str]]:
         for file in {name, hardware, *entry.blocks, *inputs.sources, *inputs.files}:
             users.setdefault(file, []).append(name)
     return users
-
-
-def lock_of(root: Path) -> Lock:
-    """Return the lock of a folder, an empty one where there is none; each version is read once."""
-    path = root / LOCK_NAME
-    try:
-        status = path.stat()
-    except FileNotFoundError:
-        return Lock()
-    version = (status.st_dev, status.st_ino, status.st_mtime_ns, status.st_size)
-    return _read_once(_LockFile(path, version))
-
-
-@dataclass(frozen=True, slots=True)
-class _LockFile:
-    path: Path = field(compare=False)
-    """By whichever name it was found."""
-    version: tuple[int, ...]
-
-
-@lru_cache(maxsize=8)
-def _read_once(file: _LockFile) -> Lock:
-    return read_lock(file.path)
 
 
 def _shown(path: Path, like: Path) -> Path:

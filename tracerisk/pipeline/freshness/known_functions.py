@@ -12,7 +12,7 @@ from tracerisk.adder.blocks.values import DONE
 from tracerisk.adder.lock.lock import Written
 from tracerisk.adder.merge.hand_edits import check_targets, is_next_by_hand
 from tracerisk.adder.sources.functions import functions_in
-from tracerisk.config import Settings, setting_origins
+from tracerisk.config import Settings
 from tracerisk.errors import SettingsError, TraceRiskError, one_of
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.pipeline.workspace.controller import Controller
@@ -38,7 +38,7 @@ def check_named_functions(
     if not settings.states and not settings.helpers:
         return
     own = _own_functions(controller, trace, files)
-    origins = setting_origins(controller.root, controller.file)
+    origins = controller.project.setting_origins(controller.file)
     for key, names in (("states", settings.states), ("helpers", settings.helpers)):
         unknown = [name for name in names if name not in own]
         if unknown and not (origins[key].is_own and (trace is not None or files)):

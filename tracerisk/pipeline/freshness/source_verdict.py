@@ -5,30 +5,32 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from tracerisk.adder.lock.lock import LOCK_NAME, Lock, lock_key
-from tracerisk.adder.lock.reading import read_lock
-from tracerisk.config import controller_root, from_here
+from tracerisk.adder.lock.lock import lock_key
+from tracerisk.config import from_here
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c, is_c_like
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
+from tracerisk.pipeline.workspace.project import Project, Projects
 from tracerisk.trace import Verdict, verdict_line
 
 
-def source_verdicts(sources: Mapping[str, bytes]) -> dict[str, Verdict | None]:
+def source_verdicts(
+    sources: Mapping[str, bytes], projects: Projects | None = None
+) -> dict[str, Verdict | None]:
     """Return the verdict of each controller that the sources belong to, by its path in the lock.
 
     Its files are as a user would type them from here. It is `None` where no lock knows a source,
     the lock cannot be read, or the source's code is no longer that of the run.
     """
+    projects = projects or Projects()
     found: dict[str, Verdict | None] = {}
     for file, source in sources.items():
         if is_c_like(file) and not is_c(file):
             found[file] = None
             continue
-        root = controller_root(Path(file))
-        known = _of_source(root, file, source)
+        known = _of_source(projects.of(Path(file)), file, source)
         for name, verdict in (known or {file: None}).items():
             # One source that does not match makes the whole controller unknown.
             found[name] = verdict if found.get(name, verdict) is not None else None
@@ -43,10 +45,10 @@ def source_verdict_lines(verdicts: Mapping[str, Verdict | None]) -> Sequence[str
     return [f"{name}: {line}" for name, line in lines.items()]
 
 
-def _of_source(root: Path, file: str, source: bytes) -> dict[str, Verdict | None]:
+def _of_source(project: Project, file: str, source: bytes) -> dict[str, Verdict | None]:
     try:
-        lock: Lock = read_lock(root / LOCK_NAME)
-        key = lock_key(Path(file), root)
+        lock = project.lock
+        key = lock_key(Path(file), project.root)
     except TraceRiskError:
         return {}
     found: dict[str, Verdict | None] = {}
@@ -56,6 +58,6 @@ def _of_source(root: Path, file: str, source: bytes) -> dict[str, Verdict | None
             verdict = kept_verdict(entry) if recorded == code_digest(source, key) else None
             if verdict is not None:
                 placed = verdict.with_lines(block_lines({key: source}, {key: file}))
-                verdict = placed.with_files(from_here(root))
+                verdict = placed.with_files(from_here(project.root))
             found[name] = verdict
     return found

@@ -11,8 +11,8 @@ from tracerisk.common.hardware.source_files import source_files
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs
-from tracerisk.pipeline.freshness.known_controllers import lock_of
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.trace import Trace
 
 
@@ -38,17 +38,18 @@ def watched_files(
     return tuple(dict.fromkeys(found))
 
 
-def checked_files(paths: Iterable[Path]) -> tuple[Path, ...]:
+def checked_files(paths: Iterable[Path], projects: Projects) -> tuple[Path, ...]:
     """Return the files of which a change may change what a check of controllers finds.
 
     Where a lock cannot be read, it is itself one of them.
     """
     found: list[Path] = []
     for path in paths:
-        root = controller_root(path)
+        project = projects.of(path)
+        root = project.root
         found += [path, root / LOCK_NAME, root / "pyproject.toml", root / EVIDENCE_NAME]
         try:
-            entry = lock_of(root).controllers.get(lock_key(path, root))
+            entry = project.lock.controllers.get(lock_key(path, root))
         except TraceRiskError:
             continue
         if entry is None:

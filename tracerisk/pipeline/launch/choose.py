@@ -141,7 +141,7 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     program = program_of(script, root, workspace)
     asked = asked_by(script, controller.source, workspace.python_packages)
     ros = ros_version(script, root)
-    readmes = ReadmeArguments(root, workspace)
+    readmes = ReadmeArguments(controller.project, workspace)
     search = _Search(program, workspace, asked, root, settings.limits, readmes)
     problems = search.problems
     if isinstance(settings.launch, str):

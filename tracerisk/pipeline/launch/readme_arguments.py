@@ -15,7 +15,8 @@ from pathlib import Path
 
 from tracerisk.pipeline.launch.find import LaunchFile
 from tracerisk.pipeline.workspace.controller import from_root
-from tracerisk.pipeline.workspace.workspace import Workspace, project_top, searched
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.workspace import Workspace, searched
 
 _MOST_FOLDERS = 1000
 _MOST_FILES = 200
@@ -42,10 +43,11 @@ class _Command:
 
 
 class ReadmeArguments:
-    """The arguments that the readmes of the project around a root give launch files."""
+    """The arguments that the readmes of a project give launch files."""
 
-    def __init__(self, root: Path, workspace: Workspace) -> None:
-        self._root = root.resolve()
+    def __init__(self, project: Project, workspace: Workspace) -> None:
+        self._project = project
+        self._root = project.root.resolve()
         self._packages: Mapping[str, Path] = workspace.findable
 
     def given(self, file: LaunchFile) -> LaunchFile:
@@ -60,10 +62,9 @@ class ReadmeArguments:
     @cached_property
     def _commands(self) -> tuple[_Command, ...]:
         """The commands, those of the readmes nearest to the root first."""
-        top = project_top(self._root)
         found = [
             Path(folder, name)
-            for folder, names in islice(searched(top), _MOST_FOLDERS)
+            for folder, names in islice(searched(self._project.top), _MOST_FOLDERS)
             for name in names
             if _README.fullmatch(name)
         ][:_MOST_FILES]

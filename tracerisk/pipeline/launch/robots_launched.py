@@ -56,7 +56,7 @@ def launched_robots(
         (path.resolve() for path, text in texts.items() if _DESCRIBES.search(text)),
         key=lambda path: (whose(path) == "workspace", distance(script, path), path),
     )[: _MOST_READ[ros]]
-    readmes = ReadmeArguments(root, workspace)
+    readmes = ReadmeArguments(controller.project, workspace)
     files = [readmes.given(LaunchFile(path, ros, False)) for path in paths]
     readings = read_launch_files(files, workspace, settings.limits)
     found = list(own)

@@ -17,7 +17,7 @@ from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.check import without_reason
 from tracerisk.pipeline.check.finding import Checked, CheckFinding, FindingKind
 from tracerisk.pipeline.check.run import function_place
-from tracerisk.pipeline.freshness.known_controllers import is_gone, lock_of
+from tracerisk.pipeline.freshness.known_controllers import is_gone
 from tracerisk.pipeline.trace.last_run import (
     UnexpectedContact,
     contact_text,
@@ -26,6 +26,7 @@ from tracerisk.pipeline.trace.last_run import (
     unexpected_contacts,
 )
 from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.review.risk_change import Review
 from tracerisk.report.diff.sentences import some
 from tracerisk.report.sarif import Alert, alert_at
@@ -64,7 +65,7 @@ def repository_root(path: Path) -> Path:
 
 
 def check_alerts(
-    paths: Sequence[Path], found: Sequence[Checked | TraceRiskError]
+    paths: Sequence[Path], found: Sequence[Checked | TraceRiskError], projects: Projects
 ) -> tuple[Alert, ...]:
     """Return the alerts of checked controllers: what `check_controllers` found for `paths`.
 
@@ -78,11 +79,12 @@ def check_alerts(
             place = each.location or Location(str(path))
             alerts.append(_alert("unreadable", each.message, place))
             continue
-        if is_gone(path):
+        if is_gone(path, projects):
             alerts += [_of_check(one, ()) for one in each.findings]
             continue
-        root = controller_root(path)
-        entry = lock_of(root).controllers.get(lock_key(path, root))
+        project = projects.of(path)
+        root = project.root
+        entry = project.lock.controllers.get(lock_key(path, root))
         held = {file: file.read_bytes() for file in _sources(path, root, entry)}
         sources = {file: read_blocks(text, str(file)) for file, text in held.items()}
         placed = [block for blocks in sources.values() for block in blocks]

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.pipeline.freshness.known_controllers import lock_folders, lock_of
+from tracerisk.pipeline.freshness.known_controllers import locks_in
 from tracerisk.pipeline.freshness.source_verdict import source_verdicts
 from tracerisk.pipeline.stages import build, solve
+from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.trace import Verdict
@@ -46,10 +47,11 @@ def overview(root: Path) -> tuple[KnownController, ...]:
     What cannot be read of one controller is in its `error`, and keeps no other from being listed.
     Raises InputError where no lock below the folder knows a controller, or a lock is malformed.
     """
+    projects = Projects()
     found = [
-        known_controller(root, folder, name, entry)
-        for folder in lock_folders(root)
-        for name, entry in lock_of(folder).controllers.items()
+        known_controller(root, folder, name, entry, projects)
+        for folder, lock in locks_in(root, projects)
+        for name, entry in lock.controllers.items()
     ]
     if not found:
         raise InputError(
@@ -59,14 +61,16 @@ def overview(root: Path) -> tuple[KnownController, ...]:
     return tuple(sorted(found, key=lambda each: each.name))
 
 
-def known_controller(root: Path, folder: Path, name: str, entry: ControllerLock) -> KnownController:
+def known_controller(
+    root: Path, folder: Path, name: str, entry: ControllerLock, projects: Projects
+) -> KnownController:
     """Return what the files of one controller say; `name` is its own in the lock of a folder."""
     path = folder / name
     shown = path.relative_to(root).as_posix()
     try:
         sources = _sources(root, folder, name, entry)
         model = build(sources, name=path.name)
-        verdicts = source_verdicts(sources)
+        verdicts = source_verdicts(sources, projects)
         return KnownController(shown, path, sources, verdicts.get(name), model, solve(model))
     except TraceRiskError as error:
         return KnownController(shown, path, error=str(error))

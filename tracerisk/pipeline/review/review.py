@@ -50,7 +50,7 @@ def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:
         shown = _Shown(repository.top, here)
         controllers = reviewed_controllers(files, what.before, what.after, shown.name)
     names = _VersionName.of(what.before), _VersionName.of(what.after)
-    found = shared_out(partial(_reviewed, versions=names, shown=shown), controllers)
+    found = shared_out(partial(_reviews, versions=names, shown=shown), controllers)
     for each in found:
         if isinstance(each, TraceRiskError):
             raise each
@@ -111,6 +111,14 @@ class _Shown:
     def version(self, version: ControllerVersion) -> ControllerVersion:
         sources = {self.name(file): source for file, source in version.sources.items()}
         return replace(version, sources=sources, folder=self.name(version.folder))
+
+
+def _reviews(
+    controllers: Sequence[ReviewedController],
+    versions: tuple[_VersionName, _VersionName],
+    shown: _Shown,
+) -> list[RiskDiff | TraceRiskError]:
+    return [_reviewed(controller, versions, shown) for controller in controllers]
 
 
 def _reviewed(

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.common.limits import Limits
-from tracerisk.config import Settings, controller_root
+from tracerisk.config import Settings
 from tracerisk.errors import Location, RobotError
 from tracerisk.instrument.source.dotted_names import imports_in
-from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
 from tracerisk.pipeline.launch.launch_hints import with_parameters
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
-from tracerisk.pipeline.workspace.workspace import find_workspace, workspace_of
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.workspace import workspace_of
 from tracerisk.twin.robots.robot import is_model_file
 
 if TYPE_CHECKING:
@@ -85,15 +85,11 @@ def choose_robot(
 
         return stand_in(controller, origin)
     if is_model_file(settings.robot):
-        read = read_model(
-            controller.root,
-            settings.robot,
-            settings.limits,
-            workspace_of(controller, settings).installed,
-        )
+        installed = workspace_of(controller, settings).installed
+        read = read_model(controller.project, settings.robot, settings.limits, installed)
         return RobotChoice(replace(read.robot, chosen_by=origin), files=read.files)
     robot = load_robot(settings.robot)
-    if any(parts[:2] == _GROUP_NAMES for _, parts in imports_in(parsed(whole.source))):
+    if any(parts[:2] == _GROUP_NAMES for _, parts in imports_in(whole.project.tree(whole.source))):
         robot = with_groups_of(robot, string_literals(whole))
     return RobotChoice(equipped(replace(robot, chosen_by=origin), whole))
 
@@ -119,7 +115,7 @@ def equipped(robot: Robot, controller: Controller) -> Robot:
 
 
 def read_model(
-    root: Path, name: str, limits: Limits, installed: Mapping[str, Path] | None = None
+    project: Project, name: str, limits: Limits, installed: Mapping[str, Path] | None = None
 ) -> ModelFile:
     """Read the model file that the settings name; what it names stands in its own project.
 
@@ -137,9 +133,11 @@ def read_model(
         resolved = path.resolve()
     except (OSError, RuntimeError) as error:
         raise RobotError(f"names no file: {error}", Location(name)) from error
-    top = root.resolve() if resolved.is_relative_to(root.resolve()) else controller_root(path)
-    packages = {**(installed or {}), **_own_packages(top), **_own_packages(root)}
-    return read_model_file(path, ModelFolder(resolved.parent, top, packages), limits=limits)
+    is_own = resolved.is_relative_to(project.root.resolve())
+    around = project if is_own else Project.of(path)
+    packages = {**(installed or {}), **around.workspace().packages, **project.workspace().packages}
+    folder = ModelFolder(resolved.parent, around.root.resolve(), packages)
+    return read_model_file(path, folder, limits=limits)
 
 
 def robot_files(controller: Controller, settings: Settings) -> tuple[Path, ...]:
@@ -153,9 +151,4 @@ def robot_files(controller: Controller, settings: Settings) -> tuple[Path, ...]:
     if not is_model_file(name):
         return (Path(name),)
     installed = workspace_of(controller, settings).installed
-    return read_model(controller.root, name, settings.limits, installed).files
-
-
-def _own_packages(root: Path) -> Mapping[str, Path]:
-    """Return the packages of the controller's own project."""
-    return find_workspace(root).packages
+    return read_model(controller.project, name, settings.limits, installed).files

@@ -235,8 +235,8 @@ class Gathering:
     def _of_driver(self) -> Iterator[Evidence]:
         """Yield what the one driver says whose messages the controller imports."""
         imported = imported_names(self.whole.source.decode(errors="replace"))
-        root = self._controller.root
-        drivers = read_drivers(driver_files(root, self._settings), root)
+        project = self._controller.project
+        drivers = read_drivers(driver_files(project, self._settings), project.root)
         found = {
             each.robot: each
             for each in (*shipped_drivers(), *drivers)

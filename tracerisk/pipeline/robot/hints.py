@@ -6,21 +6,18 @@ import ast
 import io
 import re
 import tokenize
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
 from tracerisk.config import controller_root
-from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules
 from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE, declared_needs
+from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
-from tracerisk.pipeline.workspace.workspace import (
-    project_top,
-    searched,
-)
+from tracerisk.pipeline.workspace.workspace import searched
 from tracerisk.twin.robots.robot_names import Hint
 
 _KINDS = (
@@ -41,14 +38,14 @@ _MOST_BYTES = 256 * 1024  # of one file
 
 def robot_hints(controller: Controller) -> Iterator[Hint]:
     """Yield what may name the robot, the heaviest first; files are read when they are asked for."""
-    name = controller.path.name
-    own = _read(controller.source)
+    name, tree = controller.path.name, controller.project.tree
+    own = _read(controller.source, tree)
     direct = imported_directly(controller)
     known = {part for path in direct for part in (path.stem, path.parent.name)}
     yield Hint("its imports", {name: "\n".join(each for each in own.imported if each in known)})
     yield Hint("its source", {name: own.spoken})
-    top, package = project_top(controller.root), controller_root(controller.path).resolve()
-    modules = {path: _read(path.read_bytes()) for path in own_modules(controller)}
+    top, package = controller.project.top, controller_root(controller.path).resolve()
+    modules = {path: _read(path.read_bytes(), tree) for path in own_modules(controller)}
     near = [path for path in modules if path not in direct and controller_root(path) == package]
     for what, paths in (("a module of its own", direct), ("a module of its package", near)):
         spoken = {path.relative_to(top).as_posix(): modules[path].spoken for path in sorted(paths)}
@@ -62,7 +59,7 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     said = {path.relative_to(top).as_posix(): modules[path].said for path in sorted(direct)}
     yield Hint("a module's comments", said)
     beside = sibling_programs(controller)
-    said = {each.path.name: _read(each.source).spoken for each in beside}
+    said = {each.path.name: _read(each.source, tree).spoken for each in beside}
     yield Hint("a program beside it", said)
     yield from _project(controller)
 
@@ -79,11 +76,11 @@ class _Read:
     """Its comments and docstrings."""
 
 
-def _read(source: bytes) -> _Read:
+def _read(source: bytes, tree_of: Callable[[bytes], ast.Module | None]) -> _Read:
     imported: list[str] = []
     spoken: list[str] = []
     said: list[str] = []
-    tree = parsed(source)
+    tree = tree_of(source)
     if tree is None:
         return _Read()
     try:
@@ -119,8 +116,8 @@ def _paths(controller: Controller) -> Iterator[Hint]:
     """Yield the file's name, and those of the folders around it up to the project's top."""
     script = controller.path.resolve()
     yield Hint("its file's name", {script.name: script.stem})
-    top = project_top(controller.root)
-    for folder in script.parents if _is_project(controller.root) else ():
+    top = controller.project.top
+    for folder in script.parents if _is_project(controller.project) else ():
         if not folder.is_relative_to(top):
             break
         yield Hint("its folder's name", {folder.name: folder.name})
@@ -128,8 +125,8 @@ def _paths(controller: Controller) -> Iterator[Hint]:
 
 def _project(controller: Controller) -> Iterator[Hint]:
     """Yield the files of the controller's package, then those of the rest of its project."""
-    root, top = controller.root.resolve(), project_top(controller.root)
-    near = list(_files(root)) if _is_project(root) else sorted(root.iterdir())
+    root, top = controller.root.resolve(), controller.project.top
+    near = list(_files(root)) if _is_project(controller.project) else sorted(root.iterdir())
     seen = set(near)
     beyond = [file for file in _files(top) if file not in seen] if top != root else []
     for files in (near, beyond):
@@ -156,9 +153,10 @@ def _commands(text: str) -> str:
     return "\n".join(kept)
 
 
-def _is_project(root: Path) -> bool:
+def _is_project(project: Project) -> bool:
     """Return whether what stands in the root's folder belongs together; a script may lie about."""
-    return project_top(root) != root.resolve() or any((root / mark).exists() for mark in _MARKS)
+    root = project.root.resolve()
+    return project.top != root or any((root / mark).exists() for mark in _MARKS)
 
 
 def _files(top: Path) -> Iterator[Path]:

@@ -13,8 +13,8 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules, source_bytes
+from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
-from tracerisk.pipeline.workspace.workspace import project_top
 from tracerisk.twin.robots.generic import names_asked
 from tracerisk.twin.robots.robot_names import words_in
 
@@ -75,13 +75,13 @@ def own_speeches(controller: Controller, also_named: tuple[str, ...] = ()) -> tu
 
     `also_named` are joints that it names in its run.
     """
-    own = _speech("its source", controller.path.name, controller.source, 1.0)
+    own = _speech("its source", controller.path.name, controller.source, 1.0, controller.project)
     own = replace(
         own,
         strings=(*string_literals(controller), *also_named),
         listed=tuple(dict.fromkeys((*also_named, *own.listed))),
     )
-    top = project_top(controller.root)
+    top = controller.project.top
     direct = imported_directly(controller)
     package = controller_root(controller.path).resolve()
     modules = []
@@ -93,20 +93,22 @@ def own_speeches(controller: Controller, also_named: tuple[str, ...] = ()) -> tu
             share = _OF_PACKAGE
         else:
             share = _OF_OTHERS
-        modules.append(_speech(f"module {path.name}", file, source_bytes(path), share))
+        modules.append(
+            _speech(f"module {path.name}", file, source_bytes(path), share, controller.project)
+        )
     return (own, *modules)
 
 
 def speeches_beside(controller: Controller) -> Iterator[Speech]:
     """Yield what the other programs of a controller's folder say; all of them count as one."""
     for each in sibling_programs(controller):
-        yield _speech(f"{each.path.name} beside it", each.path.name, each.source, _BESIDE)
+        name = each.path.name
+        yield _speech(f"{name} beside it", name, each.source, _BESIDE, controller.project)
 
 
-def _speech(who: str, file: str, text: bytes, share: float) -> Speech:
-    controller = Controller(Path(file), Path(), file, text)
+def _speech(who: str, file: str, text: bytes, share: float, project: Project) -> Speech:
     try:
-        strings = string_literals(controller)
+        strings = string_literals(Controller(Path(file), project, file, text))
     except TraceRiskError:
         strings = ()
     return Speech(who, file, text, strings, names_asked(text).joints, share)

@@ -68,7 +68,8 @@ from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
 from tracerisk.pipeline.workspace.prefixes import python_folders, readable_of, with_interfaces
-from tracerisk.pipeline.workspace.workspace import Workspace, project_top
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.workspace import Workspace
 from tracerisk.ros.controller.needs import asking_place
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.drafts.known_answers import known_answers
@@ -166,6 +167,7 @@ def _run(
     clock: list[Callable[[], int]],
 ) -> None:
     script, root = Path(request.controller), Path(request.root)
+    project = Project(root)
     launch = request.launch or NOTHING_LAUNCHED
     # Bound before virtual time takes the place of the machine's.
     wall_clock = time.perf_counter
@@ -295,7 +297,7 @@ def _run(
         reserved=libraries,
         shared=set(stand_ins.provides) - libraries - ways.names,
         elsewhere=lambda name: _found_elsewhere(name, workspace, root, recorder),
-        is_library=Libraries(script, root, request.states).holds,
+        is_library=Libraries(script, project, request.states).holds,
         replaced=replaced,
     )
     placeholders = PlaceholderFinder(
@@ -305,7 +307,7 @@ def _run(
     entry = find_entry_point(script, script.read_bytes(), root)
     with (
         _files(request, recorder) as overlay,
-        moved_files(script, root, workspace, recorder).active(),
+        moved_files(script, project, workspace, recorder).active(),
         activate(runtime),
         stand_ins,
         beside.active(),
@@ -516,7 +518,9 @@ def _found_elsewhere(
     return folder
 
 
-def moved_files(script: Path, root: Path, workspace: Workspace, recorder: Recorder) -> MovedFiles:
+def moved_files(
+    script: Path, project: Project, workspace: Workspace, recorder: Recorder
+) -> MovedFiles:
     """Return where files are that the author names by another machine's paths, or from elsewhere.
 
     Those that are found are noted.
@@ -531,7 +535,7 @@ def moved_files(script: Path, root: Path, workspace: Workspace, recorder: Record
             object_name=path,
         )
 
-    top = project_top(root)
+    root, top = project.root, project.top
     folders = {**workspace.installed, root.name: root, **workspace.packages}
     return MovedFiles(folders, top, found, (script.parent, root, top))
 

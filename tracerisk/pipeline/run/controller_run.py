@@ -40,8 +40,9 @@ from tracerisk.pipeline.trace.run_files import (
     WallTime,
 )
 from tracerisk.pipeline.workspace.prefixes import readable_of
+from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.ros_distro import choose_distro
-from tracerisk.pipeline.workspace.workspace import project_top, workspace_of
+from tracerisk.pipeline.workspace.workspace import workspace_of
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.launch.choose import LaunchChoice
@@ -108,7 +109,7 @@ def run_controller(
             scene=scene,
             scenario=settings.scenario,
             params=settings.params,
-            drivers=tuple(map(str, driver_files(controller.root.resolve(), settings))),
+            drivers=tuple(map(str, driver_files(controller.project, settings))),
             launch=launch,
             launch_notes=choice.notes,
             reads_around=settings.launch is not False,
@@ -222,7 +223,7 @@ def _workspace(request: RunRequest) -> tuple[str, ...]:
     named = [request.controller, request.scene, request.scenario, *request.params]
     companions = [path for each in request.companions for path in (each.script, each.root)]
     files = [] if request.launch is None else [str(root / each) for each in request.launch.sources]
-    around = (root, project_top(root), Path(request.controller).parent, Path(os.curdir).absolute())
+    around = (root, Project(root).top, Path(request.controller).parent, Path(os.curdir).absolute())
     installed = map(str, readable_of(request.prefixes))
     packages = request.packages.values()
     found = (*map(str, around), *packages, *installed, *named, *companions, *files)

@@ -15,12 +15,10 @@ from typing import Any
 
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import last_name
-from tracerisk.instrument.source.python_source import parsed
+from tracerisk.pipeline.scenarios.argument_files import fitting_files, is_read
 from tracerisk.pipeline.scenarios.handed_arguments import with_plain_argv
-from tracerisk.pipeline.workspace.argument_files import fitting_files, is_read
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
-from tracerisk.pipeline.workspace.workspace import project_top
 from tracerisk.ros.drafts.named_numbers import Reach, named_number, numbers_in_place, units_said
 from tracerisk.ros.drafts.said_around import lines_with
 from tracerisk.trace import RunEnd
@@ -68,11 +66,11 @@ def command_lines(
     numbers: set[int] = set()
     for path in (controller.path.resolve(), *own_modules(controller)):
         source = source_bytes(path)
-        tree = parsed(source)
+        tree = controller.project.tree(source)
         if tree is not None:
             tree = with_plain_argv(tree)
             text = source.decode(errors="replace")
-            found += _of_argparse(tree, text, project_top(controller.root), reach)
+            found += _of_argparse(tree, text, controller.project.top, reach)
             found += _of_argv(tree, text, reach)
             numbers |= {index for index, word in _words_read(tree).items() if word.cast}
     found = [

@@ -43,7 +43,7 @@ from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.trace.run_files import IDLE_S
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import own_workspace, project_top
+from tracerisk.pipeline.workspace.workspace import own_workspace
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, move_aside, stands_free
 from tracerisk.ros.drafts.named_numbers import Reach
@@ -122,7 +122,7 @@ class Rounds:
         root = controller.root.resolve()
         script = controller.path.resolve()
         program = program_of(script, root, own_workspace(controller))
-        self._written = WrittenValues(project_top(controller.root), program)
+        self._written = WrittenValues(controller.project.top, program)
         self._usable: dict[EntryKey, Draft] = {}
         self._cannot: dict[EntryKey, Draft] = {}
         self._places = 0
@@ -542,7 +542,7 @@ class Rounds:
         if entries.arguments is not None:
             written = {f"as in {place}": place for _, place in self._written.arguments}
             places += [written[each] for each in (entries.arguments.remark,) if each in written]
-        top = project_top(self._controller.root)
+        top = self._controller.project.top
         return tuple(dict.fromkeys(top / place.rpartition(":")[0] for place in places))
 
     def _may_need_arguments(self, attempt: Attempt) -> bool:

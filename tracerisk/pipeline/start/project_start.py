@@ -16,6 +16,7 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import imports_in, last_name
 from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.controller import from_root
+from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import searched
 
 Ci = Literal["github", "gitlab", "none"]
@@ -223,7 +224,7 @@ def _settings(
 
     And what those that are there lack of the robot that is `given`.
     """
-    from tracerisk.config import controller_root, is_root, read_settings
+    from tracerisk.config import controller_root, is_root
 
     root = root.resolve()
     names: dict[Path, dict[str, str]] = {} if controllers else {root: {}}
@@ -241,7 +242,7 @@ def _settings(
         paths = {robot: from_root(folder, root / file) for robot, file in described.items()}
         path = folder / "pyproject.toml"
         shown = from_root(root, path)
-        settings = read_settings(folder)
+        settings = Project(folder).settings()
         before = path.read_bytes() if path.exists() else b""
         named = given
         if given is not None and Path(given).is_file():

@@ -83,7 +83,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
         active, visits, contacts = with_contacts(seen, ran.folder, robot, active, visits)
     coverage = Coverage(0, 0)
     if beside is None:
-        libraries = Libraries(controller.path, controller.root, settings.states)
+        libraries = Libraries(controller.path, controller.project, settings.states)
         coverage = _coverage(controller, recording, libraries)
     collided = collisions(robot, attribution, visits)
     found = _in_time((*recording.findings, *attribution.findings, *collided))

@@ -10,10 +10,11 @@ from pathlib import Path
 
 from tracerisk.common.records import dataclass, field, replace
 from tracerisk.common.text.patterns import pattern
-from tracerisk.config import controller_root
+from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, Readable
 from tracerisk.instrument.source.language import is_c
 from tracerisk.instrument.source.literals.named_literals import counted_names
+from tracerisk.pipeline.workspace.project import Project
 
 # What catkin writes for a script of a `devel` space: ros/catkin cmake/templates/script.py.in.
 _RELAY = pattern(
@@ -41,17 +42,28 @@ def from_root(root: Path, path: Path) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Controller:
-    """A controller's script: its path, the folder of its own sources, and its bytes.
-
-    `file` is its name below the root, with forward slashes. `others` are files of it, by their
-    names below the root, that count as they are here, whatever they hold on disk.
-    """
+    """A controller: its script, and the project that this belongs to."""
 
     path: Path
-    root: Path
+    """The script, as messages call it."""
+    project: Project
+    """The project around it."""
     file: str
+    """Its name below the root of the project, with forward slashes."""
     source: bytes
+    """The bytes of the script."""
     others: Mapping[str, bytes] = field(default_factory=dict)
+    """Files of it, by their names below the root, that count so, whatever they hold on disk."""
+
+    @property
+    def root(self) -> Path:
+        """The folder of its own sources."""
+        return self.project.root
+
+    @property
+    def settings(self) -> Settings:
+        """Its settings, as its files give them. Raises SettingsError."""
+        return self.project.settings(self.file)
 
     @property
     def is_python(self) -> bool:
@@ -108,8 +120,8 @@ def lines_since(sources: Mapping[str, bytes], controller: Controller) -> Callabl
     return line_maps(before, now, shown)
 
 
-def load_controller(path: Path | str) -> Controller:
-    """Read the controller at `path`.
+def load_controller(path: Path | str, project: Project | None = None) -> Controller:
+    """Read the controller at `path`; `project` is the one around it, where that is known.
 
     Raises InputError when there is no such file, or its name is not that of a Python program.
     """
@@ -129,9 +141,9 @@ def load_controller(path: Path | str) -> Controller:
             Location(str(path)),
         )
     _forbid_made(source, str(path))
-    root = controller_root(script)
-    file = script.resolve().relative_to(root.resolve()).as_posix()
-    return Controller(script, root, file, source)
+    project = project or Project.of(script)
+    file = script.resolve().relative_to(project.root.resolve()).as_posix()
+    return Controller(script, project, file, source)
 
 
 def _forbid_made(source: bytes, shown: str) -> None:
@@ -158,9 +170,9 @@ def string_literals(controller: Controller) -> tuple[str, ...]:
     Names that are made by counting (`[f"joint_{i}" for i in range(1, 7)]`) come last.
     """
     # Where blocks alone are asked for, no source is parsed.
-    from tracerisk.instrument.source.python_source import parse_source, parsed, texts_in
+    from tracerisk.instrument.source.python_source import parse_source, texts_in
 
-    tree = parsed(controller.source)
+    tree = controller.project.tree(controller.source)
     if tree is None:
         # It knows how to say what is wrong, and of Python 2.
         tree = parse_source(controller.source, str(controller.path)).tree

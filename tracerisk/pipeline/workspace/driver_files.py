@@ -6,15 +6,11 @@ import itertools
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.config import Settings, controller_root
+from tracerisk.config import Settings
 from tracerisk.errors import DriverError
 from tracerisk.pipeline.workspace.package_folders import NOT_SEARCHED
-from tracerisk.pipeline.workspace.workspace import (
-    TESTS,
-    find_workspace,
-    project_top,
-    searched,
-)
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.workspace import TESTS, searched
 from tracerisk.ros.vendors.driver_search import (
     ENDING,
     definitions_of,
@@ -30,7 +26,7 @@ if TYPE_CHECKING:
 _MOST_FOLDERS = 5000
 
 
-def driver_files(root: Path, settings: Settings) -> tuple[Path, ...]:
+def driver_files(project: Project, settings: Settings) -> tuple[Path, ...]:
     """Return the files that describe drivers; those that come first go before the others.
 
     They are those that the settings name, those of the workspace around the controller in the
@@ -38,7 +34,7 @@ def driver_files(root: Path, settings: Settings) -> tuple[Path, ...]:
     Raises DriverError for an entry point that names no descriptions.
     """
     named = [Path(name).resolve() for name in settings.drivers]
-    found = dict.fromkeys([*named, *_in_workspace(project_top(root)), *installed_files()])
+    found = dict.fromkeys([*named, *_in_workspace(project.top), *installed_files()])
     return tuple(found)
 
 
@@ -54,7 +50,7 @@ def check_driver(path: Path) -> Driver:
     from tracerisk.ros.vendors.description_reader import read_driver
 
     driver = read_driver(path)
-    own = find_workspace(controller_root(path)).interfaces
+    own = Project.of(path).workspace().interfaces
     more = definitions_of((*shipped_drivers(), driver))
     failures = []
     for make in (Interfaces2, Interfaces):

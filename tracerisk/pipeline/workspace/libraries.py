@@ -32,12 +32,8 @@ from tracerisk.instrument.source.function_definitions import definitions
 from tracerisk.pipeline.workspace.console_scripts import console_scripts, read_or_nothing
 from tracerisk.pipeline.workspace.own_modules import module_files, names_in
 from tracerisk.pipeline.workspace.package_folders import NOT_SEARCHED
-from tracerisk.pipeline.workspace.workspace import (
-    TESTS,
-    find_workspace,
-    project_top,
-    searched,
-)
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.workspace import TESTS, searched
 
 _OF_OTHERS = frozenset(
     {"3rdparty", "_vendor", "extern", "external", "third_party", "thirdparty", "vendor", "vendored"}
@@ -53,15 +49,16 @@ _TEST_FILE = pattern(r"test_.*|.*_test|conftest|setup")
 
 
 class Libraries:
-    """The library code among the files of the controller `script` below `root`.
+    """The library code among the files of the controller `script` of a project.
 
     `states` are the qualified names that a user declared as steps. Files are read when the
     first of them is asked for.
     """
 
-    def __init__(self, script: Path, root: Path, states: Collection[str] = ()) -> None:
+    def __init__(self, script: Path, project: Project, states: Collection[str] = ()) -> None:
         self._script = script.resolve()
-        self._root = root.resolve()
+        self._around = project
+        self._root = project.root.resolve()
         self._states = frozenset(states)
         self._known: dict[Path, bool] = {}
         self._imports = lru_cache(maxsize=None)(
@@ -110,7 +107,7 @@ class Libraries:
 
     @cached_property
     def _project(self) -> tuple[Path, ...]:
-        top = project_top(self._root)
+        top = self._around.top
         # A link may lead out of it.
         return tuple(path for path in _sources(top) if path.is_relative_to(top))
 
@@ -121,13 +118,13 @@ class Libraries:
     @cached_property
     def _tops(self) -> frozenset[str]:
         """The names with which an import of something in the project may begin."""
-        top = project_top(self._root)
+        top = self._around.top
         folders = {part for path in self._project for part in path.relative_to(top).parts[:-1]}
         return frozenset(folders | {path.stem for path in self._project})
 
     @cached_property
     def _folders(self) -> tuple[Path, ...]:
-        workspace = find_workspace(self._root)
+        workspace = self._around.workspace()
         return (*workspace.import_paths, *workspace.packages.values())
 
     def _imported_by(self, program: Path) -> frozenset[Path]:

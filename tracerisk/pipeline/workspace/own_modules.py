@@ -9,9 +9,9 @@ from pathlib import Path
 
 from tracerisk.common.records import replace
 from tracerisk.instrument.source.dotted_names import imports_in
-from tracerisk.instrument.source.python_source import decoded, parsed
+from tracerisk.instrument.source.python_source import decoded
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import own_workspace, project_top
+from tracerisk.pipeline.workspace.workspace import own_workspace
 
 _MOST_MODULES = 100
 
@@ -21,17 +21,17 @@ def own_modules(controller: Controller) -> tuple[Path, ...]:
 
     They are in the order in which they are met; what cannot be read or parsed imports nothing.
     """
-    top = project_top(controller.root)
+    top, tree = controller.project.top, controller.project.tree
     bases = _bases(controller)
     script = controller.path.resolve()
     found: dict[Path, None] = {}
-    waiting = list(_imported(parsed(controller.source), script, bases))
+    waiting = list(_imported(tree(controller.source), script, bases))
     while waiting and len(found) < _MOST_MODULES:
         path = waiting.pop(0)
         if path in found or path == script or not path.is_relative_to(top):
             continue
         found[path] = None
-        waiting += _imported(parsed(source_bytes(path)), path, bases)
+        waiting += _imported(tree(source_bytes(path)), path, bases)
     return tuple(found)
 
 
@@ -44,7 +44,7 @@ def imported_directly(controller: Controller) -> frozenset[Path]:
     bases = _bases(controller)
     own = frozenset(own_modules(controller))
     named: set[Path] = set()
-    for level, parts in imports_in(parsed(controller.source)):
+    for level, parts in imports_in(controller.project.tree(controller.source)):
         above = tuple(script.parents)[:level]
         files = list(module_files(parts, above[-1:] if level else bases))
         if not files:
@@ -61,13 +61,12 @@ def with_own_modules(controller: Controller) -> Controller:
 
     For those who look for names of joints, groups and robots in it; it is not the one that runs.
     """
-    texts = [decoded(controller.source)]
-    texts += [
-        decoded(source) for source in map(source_bytes, own_modules(controller)) if parsed(source)
-    ]
+    tree = controller.project.tree
+    modules = map(source_bytes, own_modules(controller))
+    texts = [decoded(controller.source), *(decoded(source) for source in modules if tree(source))]
     # Two lines before it, so that no line is taken for a declaration of the encoding.
     source = "\n\n".join(("", *texts, "")).encode()
-    return replace(controller, source=source) if parsed(source) else controller
+    return replace(controller, source=source) if tree(source) else controller
 
 
 def _bases(controller: Controller) -> tuple[Path, ...]:

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.common.text.patterns import pattern
-from tracerisk.config import RosDistro, Settings, setting_origins
+from tracerisk.config import RosDistro, Settings
 from tracerisk.errors import SettingsError
 from tracerisk.instrument.source.ros_version import RosVersion, ros_version
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import project_top, searched
+from tracerisk.pipeline.workspace.workspace import searched
 
 _SERVED: dict[RosVersion, dict[str, RosDistro]] = {
     1: {
@@ -85,7 +85,7 @@ def choose_distro(
     ros = ros_version(controller.path.resolve(), controller.root.resolve())
     if settings.ros_distro is not None:
         if settings.ros_distro not in _SERVED[ros].values():
-            origin = setting_origins(controller.root, controller.file).get("ros_distro")
+            origin = controller.project.setting_origins(controller.file).get("ros_distro")
             allowed = " or ".join(dict.fromkeys(_SERVED[ros].values()))
             raise SettingsError(
                 f"ros_distro: {settings.ros_distro} is not of ROS {ros}, which {controller.file} "
@@ -93,7 +93,9 @@ def choose_distro(
                 None if origin is None else origin.location,
             )
         return DistroChoice(settings.ros_distro, "by the settings")
-    mentions = [mention for mention in _mentions(controller.root) if mention.name in _SERVED[ros]]
+    mentions = [
+        mention for mention in _mentions(controller.project.top) if mention.name in _SERVED[ros]
+    ]
     if not mentions:
         sourced = _of_installed(environment, installed)
         mentions = [mention for mention in sourced if mention.name in _SERVED[ros]]
@@ -123,9 +125,8 @@ def _weighed(ros: RosVersion, mentions: list[_Mention]) -> DistroChoice:
     return DistroChoice(best, words)
 
 
-def _mentions(root: Path) -> Iterator[_Mention]:
+def _mentions(top: Path) -> Iterator[_Mention]:
     """Yield what the files of a project say, one a file and distribution."""
-    top = project_top(root)
     yield from _of_branch(top)
     tops = [top, *(top / name for name in _HIDDEN if (top / name).is_dir())]
     for start in tops:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.controller import Controller
 
 _MOST = 40
@@ -25,9 +24,9 @@ def sibling_programs(controller: Controller) -> tuple[Controller, ...]:
         if not is_other or path.name.startswith("test_") or len(found) >= _MOST:
             continue
         source = _source(path)
-        if source:
+        if controller.project.tree(source) is not None and source:
             file = path.relative_to(root).as_posix()
-            found.append(Controller(path, controller.root, file, source))
+            found.append(Controller(path, controller.project, file, source))
     return tuple(found)
 
 
@@ -39,6 +38,4 @@ def _source(path: Path) -> bytes:
         source = path.read_bytes()
     except OSError:
         return b""
-    if parsed(source) is None or b"generate_launch_description" in source:
-        return b""
-    return source
+    return b"" if b"generate_launch_description" in source else source

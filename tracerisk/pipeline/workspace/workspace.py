@@ -27,7 +27,7 @@ from tracerisk.pipeline.workspace.package_folders import (
     ros_of_package,
     siblings_of,
 )
-from tracerisk.pipeline.workspace.prefixes import Prefix, find_prefixes, installed_packages
+from tracerisk.pipeline.workspace.prefixes import Prefix, installed_packages
 
 _INTERFACES = ("msg", "srv", "action")
 TESTS = frozenset({"test", "tests"})
@@ -189,7 +189,7 @@ def workspace_of(controller: Controller, settings: Settings) -> Workspace:
 
 def own_workspace(controller: Controller) -> Workspace:
     """Return the packages around a controller, of its own ROS where there are several of a name."""
-    return find_workspace(controller.root, _ros_of(controller))
+    return controller.project.workspace(_ros_of(controller))
 
 
 def _ros_of(controller: Controller) -> RosVersion:
@@ -198,19 +198,13 @@ def _ros_of(controller: Controller) -> RosVersion:
 
 def prefixes_of(controller: Controller, settings: Settings) -> tuple[Prefix, ...]:
     """Return where packages are installed for the ROS of a controller."""
-    root = controller.root
-    return find_prefixes(
-        root,
-        project_top(root),
-        _ros_of(controller),
-        settings.ros_prefixes,
-        settings.ros_distro,
-    )
+    return controller.project.prefixes(_ros_of(controller), settings)
 
 
-def find_workspace(root: Path, ros: RosVersion | None = None) -> Workspace:
+def find_workspace(root: Path, top: Path, ros: RosVersion | None = None) -> Workspace:
     """Return the packages below a controller's root and, where that is one itself, around it.
 
+    `top` is the one that `project_top` gives.
     A root that is no package has those around it where it lies in the `src` of a workspace, or
     beside that in the same repository.
 
@@ -225,7 +219,7 @@ def find_workspace(root: Path, ros: RosVersion | None = None) -> Workspace:
     the one that contains `root` or is nearest to it. Without `ros` it is that of the package of
     `root`.
     """
-    top, ros = project_top(root), ros or ros_of_package(root)
+    ros = ros or ros_of_package(root)
     packages: dict[str, Path] = {}
 
     def rank(folder: Path) -> tuple[bool, int]:
