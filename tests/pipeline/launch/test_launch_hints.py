@@ -23,7 +23,7 @@ def test_texts_and_lists_of_texts_are_part_of_what_a_source_says(tmp_path):
     spoken = with_parameters(controller, replace(NOTHING_LAUNCHED, own=own))
     ast.parse(spoken.source)
     assert string_literals(spoken) == ("group", "m\u00fcll'\"\\\n", "shoulder", "elbow")
-    assert names_asked(spoken.source).joints == ("shoulder", "elbow")
+    assert names_asked(spoken.tree).joints == ("shoulder", "elbow")
 
 
 def test_without_any_it_is_the_controller_itself(tmp_path):

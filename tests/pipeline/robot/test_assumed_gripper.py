@@ -7,6 +7,7 @@ import pytest
 from tracerisk import pipeline
 from tracerisk.common import trace_json
 from tracerisk.config import Settings
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.robot.choice import choose_robot
 from tracerisk.trace import Trace
 from tracerisk.twin.robots.assumed_gripper import (
@@ -97,7 +98,7 @@ def test_the_gripper_moves_and_is_reported_to_be_assumed(trace):
     ],
 )
 def test_a_gripper_is_asked_for_by_its_names_and_not_in_prose(source: bytes, asks: bool):
-    assert commands_gripper(source) == asks
+    assert commands_gripper(parsed(source)) == asks
 
 
 def test_a_controller_without_a_gripper_gets_the_arm_as_it_is_sold(tmp_path):

@@ -469,7 +469,7 @@ def test_an_unknown_robot_is_the_generic_arm_with_the_joints_named(tmp_path):
 
 def test_the_generic_arm_says_each_name_that_it_assumes_once():
     reported = []
-    robot = with_assumed_names(generic_arm(names_asked(b"")), reported.append)
+    robot = with_assumed_names(generic_arm(names_asked(None)), reported.append)
     assert robot.group("manipulator").joints == robot.groups["arm"].joints
     assert robot.group("left_hand").joints == robot.groups["gripper"].joints
     first = dict(robot.named_states["manipulator"]["over_the_table"])

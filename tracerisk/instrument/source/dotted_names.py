@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from functools import lru_cache
 from pathlib import Path
 
 _UPWARDS = 4  # folders above a source in which the modules that it imports are looked for
@@ -25,7 +24,6 @@ def last_name(node: ast.AST | None) -> str:
     return node.id if isinstance(node, ast.Name) else ""
 
 
-@lru_cache(maxsize=32)  # several stages of a run ask it of the same trees
 def imports_in(tree: ast.AST | None) -> tuple[tuple[int, tuple[str, ...]], ...]:
     """Return what a source imports: the level of a relative import, and the parts of a name."""
     found: list[tuple[int, tuple[str, ...]]] = []

@@ -9,7 +9,6 @@ import sys
 import tokenize
 import warnings
 from dataclasses import dataclass
-from functools import lru_cache
 
 from tracerisk.errors import Location, SourceError
 from tracerisk.instrument.source.function_definitions import definitions
@@ -140,7 +139,6 @@ def _is_python_2(error: SyntaxError, shown: str) -> bool:
     return any(pattern.search(shown) for pattern in _PYTHON_2_LINES)
 
 
-@lru_cache(maxsize=32)  # a run asks many things of few sources
 def parsed(source: bytes | str) -> ast.Module | None:
     """Return the tree of a source, which nobody may change; `None` where it cannot be parsed."""
     try:

@@ -11,7 +11,6 @@ from typing import Any, Literal
 from tracerisk.common.limits import Limits
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
 from tracerisk.pipeline.launch.parameter_files import setup_of_parameter_file
 from tracerisk.pipeline.launch.parameter_reads import Asked, asked_by
@@ -139,8 +138,8 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     workspace = workspace_of(controller, settings)
     script = controller.path.resolve()
     program = program_of(script, root, workspace)
-    asked = asked_by(script, controller.source, workspace.python_packages)
-    ros = ros_version(script, root)
+    asked = asked_by(controller, workspace.python_packages)
+    ros = controller.ros_version
     readmes = ReadmeArguments(controller.project, workspace)
     search = _Search(program, workspace, asked, root, settings.limits, readmes)
     problems = search.problems

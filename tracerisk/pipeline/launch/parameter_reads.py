@@ -9,8 +9,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tracerisk.instrument.source.dotted_names import imports_in, last_name
-from tracerisk.instrument.source.python_source import parsed, texts_in
+from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.python_source import texts_in
+from tracerisk.pipeline.workspace.controller import Controller
 
 _MOST_MODULES = 60
 
@@ -35,32 +36,35 @@ class Asked:
     nodes: tuple[str, ...] = ()
 
 
-def asked_by(script: Path, source: bytes, folders: Mapping[str, Path]) -> Asked:
+def asked_by(controller: Controller, folders: Mapping[str, Path]) -> Asked:
     """Return what a script and the modules of the workspace that it imports ask for.
 
     `folders` are those in which the workspace's Python packages stand, by their names. The nodes
     are those of the script alone.
     """
-    asked = asked_of(source)
-    waiting, seen = deque([(script, source)]), {script}
+    project, script = controller.project, controller.path.resolve()
+    asked = _asked_of(controller.tree)
+    waiting, seen = deque([(script, controller.source)]), {script}
     while waiting and len(seen) < _MOST_MODULES:
         path, text = waiting.popleft()
-        for each in _imported(path, text, folders):
+        for each in _imported(path, project.imports(text), folders):
             if each in seen:
                 continue
             seen.add(each)
             with contextlib.suppress(OSError):
                 waiting.append((each, each.read_bytes()))
-                more = asked_of(waiting[-1][1])
+                more = _asked_of(project.tree(waiting[-1][1]))
                 asked = replace(
                     asked, names=asked.names | more.names, required=asked.required | more.required
                 )
     return asked
 
 
-def _imported(path: Path, source: bytes, folders: Mapping[str, Path]) -> Iterator[Path]:
+def _imported(
+    path: Path, imports: Iterable[tuple[int, tuple[str, ...]]], folders: Mapping[str, Path]
+) -> Iterator[Path]:
     """Yield the files of the modules of the workspace that a module imports."""
-    for level, parts in imports_in(parsed(source)):
+    for level, parts in imports:
         if not parts:
             continue
         top = path.parents[level - 1] if level else folders.get(parts[0], path.parent)
@@ -70,9 +74,8 @@ def _imported(path: Path, source: bytes, folders: Mapping[str, Path]) -> Iterato
                 yield file.resolve()
 
 
-def asked_of(source: bytes) -> Asked:
+def _asked_of(tree: ast.Module | None) -> Asked:
     """Return what a source asks for; nothing where it is not Python 3."""
-    tree = parsed(source)
     if tree is None:
         return Asked()
     names: set[str] = set()

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from tracerisk.config import Settings
-from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.launch.choose import LaunchChoice, read_launch_files
 from tracerisk.pipeline.launch.find import LaunchFile, launch_texts
 from tracerisk.pipeline.launch.program import program_of, shown
@@ -41,7 +40,7 @@ def launched_robots(
     root = controller.root.resolve()
     script = controller.path.resolve()
     workspace = workspace_of(controller, settings)
-    ros = ros_version(script, root)
+    ros = controller.ros_version
     program = program_of(script, root, workspace)
     texts = launch_texts(root, workspace, ros)
     named = named_packages(root, workspace.packages, strings)

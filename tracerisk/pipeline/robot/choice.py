@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from tracerisk.common.limits import Limits
 from tracerisk.config import Settings
 from tracerisk.errors import Location, RobotError
-from tracerisk.instrument.source.dotted_names import imports_in
 from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
 from tracerisk.pipeline.launch.launch_hints import with_parameters
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
@@ -89,7 +88,7 @@ def choose_robot(
         read = read_model(controller.project, settings.robot, settings.limits, installed)
         return RobotChoice(replace(read.robot, chosen_by=origin), files=read.files)
     robot = load_robot(settings.robot)
-    if any(parts[:2] == _GROUP_NAMES for _, parts in imports_in(whole.project.tree(whole.source))):
+    if any(parts[:2] == _GROUP_NAMES for _, parts in whole.project.imports(whole.source)):
         robot = with_groups_of(robot, string_literals(whole))
     return RobotChoice(equipped(replace(robot, chosen_by=origin), whole))
 
@@ -109,9 +108,9 @@ def equipped(robot: Robot, controller: Controller) -> Robot:
     from tracerisk.twin.robots.assumed_gripper import commands_gripper, with_assumed_gripper
     from tracerisk.twin.robots.generic import names_asked
 
-    if robot.grippers or not commands_gripper(controller.source):
+    if robot.grippers or not commands_gripper(controller.tree):
         return robot
-    return with_assumed_gripper(robot, names_asked(controller.source).joints)
+    return with_assumed_gripper(robot, names_asked(controller.tree).joints)
 
 
 def read_model(

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import own_workspace
 from tracerisk.trace import Reason, Verdict
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.workspace.description_files import DescriptionFile, description_files
@@ -61,7 +60,7 @@ def _parts(robot: Robot) -> frozenset[str]:
 
 def _others(controller: Controller, robot: Robot) -> Iterator[DescriptionFile]:
     """Yield the descriptions of the workspace but for those that the robot is from."""
-    packages = own_workspace(controller).packages
+    packages = controller.workspace.packages
     own = set(re.split(r", ", robot.source))
     for file in description_files((controller.root, *packages.values())):
         if file.is_robot and file.shown not in own:

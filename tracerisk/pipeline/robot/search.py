@@ -22,7 +22,6 @@ from tracerisk.pipeline.robot.installed_descriptions import installed_in
 from tracerisk.pipeline.robot.speech import strings_of
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
-from tracerisk.pipeline.workspace.workspace import own_workspace
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
 from tracerisk.twin.robots.names_in_source import Spoken
 from tracerisk.twin.robots.prefix import with_numbered, with_prefix
@@ -64,7 +63,7 @@ def stand_in(controller: Controller, chosen_by: str) -> RobotChoice:
     Where no SRDF has any, it is an arm with the joints that the controller names.
     """
     whole = with_own_modules(controller)
-    asked = names_asked(whole.source)
+    asked = names_asked(whole.tree)
     spoken = Spoken((*string_literals(controller), *string_literals(whole)))
     return _generic(controller, whole, spoken, asked, chosen_by)
 
@@ -72,7 +71,7 @@ def stand_in(controller: Controller, chosen_by: str) -> RobotChoice:
 def _generic(
     controller: Controller, whole: Controller, spoken: Spoken, asked: NamesAsked, chosen_by: str
 ) -> RobotChoice:
-    packages = own_workspace(controller).packages
+    packages = controller.workspace.packages
     found = spoken_srdf((controller.root, *packages.values()), spoken, controller.path)
     robot = None if found is None else srdf_stand_in(found[0], asked)
     if found is None or robot is None:
@@ -94,7 +93,7 @@ class _Search:
         self._whole = self._gathering.whole
         self._speeches = self._gathering.speeches
         self._shipped = self._gathering.shipped
-        asked = names_asked(self._whole.source)
+        asked = names_asked(self._whole.tree)
         self._asked = replace(asked, joints=tuple(dict.fromkeys((*also_named, *asked.joints))))
 
     def run(self) -> RobotChoice:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
-from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules, source_bytes
 from tracerisk.pipeline.workspace.project import Project
@@ -30,8 +29,8 @@ class Speech:
     """Whose source it is, for messages: `its source`."""
     file: str
     """The source, as seen from the top of the project."""
-    text: bytes
-    """The source itself."""
+    tree: ast.Module | None = field(repr=False)
+    """The source itself; `None` where it is no Python 3."""
     strings: tuple[str, ...]
     """Its strings."""
     listed: tuple[str, ...]
@@ -48,7 +47,7 @@ class Speech:
     def _lines(self) -> dict[str, int]:
         """The first line of each of its strings, and of their parts."""
         found: dict[str, int] = {}
-        for node in ast.walk(parsed(self.text) or ast.Module([], [])):
+        for node in ast.walk(self.tree or ast.Module([], [])):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 for word in words_in([node.value]):
                     found[word] = min(node.lineno, found.get(word, node.lineno))
@@ -107,8 +106,10 @@ def speeches_beside(controller: Controller) -> Iterator[Speech]:
 
 
 def _speech(who: str, file: str, text: bytes, share: float, project: Project) -> Speech:
+    controller = Controller(Path(file), project, file, text)
     try:
-        strings = string_literals(Controller(Path(file), project, file, text))
+        strings = string_literals(controller)
     except TraceRiskError:
         strings = ()
-    return Speech(who, file, text, strings, names_asked(text).joints, share)
+    listed = names_asked(controller.tree).joints
+    return Speech(who, file, controller.tree, strings, listed, share)

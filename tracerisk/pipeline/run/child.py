@@ -30,7 +30,6 @@ from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.marks.call_log import CALLS
 from tracerisk.instrument.marks.caught_exceptions import REFUSED, CaughtFailure
 from tracerisk.instrument.recording import CELL, Recorder
-from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch.left_open import filled
@@ -194,7 +193,8 @@ def _run(
     watch = RunWatch(scheduler, recorder, request.idle_s)
     note_given(recorder, scenario)
     recorder.watch, tracer.on_iteration = watch, watch.looped
-    is_ros2 = ros_version(script, root) == 2
+    ros = project.ros_version(script)
+    is_ros2 = ros == 2
     own = workspace.interfaces
     drivers, more = drivers_of(request, scenario)
     reads = NotedReads(readable_of(workspace.prefixes), INTERFACE_ENDINGS)
@@ -227,7 +227,7 @@ def _run(
         scenario_world.unanswered,
         values,
         script=script,
-        in_source=lambda source: asked_in_file(source, 2 if is_ros2 else 1),
+        in_source=lambda source: asked_in_file(source, ros, project),
         drafts=request.drafts,
         shift=lambda: (
             runtime.client(MoveGroupServer).shift_to_reach() if scenario.unconfirmed else None

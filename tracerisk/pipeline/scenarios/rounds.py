@@ -43,7 +43,6 @@ from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.trace.run_files import IDLE_S
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import own_workspace
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, move_aside, stands_free
 from tracerisk.ros.drafts.named_numbers import Reach
@@ -121,7 +120,7 @@ class Rounds:
         self._kept = kept
         root = controller.root.resolve()
         script = controller.path.resolve()
-        program = program_of(script, root, own_workspace(controller))
+        program = program_of(script, root, controller.workspace)
         self._written = WrittenValues(controller.project.top, program)
         self._usable: dict[EntryKey, Draft] = {}
         self._cannot: dict[EntryKey, Draft] = {}

@@ -16,6 +16,11 @@ from tracerisk.instrument.source.language import is_c
 from tracerisk.instrument.source.literals.named_literals import counted_names
 from tracerisk.pipeline.workspace.project import Project
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from tracerisk.instrument.source.ros_version import RosVersion
+    from tracerisk.pipeline.workspace.workspace import Workspace
+
 # What catkin writes for a script of a `devel` space: ros/catkin cmake/templates/script.py.in.
 _RELAY = pattern(
     rb"^# generated from catkin/cmake/template/script\.py\.in$[^\0]*?"
@@ -64,6 +69,21 @@ class Controller:
     def settings(self) -> Settings:
         """Its settings, as its files give them. Raises SettingsError."""
         return self.project.settings(self.file)
+
+    @property
+    def tree(self) -> ast.Module | None:
+        """The tree of the script, which nobody may change; `None` where it is no Python 3."""
+        return self.project.tree(self.source)
+
+    @property
+    def ros_version(self) -> RosVersion:
+        """For which ROS it is written."""
+        return self.project.ros_version(self.path)
+
+    @property
+    def workspace(self) -> Workspace:
+        """The packages around it, of its own ROS where several have one name."""
+        return self.project.workspace(self.ros_version)
 
     @property
     def is_python(self) -> bool:
@@ -172,7 +192,7 @@ def string_literals(controller: Controller) -> tuple[str, ...]:
     # Where blocks alone are asked for, no source is parsed.
     from tracerisk.instrument.source.python_source import parse_source, texts_in
 
-    tree = controller.project.tree(controller.source)
+    tree = controller.tree
     if tree is None:
         # It knows how to say what is wrong, and of Python 2.
         tree = parse_source(controller.source, str(controller.path)).tree

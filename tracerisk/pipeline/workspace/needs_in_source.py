@@ -11,10 +11,9 @@ from typing import Literal
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
-from tracerisk.instrument.source.python_source import parsed
-from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
+from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.provided import NAMES_OF_ACTION, OF_ACTION, Signature, named_calls
 from tracerisk.ros.controller.needs import Missed, Need
 
@@ -57,12 +56,11 @@ def asked_in_source(controller: Controller) -> tuple[Missed, ...]:
 
     Parameters with a default of their own are left out. Places are from the controller's root.
     """
-    root = controller.root.resolve()
-    ros = ros_version(controller.path.resolve(), root)
+    root, ros = controller.root.resolve(), controller.ros_version
     found: dict[tuple[str, str, str], Missed] = {}
     for path in (controller.path.resolve(), *own_modules(controller)):
         file = from_root(root, path)
-        for each in asked_in_file(path, ros):
+        for each in asked_in_file(path, ros, controller.project):
             need, place = each.need, each.location
             if place is not None:
                 place = Location(file, place.line)
@@ -74,9 +72,9 @@ def asked_in_source(controller: Controller) -> tuple[Missed, ...]:
     return tuple(found.values())
 
 
-def asked_in_file(path: Path, ros: Literal[1, 2]) -> Iterator[Missed]:
+def asked_in_file(path: Path, ros: Literal[1, 2], project: Project) -> Iterator[Missed]:
     """Yield what one source asks for, in the order of its lines, as `asked_in_source` does."""
-    tree = parsed(source_bytes(path))
+    tree = project.tree(source_bytes(path))
     if tree is None:
         return
     types = dict(_types(tree))
@@ -129,10 +127,9 @@ def _has_default(call: ast.Call) -> bool:
 
 def may_lack(controller: Controller) -> bool:
     """Return whether a script asks for something by name that somebody else has to give it."""
-    script = controller.path.resolve()
-    ros = ros_version(script, controller.root.resolve())
+    script, ros = controller.path.resolve(), controller.ros_version
     return _ARGV.search(controller.source) is not None or any(
-        each.need.kind not in _LEFT_OUT for each in asked_in_file(script, ros)
+        each.need.kind not in _LEFT_OUT for each in asked_in_file(script, ros, controller.project)
     )
 
 

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import ast
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from tracerisk.common.records import replace
-from tracerisk.instrument.source.dotted_names import imports_in
 from tracerisk.instrument.source.python_source import decoded
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import own_workspace
 
 _MOST_MODULES = 100
 
@@ -21,17 +18,17 @@ def own_modules(controller: Controller) -> tuple[Path, ...]:
 
     They are in the order in which they are met; what cannot be read or parsed imports nothing.
     """
-    top, tree = controller.project.top, controller.project.tree
+    top, imports = controller.project.top, controller.project.imports
     bases = _bases(controller)
     script = controller.path.resolve()
     found: dict[Path, None] = {}
-    waiting = list(_imported(tree(controller.source), script, bases))
+    waiting = list(_imported(imports(controller.source), script, bases))
     while waiting and len(found) < _MOST_MODULES:
         path = waiting.pop(0)
         if path in found or path == script or not path.is_relative_to(top):
             continue
         found[path] = None
-        waiting += _imported(tree(source_bytes(path)), path, bases)
+        waiting += _imported(imports(source_bytes(path)), path, bases)
     return tuple(found)
 
 
@@ -44,7 +41,7 @@ def imported_directly(controller: Controller) -> frozenset[Path]:
     bases = _bases(controller)
     own = frozenset(own_modules(controller))
     named: set[Path] = set()
-    for level, parts in imports_in(controller.project.tree(controller.source)):
+    for level, parts in controller.project.imports(controller.source):
         above = tuple(script.parents)[:level]
         files = list(module_files(parts, above[-1:] if level else bases))
         if not files:
@@ -72,7 +69,7 @@ def with_own_modules(controller: Controller) -> Controller:
 def _bases(controller: Controller) -> tuple[Path, ...]:
     """Return the folders in which a build, or Python itself, would look for modules."""
     root = controller.root.resolve()
-    workspace = own_workspace(controller)
+    workspace = controller.workspace
     folders = (
         controller.path.resolve().parent,
         root,
@@ -83,8 +80,10 @@ def _bases(controller: Controller) -> tuple[Path, ...]:
     return tuple(dict.fromkeys(folders))
 
 
-def _imported(tree: ast.Module | None, file: Path, bases: tuple[Path, ...]) -> Iterator[Path]:
-    for level, parts in imports_in(tree):
+def _imported(
+    imports: Iterable[tuple[int, tuple[str, ...]]], file: Path, bases: tuple[Path, ...]
+) -> Iterator[Path]:
+    for level, parts in imports:
         above = tuple(file.parents)[:level]
         yield from module_files(parts, above[-1:] if level else bases)
 

@@ -14,7 +14,6 @@ import stat
 import time
 from collections import deque
 from collections.abc import Iterator
-from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
@@ -209,7 +208,6 @@ def needed_beside(root: Path, siblings: Siblings | None, ros: RosVersion | None)
     return found
 
 
-@lru_cache(maxsize=256)  # the same modules are looked at for the robot, the ROS and the packages
 def imported_names(source: str) -> frozenset[str]:
     """Return the first part of each module that the lines of a source import."""
     return frozenset(_IMPORT.findall(source))

@@ -31,7 +31,9 @@ class Project:
         """The folder that holds the controllers' own sources."""
         self._workspaces: dict[RosVersion | None, Workspace] = {}
         self._prefixes: dict[object, tuple[Prefix, ...]] = {}
+        self._ros: dict[Path, RosVersion] = {}
         self._trees: dict[bytes, ast.Module | None] = {}
+        self._imports: dict[bytes, tuple[tuple[int, tuple[str, ...]], ...]] = {}
 
     @classmethod
     def of(cls, path: Path) -> Project:
@@ -60,6 +62,15 @@ class Project:
         if ros not in self._workspaces:
             self._workspaces[ros] = find_workspace(self.root, self.top, ros)
         return self._workspaces[ros]
+
+    def ros_version(self, script: Path) -> RosVersion:
+        """Return for which ROS a script of the project is written."""
+        script = script.resolve()
+        if script not in self._ros:
+            from tracerisk.instrument.source.ros_version import ros_version
+
+            self._ros[script] = ros_version(script, self.root.resolve())
+        return self._ros[script]
 
     def prefixes(self, ros: RosVersion, settings: Settings) -> tuple[Prefix, ...]:
         """Return where packages are installed for controllers of one ROS, the first to count first.
@@ -109,6 +120,14 @@ class Project:
 
             self._trees[source] = parsed(source)
         return self._trees[source]
+
+    def imports(self, source: bytes) -> tuple[tuple[int, tuple[str, ...]], ...]:
+        """Return what a source imports, as `imports_in`; nothing where it is no Python 3."""
+        if source not in self._imports:
+            from tracerisk.instrument.source.dotted_names import imports_in
+
+            self._imports[source] = imports_in(self.tree(source))
+        return self._imports[source]
 
 
 class Projects:

@@ -11,7 +11,7 @@ from pathlib import Path
 from tracerisk.common.text.patterns import pattern
 from tracerisk.config import RosDistro, Settings
 from tracerisk.errors import SettingsError
-from tracerisk.instrument.source.ros_version import RosVersion, ros_version
+from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import searched
 
@@ -82,7 +82,7 @@ def choose_distro(
     Raises:
         SettingsError: the setting is a distribution of the other ROS than the controller's.
     """
-    ros = ros_version(controller.path.resolve(), controller.root.resolve())
+    ros = controller.ros_version
     if settings.ros_distro is not None:
         if settings.ros_distro not in _SERVED[ros].values():
             origin = controller.project.setting_origins(controller.file).get("ros_distro")

@@ -10,7 +10,6 @@ from pathlib import Path
 from tracerisk.common.records import dataclass
 from tracerisk.common.text.patterns import pattern
 from tracerisk.config import RosDistro, Settings
-from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.package_folders import (
     ENVIRONMENT,
@@ -175,8 +174,8 @@ def workspace_of(controller: Controller, settings: Settings) -> Workspace:
     """
     from tracerisk.ros.messages.interface_texts import shipped_packages
 
-    found, prefixes = own_workspace(controller), prefixes_of(controller, settings)
-    ros = _ros_of(controller)
+    found, prefixes = controller.workspace, prefixes_of(controller, settings)
+    ros = controller.ros_version
     other = {name for name, folder in found.packages.items() if is_of_other_ros(folder, ros)}
     if other:
         # Only then: to list them all may take a moment.
@@ -187,18 +186,9 @@ def workspace_of(controller: Controller, settings: Settings) -> Workspace:
     return Workspace(packages, prefixes)
 
 
-def own_workspace(controller: Controller) -> Workspace:
-    """Return the packages around a controller, of its own ROS where there are several of a name."""
-    return controller.project.workspace(_ros_of(controller))
-
-
-def _ros_of(controller: Controller) -> RosVersion:
-    return ros_version(controller.path.resolve(), controller.root.resolve())
-
-
 def prefixes_of(controller: Controller, settings: Settings) -> tuple[Prefix, ...]:
     """Return where packages are installed for the ROS of a controller."""
-    return controller.project.prefixes(_ros_of(controller), settings)
+    return controller.project.prefixes(controller.ros_version, settings)
 
 
 def find_workspace(root: Path, top: Path, ros: RosVersion | None = None) -> Workspace:

@@ -12,7 +12,6 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from tracerisk.common.geometry.shapes import Shape
-from tracerisk.instrument.source.python_source import parsed
 from tracerisk.twin.robots.generic import FINGER_OPENING, sliding_fingers
 from tracerisk.twin.robots.robot import Controller, Group, Robot
 
@@ -27,9 +26,8 @@ _PAD = (0.012, 0.004, 0.015)  # half lengths [m]
 _MASS = 0.01  # of a finger: an idle gripper does not count as one that holds [kg]
 
 
-def commands_gripper(source: bytes) -> bool:
+def commands_gripper(tree: ast.Module | None) -> bool:
     """Return whether a controller names a gripper as an action, a topic, a group or a joint."""
-    tree = parsed(source)
     if tree is None:
         return False
     for node in ast.walk(tree):

@@ -15,7 +15,6 @@ from types import MappingProxyType
 
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.instrument.source.literals.named_literals import counted_names
-from tracerisk.instrument.source.python_source import parsed
 from tracerisk.twin.robots.outline import derived_servo, outlined
 from tracerisk.twin.robots.robot import (
     DEFAULT_SCALING,
@@ -102,12 +101,11 @@ class NamesAsked:
     frames: tuple[str, ...]
 
 
-def names_asked(source: bytes) -> NamesAsked:
+def names_asked(tree: ast.Module | None) -> NamesAsked:
     """Return what a source names as joints (in lists, or by their look) and as frames.
 
-    A source that is not Python names nothing.
+    A source that is no Python 3, and has no tree, names nothing.
     """
-    tree = parsed(source)
     if tree is None:
         return NamesAsked((), ())
     listed = list(_listed(tree))

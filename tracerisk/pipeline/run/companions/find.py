@@ -16,7 +16,6 @@ from typing import Literal
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import LimitError, TraceRiskError
 from tracerisk.instrument.source.python_source import parsed
-from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.launch.choose import choose_launch
 from tracerisk.pipeline.launch.find import find_launch_files
 from tracerisk.pipeline.launch.program import program_of
@@ -64,7 +63,7 @@ def find_companions(
     root = controller.root.resolve()
     script = controller.path.resolve()
     workspace = workspace_of(controller, settings)
-    ros = ros_version(script, root)
+    ros = controller.ros_version
     passed_over = {script, *(Path(each.script) for each in known)}
     candidates = [
         each for each in _candidates(root, workspace, ros, needs) if each.script not in passed_over

@@ -8,7 +8,6 @@ from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, SandboxError
-from tracerisk.instrument.source.ros_version import ros_version
 from tracerisk.pipeline.launch.choose import choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
@@ -37,7 +36,7 @@ def trace_live(controller: Controller, settings: Settings, options: RunOptions) 
     """
     from tracerisk.ros.live.real_ros import python_of_ros
 
-    if ros_version(controller.path, controller.root) == 2:
+    if controller.ros_version == 2:
         raise InputError(
             "is written for ROS 2; --live runs controllers of ROS 1, on rospy",
             Location(str(controller.path)),
