@@ -16,7 +16,7 @@ PACKAGE = Path(__file__).parents[1] / "tracerisk"
 
 ROOMS = ("cli", "editor", "api", "pipeline", "report", "prm", "adder", "ros", "twin", "instrument")
 """From the top down."""
-BELOW = ("trace", "config", "errors", "common")
+BELOW = ("trace", "config", "errors", "common", "version")
 """What every room may import, and what imports no room."""
 RANK = {room: rank for rank, room in enumerate(ROOMS)} | dict.fromkeys(BELOW, len(ROOMS))
 REST = "the other files"

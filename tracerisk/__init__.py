@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from importlib import import_module
 
+from tracerisk.version import __version__ as __version__
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
@@ -25,8 +27,6 @@ if TYPE_CHECKING:
     from tracerisk.pipeline import strip as strip
     from tracerisk.pipeline import trace_controller as trace_controller
     from tracerisk.pipeline.review.review import diff as diff
-
-__version__ = "0.1.0"
 
 __all__ = [
     "annotate",

@@ -9,9 +9,9 @@ import pytest
 
 from tests.other_python import python_with
 from tests.slow import slow_but
-from tracerisk import __version__
 from tracerisk.common import dependencies
 from tracerisk.errors import DependencyError, ExitCode
+from tracerisk.version import __version__
 
 CONTROLLER = "def home(arm):\n    arm.go()\n"
 

@@ -10,11 +10,11 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk import __version__
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.common.dependencies import install_command, missing_extras, needed, version_of
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
+from tracerisk.version import __version__
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings

@@ -215,7 +215,7 @@ class _Command(_Parser):
 
 class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        from tracerisk import __version__
+        from tracerisk.version import __version__
 
         print(f"tracerisk {__version__}")
         parser.exit()

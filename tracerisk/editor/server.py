@@ -49,7 +49,7 @@ class RiskServer:
     """A server of one editor, with the texts that it has open; `connection` speaks with it."""
 
     def __init__(self) -> None:
-        from tracerisk import __version__
+        from tracerisk.version import __version__
 
         self.connection = LanguageServer(
             "tracerisk", __version__, text_document_sync_kind=lsp.TextDocumentSyncKind.Full

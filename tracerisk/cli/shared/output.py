@@ -61,8 +61,8 @@ def write_file(path: str, text: str) -> None:
 
 def write_sarif(path: str, alerts: Sequence[Alert]) -> None:
     """Write alerts as SARIF; raises InputError when the file cannot be written."""
-    from tracerisk import __version__
     from tracerisk.report.sarif import render_sarif
+    from tracerisk.version import __version__
 
     write_file(path, render_sarif(alerts, version=__version__))
 

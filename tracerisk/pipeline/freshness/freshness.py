@@ -143,7 +143,7 @@ def run_inputs(
 
 def settings_data(settings: Settings, root: Path) -> dict[str, Any]:
     """Return the settings that a run or its values depend on and that are not the default."""
-    from tracerisk import __version__
+    from tracerisk.version import __version__
 
     default = Settings()
     data: dict[str, Any] = {"tracerisk": __version__}

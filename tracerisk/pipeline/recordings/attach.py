@@ -117,7 +117,7 @@ def _record(
 ) -> Heard:
     from mcap.writer import Writer
 
-    from tracerisk import __version__
+    from tracerisk.version import __version__
 
     writer = Writer(stream)
     writer.start(profile=source.profile, library=f"tracerisk {__version__}")

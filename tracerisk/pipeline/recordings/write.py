@@ -170,7 +170,7 @@ def _write(
     beside: Sequence[_Message],
     trace: Trace,
 ) -> None:
-    from tracerisk import __version__
+    from tracerisk.version import __version__
 
     writer = PackedWriter(stream, profile="ros2", library=f"tracerisk {__version__}")
     schemas = {
