@@ -18,7 +18,7 @@ from pathlib import Path
 
 import quick
 
-from tracerisk.api import gather_evidence
+from tracerisk.api import CampaignOptions, gather_evidence
 from tracerisk.common.evidence.cells import Cell
 from tracerisk.report.fmea import confusion
 
@@ -51,7 +51,9 @@ def main() -> None:
         else:
             shutil.copy(scripts[name], place)
         began = time.monotonic()
-        found = gather_evidence(place / script, cells=options.cells, jobs=options.jobs)
+        found = gather_evidence(
+            place / script, options=CampaignOptions(jobs=options.jobs), cells=options.cells
+        )
         seconds = time.monotonic() - began
         failed = sum(1 for each in found.cells if each.fails)
         notified = sum(1 for each in found.cells if each.told_by)

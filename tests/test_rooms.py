@@ -111,7 +111,7 @@ SUB_ROOMS = {
             "limits",
             "on_demand",
         ),
-        *("strong_components", "text", "records"),
+        *("strong_components", "text", "campaign", "records"),
     ),
     "twin": (
         *("workspace", "simulation", "recording", "motion", "faults", "physics"),

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.campaign import DEFAULT_CAMPAIGN
+from tracerisk.common.campaign import CampaignOptions as CampaignOptions
 from tracerisk.errors import ControllerFailedError, InputError, Location, TraceRiskError
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from tracerisk.adder.blocks.override import Override
     from tracerisk.adder.merge.merge import MergePolicy
     from tracerisk.common.evidence.cells import Evidence
@@ -154,105 +154,68 @@ def _trace_of(known: Assessed, controller: Controller, settings: Settings) -> Tr
 def gather_evidence(
     path: str | Path,
     settings: Mapping[str, Any] | None = None,
+    options: CampaignOptions = DEFAULT_CAMPAIGN,
     *,
     cells: int | None = None,
     until: float | None = None,
-    most_s: float | None = None,
-    jobs: int | None = None,
-    executor: Executor | None = None,
-    shard: tuple[int, int] = (1, 1),
-    fresh: bool = False,
-    progress: Callable[[int, int, float], None] | None = None,
-    noted: Callable[[str], None] | None = None,
 ) -> Evidence:
     """Fail each unit of the robot at drawn instants, and write what became of the mission.
 
     `cells` is how many are drawn; `until` goes on until the 90 % interval of the mission's factor
-    is no wider. No cell begins after `most_s` [s]. `jobs` local processes work on it, or the
-    workers of an `executor`; `shard` (i, n) tries every n-th cell. `progress` is called with the
-    cells done, of how many, and the seconds left. The file is `tracerisk.evidence` in the
-    controller's root; what it holds already is not tried again unless `fresh`. `noted` gets what a
-    user should know, a sentence each: that the file was edited and what of it is tried again, and
-    why runs were whole ones, where they could not be branched off one.
+    is no wider. The file is `tracerisk.evidence` in the controller's root; what it holds already
+    is not tried again, unless the options say otherwise.
     Raises ControllerFailedError where the run without a failure came to a bad end.
     """
     from tracerisk.common.dependencies import require_simulator
-    from tracerisk.pipeline.evidence.campaign import Trying, gather
-    from tracerisk.pipeline.evidence.workers import Workers
+    from tracerisk.pipeline.evidence.campaign import gather
 
     require_simulator("trying failures")
-    trying = Trying(Workers(jobs, executor, most_s), shard, fresh, progress, noted)
-    return gather(Path(path), settings, trying, cells=cells, until=until)
+    return gather(Path(path), settings, options, cells=cells, until=until)
 
 
 def sweep(
     path: str | Path,
     over: Sequence[str] | Mapping[str, Sequence[Any]],
     settings: Mapping[str, Any] | None = None,
-    *,
-    jobs: int | None = None,
-    executor: Executor | None = None,
-    most_s: float | None = None,
-    shard: tuple[int, int] = (1, 1),
-    fresh: bool = False,
-    progress: Callable[[int, int, float], None] | None = None,
+    options: CampaignOptions = DEFAULT_CAMPAIGN,
 ) -> tuple[SweepPoint, ...]:
     """Run a controller at every combination of values, and return the figure of each.
 
     `over` names what to vary with its values: a setting, `param:/NAME` or `scenario:PATH`, as a
-    mapping or as texts NAME=VALUE,VALUE. See `gather_evidence` for the workers. Nothing but the
-    cache is written. Raises InputError for what cannot be varied.
+    mapping or as texts NAME=VALUE,VALUE. Nothing but the cache is written.
+    Raises InputError for what cannot be varied.
     """
+    from collections.abc import Mapping
+
     from tracerisk.common.dependencies import require_simulator
-    from tracerisk.pipeline.evidence.sweep import Factor, parse_factor
-    from tracerisk.pipeline.evidence.sweep import sweep as run_sweep
-    from tracerisk.pipeline.evidence.workers import Workers
+    from tracerisk.pipeline.evidence.sweep import Factor, parse_factor, sweep
 
     require_simulator("sweeping over runs")
     if isinstance(over, Mapping):
         factors = [Factor(name, tuple(values)) for name, values in over.items()]
     else:
-        factors = [parse_factor(each) for each in over]
-    workers = Workers(jobs, executor, most_s)
-    return run_sweep(
-        Path(path), factors, settings, workers=workers, shard=shard, fresh=fresh, progress=progress
-    )
+        factors = [parse_factor(text) for text in over]
+    return sweep(Path(path), factors, settings, options)
 
 
 def mutate(
     path: str | Path,
     settings: Mapping[str, Any] | None = None,
+    options: CampaignOptions = DEFAULT_CAMPAIGN,
     *,
     most: int | None = None,
-    jobs: int | None = None,
-    executor: Executor | None = None,
-    most_s: float | None = None,
-    shard: tuple[int, int] = (1, 1),
-    fresh: bool = False,
-    progress: Callable[[int, int, float], None] | None = None,
 ) -> MutantRuns:
     """Change a controller at one place at a time, run each, and return what is noticed.
 
-    At most `most` changes are tried, 60 by default, drawn by the seed of the settings. See
-    `gather_evidence` for the workers. Nothing but the cache is written: files are changed in
-    memory. Raises ControllerFailedError where the run without a change came to a bad end, and
-    InputError where there is nothing to change.
+    At most `most` changes are tried, 60 by default, drawn by the seed of the settings. Nothing but
+    the cache is written: files are changed in memory. Raises ControllerFailedError where the run
+    without a change came to a bad end, and InputError where there is nothing to change.
     """
     from tracerisk.common.dependencies import require_simulator
-    from tracerisk.pipeline.evidence.workers import Workers
-    from tracerisk.pipeline.mutation.campaign import MOST
-    from tracerisk.pipeline.mutation.campaign import mutate as run_mutants
+    from tracerisk.pipeline.mutation.campaign import MOST, mutate
 
     require_simulator("running changes of a controller")
-    return run_mutants(
-        Path(path),
-        settings,
-        most=MOST if most is None else most,
-        workers=Workers(jobs, executor, most_s),
-        shard=shard,
-        fresh=fresh,
-        progress=progress,
-    )
+    return mutate(Path(path), settings, options, most=MOST if most is None else most)
 
 
 def evidence(path: str | Path) -> Evidence:

@@ -155,7 +155,9 @@ def test_two_workers_share_the_cells_and_what_none_of_them_had_is_run_after_all(
 
     monkeypatch.setattr(campaign, "tempfile", Folders)
     monkeypatch.setattr(workers, "_CONTEXT", ForkedWorkers())
-    api.gather_evidence(folder.folder / "controller.py", cells=6, jobs=2)
+    api.gather_evidence(
+        folder.folder / "controller.py", options=api.CampaignOptions(jobs=2), cells=6
+    )
     assert folder.read("tracerisk.evidence") == whole.read("tracerisk.evidence")
 
 
@@ -187,7 +189,11 @@ def test_shards_and_a_resumed_campaign_give_the_same_bytes(gathered, tmp_path, e
     part = (first.folder / "tracerisk.evidence").read_bytes()
     assert 0 < len(read_evidence(first.folder / "tracerisk.evidence")["controller.py"].cells) < 12
     # A second machine with any executor does the rest.
-    api.gather_evidence(second.folder / "controller.py", cells=6, shard=(2, 2), executor=Inline())
+    api.gather_evidence(
+        second.folder / "controller.py",
+        options=api.CampaignOptions(shard=(2, 2), executor=Inline()),
+        cells=6,
+    )
     merged = merge_evidence([each.folder / "tracerisk.evidence" for each in (first, second)])
     assert dump_evidence(merged).encode() == whole.read("tracerisk.evidence")
     out = first.run(

@@ -66,14 +66,9 @@ def run(options: argparse.Namespace) -> int:
             found = api.gather_evidence(
                 options.controller,
                 shared.run_settings(options),
+                shared.campaign_options(options, progress, reasons.append),
                 cells=options.cells,
                 until=options.until,
-                most_s=options.time,
-                jobs=options.jobs,
-                shard=options.shard,
-                fresh=options.fresh,
-                progress=progress,
-                noted=reasons.append,
             )
         for each in dict.fromkeys(reasons):
             note(each, quiet=options.quiet)

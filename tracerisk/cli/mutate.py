@@ -39,12 +39,8 @@ def run(options: argparse.Namespace) -> int:
         found = api.mutate(
             options.controller,
             shared.run_settings(options),
+            shared.campaign_options(options, progress),
             most=options.most,
-            jobs=options.jobs,
-            most_s=options.time,
-            shard=options.shard,
-            fresh=options.fresh,
-            progress=progress,
         )
     least = options.min_noticed
     is_below = least is not None and found.share < least

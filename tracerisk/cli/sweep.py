@@ -45,11 +45,7 @@ def run(options: argparse.Namespace) -> int:
             options.controller,
             options.over,
             shared.run_settings(options),
-            jobs=options.jobs,
-            most_s=options.time,
-            shard=options.shard,
-            fresh=options.fresh,
-            progress=progress,
+            shared.campaign_options(options, progress),
         )
     if options.csv is not None:
         write_file(options.csv, report.csv_text(points))

@@ -16,7 +16,7 @@ components:
 
 @pytest.mark.slow
 def test_two_workers_of_dask_give_the_same_bytes_as_one_process(tmp_path, example_in, quick):
-    from tracerisk.api import gather_evidence
+    from tracerisk.api import CampaignOptions, gather_evidence
 
     found = []
     for name in ("here", "there"):
@@ -26,7 +26,7 @@ def test_two_workers_of_dask_give_the_same_bytes_as_one_process(tmp_path, exampl
         folder.write("pyproject.toml", '[tool.tracerisk]\nhardware = "one.yaml"\n')
         found.append(folder)
     here, there = found
-    gather_evidence(here.folder / "controller.py", cells=6, jobs=1)
+    gather_evidence(here.folder / "controller.py", options=CampaignOptions(jobs=1), cells=6)
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50
@@ -34,6 +34,8 @@ def test_two_workers_of_dask_give_the_same_bytes_as_one_process(tmp_path, exampl
         distributed.Client(cluster) as client,
     ):
         gather_evidence(
-            there.folder / "controller.py", cells=6, executor=client.get_executor(pure=False)
+            there.folder / "controller.py",
+            options=CampaignOptions(executor=client.get_executor(pure=False)),
+            cells=6,
         )
     assert there.read("tracerisk.evidence") == here.read("tracerisk.evidence")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from tracerisk.common.campaign import CampaignOptions
 from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import InputError
 
@@ -201,6 +202,22 @@ _CAMPAIGN = """\
 def add_campaign_options(group: argparse._ActionsContainer, thing: str) -> None:
     """Add what all that is run in many parts has: `--time`, `-j`, `--shard`, `--fresh`."""
     add(group, _CAMPAIGN.format(thing=thing), shard={"default": (1, 1)})
+
+
+def campaign_options(
+    options: argparse.Namespace,
+    progress: Callable[[int, int, float], None] | None,
+    noted: Callable[[str], None] | None = None,
+) -> CampaignOptions:
+    """Return how the runs of a campaign are carried out."""
+    return CampaignOptions(
+        jobs=options.jobs,
+        most_s=options.time,
+        shard=options.shard,
+        fresh=options.fresh,
+        progress=progress,
+        noted=noted,
+    )
 
 
 def _shard(text: str) -> tuple[int, int]:

@@ -9,12 +9,13 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.sources.write import atomic_write
+from tracerisk.common.campaign import CampaignOptions
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.evidence.cells import Cell, Evidence, Stratum
 from tracerisk.common.evidence.file import cell_line, dump_evidence, parse_cell, read_evidence
@@ -33,7 +34,7 @@ from tracerisk.pipeline.evidence.draw import Target, draw_cells
 from tracerisk.pipeline.evidence.journal import journal, journaled
 from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
-from tracerisk.pipeline.evidence.workers import CellProgress, Workers
+from tracerisk.pipeline.evidence.workers import Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs, stated
 from tracerisk.pipeline.freshness.trace_cache import FOLDER
 from tracerisk.pipeline.history.file_lock import one_writer
@@ -130,26 +131,10 @@ def plan_campaign(
     return Plan(nominal, str(controller), given, inputs.fingerprint, targets, uses, drawn, declared)
 
 
-@dataclass(frozen=True, slots=True)
-class Trying:
-    """How the cells of a campaign are tried.
-
-    `shard` (i, n) runs every n-th cell; `fresh` takes none from before. `noted` gets what a user
-    should know, a sentence each: what of the file was edited and is tried again, and why cells
-    were run from the beginning, where they could not branch off one run.
-    """
-
-    workers: Workers = field(default_factory=Workers)
-    shard: tuple[int, int] = (1, 1)
-    fresh: bool = False
-    progress: CellProgress | None = None
-    noted: Callable[[str], None] | None = None
-
-
 def gather(
     controller: Path,
-    options: Mapping[str, Any] | None,
-    trying: Trying,
+    settings: Mapping[str, Any] | None,
+    options: CampaignOptions,
     *,
     cells: int | None = None,
     until: float | None = None,
@@ -159,16 +144,16 @@ def gather(
 
     Raises as `plan_campaign`; see `run_campaign`.
     """
-    began, most_s = time.monotonic(), trying.workers.most_s
+    began, most_s = time.monotonic(), options.most_s
     while True:
-        plan = plan_campaign(controller, options, cells=cells)
+        plan = plan_campaign(controller, settings, cells=cells)
         left = None if most_s is None else most_s - (time.monotonic() - began)
-        trying = replace(trying, workers=replace(trying.workers, most_s=left))
-        found = run_campaign(plan, trying)
+        options = replace(options, most_s=left)
+        found = run_campaign(plan, options)
         low, high = mission_factor(plan, found)[1]
         if until is None or high - low <= until or not found.is_complete:
             return found
-        cells, trying = min(2 * plan.declared, _MOST_CELLS), replace(trying, fresh=False)
+        cells, options = min(2 * plan.declared, _MOST_CELLS), replace(options, fresh=False)
         if cells == plan.declared:
             return found
 
@@ -178,36 +163,35 @@ def _check_cells(cells: int) -> None:
         raise InputError(f"{cells} cells; allowed: 1 to {_MOST_CELLS}")
 
 
-def run_campaign(plan: Plan, trying: Trying) -> Evidence:
+def run_campaign(plan: Plan, options: CampaignOptions) -> Evidence:
     """Run the cells of a plan that nobody has run yet, and return the evidence there is.
 
     It is written into `plan.evidence_path` whatever ends the campaign; a killed one goes on from
     its journal.
     """
-    noted = trying.noted or (lambda _: None)
-    last = None if trying.fresh else _last(plan)
+    noted = options.noted or (lambda _: None)
+    last = None if options.fresh else _last(plan)
     if last is not None:
         _note_edits(last, noted)
-    known = {} if trying.fresh else _known(plan, last)
+    known = {} if options.fresh else _known(plan, last)
     before = {} if last is None else _shares_before(plan, last)
-    index, of = trying.shard
     todo = [
         each
         for number, each in enumerate(plan.cells)
-        if number % of == index - 1 and each.key not in known
+        if options.has(number) and each.key not in known
     ]
-    if trying.fresh:
+    if options.fresh:
         plan.journal.unlink(missing_ok=True)
     began = time.monotonic()
     try:
         with journal(plan.journal) as keep:
-            for done in _batches_done(plan, todo, trying.workers):
+            for done in _batches_done(plan, todo, Workers.of(options)):
                 known.update((each.key, each) for each in done.cells)
                 keep(map(cell_line, done.cells))
-                if trying.progress is not None and done.cells:
+                if options.progress is not None and done.cells:
                     number = sum(1 for each in todo if each.key in known)
                     spent_s = time.monotonic() - began
-                    trying.progress(number, len(todo), spent_s / number * (len(todo) - number))
+                    options.progress(number, len(todo), spent_s / number * (len(todo) - number))
                 if done.whole_runs:
                     noted(f"not branched off one run, but run whole: {done.whole_runs[0]}")
     finally:

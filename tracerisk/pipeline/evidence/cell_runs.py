@@ -220,11 +220,9 @@ def nominal_of(controller: str, options: tuple[tuple[str, Any], ...]) -> Nominal
 
     Raises as `trace_controller`.
     """
-    from tracerisk.pipeline.stages import load_settings
-
     folder = new_scratch("evidence-")
     loaded = load_controller(controller)
-    settings = load_settings(loaded, dict(options))
+    settings = loaded.settings_with(dict(options))
     with contextlib.redirect_stderr(io.StringIO()):
         # What the controller prints was seen in its own run.
         run = nominal_run(loaded, settings, RunOptions(folder))

@@ -8,20 +8,21 @@ import io
 import itertools
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.campaign import DEFAULT_CAMPAIGN, CampaignOptions
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.sandbox.scratch import scratch
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError, one_of
-from tracerisk.pipeline.evidence.workers import CellProgress, Workers
+from tracerisk.pipeline.evidence.workers import Workers
 from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons, stated
 from tracerisk.pipeline.freshness.trace_cache import FOLDER, make_kept
-from tracerisk.pipeline.stages import annotate, build, load_settings, solve
-from tracerisk.pipeline.stages import trace_controller as traced
+from tracerisk.pipeline.stages import annotate, build, trace_controller
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.prm.hybrid.solve import solve
 from tracerisk.report.series.sweep import SweepPoint as SweepPoint
 
 PARAMETER, SCENARIO = "param:", "scenario:"
@@ -52,36 +53,32 @@ class _Job:
 def sweep(
     controller: Path,
     factors: Sequence[Factor],
-    options: Mapping[str, Any] | None = None,
-    *,
-    workers: Workers | None = None,
-    shard: tuple[int, int] = (1, 1),
-    fresh: bool = False,
-    progress: CellProgress | None = None,
+    settings: Mapping[str, Any] | None = None,
+    options: CampaignOptions = DEFAULT_CAMPAIGN,
 ) -> tuple[SweepPoint, ...]:
     """Run a controller at every combination of the factors' values, and return the points.
 
-    `options` go before the settings of `pyproject.toml`. Points whose inputs have not changed are
-    taken from an earlier sweep unless `fresh`. `shard` (i, n) runs every n-th point. Points come
-    in the order of the factors, the last varied fastest; those not run are left out.
+    `settings` go before those of `pyproject.toml`. Points whose inputs have not changed are taken
+    from an earlier sweep, unless the options say otherwise. Points come in the order of the
+    factors, the last varied fastest; those not run are left out.
     Raises InputError for a factor that is none. Sources, lock and blocks stay as they are.
     """
     _check(factors)
     loaded = load_controller(controller)
-    given = tuple(stated(options).items())
+    given = tuple(stated(settings).items())
     names = [each.name for each in factors]
     product = itertools.product(*(each.values for each in factors))
     points = [tuple(zip(names, values, strict=True)) for values in product]
     if len(points) > _MOST_POINTS:
         raise InputError(f"{len(points)} points; a sweep has at most {_MOST_POINTS}")
     _try_first(loaded, dict(given), points[0])
-    mine = [each for n, each in enumerate(points) if n % shard[1] == shard[0] - 1]
+    mine = [point for number, point in enumerate(points) if options.has(number)]
     kept = _Kept(loaded.root / FOLDER, loaded, given)
-    found = {} if fresh else kept.read(mine)
+    found = {} if options.fresh else kept.read(mine)
     todo = [_Job(str(controller), given, each) for each in mine if each not in found]
     with scratch("sweep-") as folder:
-        workers = replace(workers or Workers(), folder=folder)
-        for job, (point, inputs) in workers.run(run_point, todo, progress):
+        workers = Workers.of(options, folder)
+        for job, (point, inputs) in workers.run(run_point, todo, options.progress):
             found[job.point] = point
             kept.add(job.point, point, inputs)
     return tuple(found[each] for each in points if each in found)
@@ -91,15 +88,15 @@ def run_point(job: _Job) -> tuple[SweepPoint, dict[str, Any]]:
     """Run one point; return it with what it depended on, as the lock keeps it."""
     loaded = load_controller(job.controller)
     with scratch("sweep-") as folder:
-        settings = load_settings(loaded, dict(job.options))
+        settings = loaded.settings_with(dict(job.options))
         settings = _varied(settings, job.point, folder)
         values = dict(job.point)
         try:
             with contextlib.redirect_stderr(io.StringIO()):
-                trace = traced(loaded, settings)
+                trace = trace_controller(loaded, settings)
         except TraceRiskError as error:
             return SweepPoint(values, error=error.message), {}
-        inputs = run_inputs(loaded, trace, load_settings(loaded, dict(job.options))).data()
+        inputs = run_inputs(loaded, trace, loaded.settings_with(dict(job.options))).data()
         verdict = "" if trace.verdict is None else trace.verdict.kind
         seconds = trace.end.simulated_s
         if not trace.is_usable or not trace.functions:
@@ -148,7 +145,7 @@ def _try_first(
 ) -> None:
     """Raise what is wrong with the factors before anything runs."""
     with scratch("sweep-") as folder:
-        _varied(load_settings(controller, options), point, folder)
+        _varied(controller.settings_with(options), point, folder)
 
 
 def _varied(settings: Settings, point: Sequence[tuple[str, Any]], folder: Path) -> Settings:
@@ -261,7 +258,7 @@ class _Kept:
         except (OSError, UnicodeDecodeError):
             return {}
         by_name = {json.dumps(each): each for each in wanted}
-        settings = load_settings(self._controller, dict(self._given))
+        settings = self._controller.settings_with(dict(self._given))
         found = {}
         for line in lines:
             with contextlib.suppress(ValueError, TypeError, KeyError, TraceRiskError):

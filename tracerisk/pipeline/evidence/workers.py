@@ -17,6 +17,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TypeVar
 
+from tracerisk.common.campaign import CampaignOptions
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.errors import ControllerFailedError
 
@@ -34,18 +35,26 @@ _POOLS = 3
 
 @dataclass(frozen=True, slots=True)
 class Workers:
-    """Who does jobs: `jobs` local processes, one a core by default, or those of an `executor`.
-
-    After `most_s` no further job begins [s]. `folder` is one for temporary files of local ones,
-    which whoever gives it removes: they end in the middle of what they do.
-    Local ones that take longer than `ending_s` to end are killed [s].
-    """
+    """Who does jobs."""
 
     jobs: int | None = None
+    """How many local processes work at a time; `None` for one a core."""
     executor: Executor | None = None
+    """Whose workers do the jobs in place of local processes."""
     most_s: float | None = None
+    """After how long no further job begins, [s] of wall time."""
     folder: Path | None = None
+    """A folder for temporary files of local processes.
+
+    Whoever gives it removes it: they end in the middle of what they do.
+    """
     ending_s: float = 10.0
+    """After how long a local process that does not end is killed, [s] of wall time."""
+
+    @classmethod
+    def of(cls, options: CampaignOptions, folder: Path | None = None) -> Workers:
+        """Return the workers of a campaign."""
+        return cls(options.jobs, options.executor, options.most_s, folder)
 
     def run(
         self, function: Callable[[J], R], todo: Sequence[J], progress: CellProgress | None = None

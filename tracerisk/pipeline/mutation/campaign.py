@@ -6,15 +6,16 @@ import contextlib
 import hashlib
 import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.campaign import DEFAULT_CAMPAIGN, CampaignOptions
 from tracerisk.common.text.read_back import read_back
 from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_mission
 from tracerisk.pipeline.evidence.journal import journal, journaled
-from tracerisk.pipeline.evidence.workers import CellProgress, Workers
+from tracerisk.pipeline.evidence.workers import Workers
 from tracerisk.pipeline.freshness.freshness import run_inputs, stated
 from tracerisk.pipeline.freshness.trace_cache import FOLDER
 from tracerisk.pipeline.mutation.change import Change
@@ -45,33 +46,27 @@ class MutationPlan:
 
 def mutate(
     controller: Path,
-    options: Mapping[str, Any] | None = None,
+    settings: Mapping[str, Any] | None = None,
+    options: CampaignOptions = DEFAULT_CAMPAIGN,
     *,
     most: int = MOST,
-    workers: Workers | None = None,
-    shard: tuple[int, int] = (1, 1),
-    fresh: bool = False,
-    progress: CellProgress | None = None,
 ) -> MutantRuns:
     """Change a controller at one place at a time, run each, and return what is noticed.
 
-    `options` go before the settings of `pyproject.toml`. At most `most` changes are tried, drawn
-    by the seed of the settings. `shard` (i, n) tries every n-th. Runs that are kept of an earlier
-    call with the same inputs are taken from there, unless `fresh`. Nothing but the cache is
-    written.
+    `settings` go before those of `pyproject.toml`. At most `most` changes are tried, drawn by the
+    seed of the settings. Runs that are kept of an earlier call with the same inputs are taken from
+    there, unless the options say otherwise. Nothing but the cache is written.
     Raises ControllerFailedError where the run without a change came to a bad end or commanded
     nothing, InputError where there is nothing to change.
     """
-    given = tuple(stated(options).items())
+    given = tuple(stated(settings).items())
     plan = plan_mutation(controller, given, most=most)
-    mine = [
-        change for number, change in enumerate(plan.changes) if number % shard[1] == shard[0] - 1
-    ]
-    if fresh:
+    mine = [change for number, change in enumerate(plan.changes) if options.has(number)]
+    if options.fresh:
         plan.journal.unlink(missing_ok=True)
     found = _kept(plan.journal, mine)
     nominal = plan.nominal
-    workers = replace(workers or Workers(), folder=nominal.folder)
+    workers = Workers.of(options, nominal.folder)
     # Workers of an executor may be on other machines.
     folder = str(nominal.folder) if workers.executor is None else ""
     todo = [
@@ -82,7 +77,7 @@ def mutate(
     if todo:
         _remove_older(plan.journal)
         with journal(plan.journal) as keep:
-            for job, done in workers.run(run_mutant, todo, progress):
+            for job, done in workers.run(run_mutant, todo, options.progress):
                 found[job.change] = done
                 keep([json.dumps({"of": _key(job.change), "run": asdict(done)})])
     verdict = nominal.trace.verdict

@@ -18,6 +18,8 @@ from tracerisk.pipeline.workspace.project import Project
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from tracerisk.instrument.source.ros_version import RosVersion
     from tracerisk.pipeline.workspace.workspace import Workspace
 
@@ -69,6 +71,10 @@ class Controller:
     def settings(self) -> Settings:
         """Its settings, as its files give them. Raises SettingsError."""
         return self.project.settings(self.file)
+
+    def settings_with(self, options: Mapping[str, Any] | None) -> Settings:
+        """Return its settings, overridden by the options that are given. Raises SettingsError."""
+        return self.settings.with_options(options or {})
 
     @property
     def tree(self) -> ast.Module | None:
