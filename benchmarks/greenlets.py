@@ -26,7 +26,7 @@ _MOST_S = 600
 
 def one(path: Path) -> str:
     """Run a controller on threads and on greenlets; return what came of it, in a word or more."""
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.common import trace_json
     from tracerisk.errors import TraceRiskError
     from tracerisk.pipeline.robot.scenario_settings import with_scenario
@@ -34,8 +34,8 @@ def one(path: Path) -> str:
     from tracerisk.pipeline.run.ended_run import RunOptions
     from tracerisk.pipeline.run.fault_run import nominal_run
 
-    controller = pipeline.load_controller(path)
-    settings = with_scenario(pipeline.load_settings(controller))
+    controller = api.load_controller(path)
+    settings = with_scenario(api.load_settings(controller))
     try:
         nominal = nominal_run(controller, settings)
     except TraceRiskError:

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import quick
 
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.pipeline.trace.run_files import WallTime
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.replay import Replay, replay
@@ -33,11 +33,11 @@ SAMPLE = Path(__file__).parent.parent / "sample_controllers" / "pick_and_place.p
 
 def measure(script: Path) -> tuple[WallTime, Replay]:
     """Run the controller once, and replay its controls."""
-    controller = pipeline.load_controller(script)
-    settings = pipeline.load_settings(controller)
+    controller = api.load_controller(script)
+    settings = api.load_settings(controller)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        trace = pipeline.trace_controller(controller, settings, keep=folder)
+        trace = api.trace_controller(controller, settings, keep=folder)
         if not trace.end.is_good:
             raise SystemExit(f"the run failed: {trace.end.message}")
         samples = read_samples(folder)

@@ -1,39 +1,45 @@
-"""The work of the verbs as functions, without printing: what a program of one's own calls.
+"""The public Python API: the work of the verbs as functions, without printing.
 
 Each takes paths and settings, and returns frozen data; nothing is written unless the function is
-named so. `docs/python.md` shows them at work.
+named so. `docs/python.md` shows them at work. The package re-exports the most used ones, so that
+all that a function needs is imported when it is called: whoever imports the package waits for no
+stage.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
 from tracerisk.common.campaign import DEFAULT_CAMPAIGN
 from tracerisk.common.campaign import CampaignOptions as CampaignOptions
+from tracerisk.common.records import dataclass, replace
 from tracerisk.errors import ControllerFailedError, InputError, Location, TraceRiskError
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from fractions import Fraction
+    from pathlib import Path
+    from typing import Any
+
     from tracerisk.adder.blocks.override import Override
+    from tracerisk.adder.figures.computed import ProfileText
     from tracerisk.adder.merge.merge import MergePolicy
     from tracerisk.common.evidence.cells import Evidence
     from tracerisk.common.hardware.model import Hardware
     from tracerisk.common.limits import SandboxMode
     from tracerisk.config import Settings
-    from tracerisk.pipeline import Annotated, Controller
+    from tracerisk.pipeline.annotate import Annotated
     from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.check.refresh import Refreshed
     from tracerisk.pipeline.evidence.sweep import SweepPoint
     from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.pipeline.run.fault_run import FaultRun
+    from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.prm.review.risk_change import RiskDiff
     from tracerisk.report.mutants import MutantRuns
     from tracerisk.trace import Trace
-
-_NO_FAILURE = frozenset({"assumed_name", "assumed_setting", "assumed_start", "unused"})
+    from tracerisk.twin.robots.robot import Robot
 
 
 class RunFailedError(ControllerFailedError):
@@ -60,6 +66,144 @@ class Assessed:
     assessment: Assessment
 
 
+# The stages, one after the other
+
+
+def load_controller(path: str | Path) -> Controller:
+    """Read the controller at `path`, and make the project around it.
+
+    Raises InputError when there is no such file, or its name is not that of a program.
+    """
+    from tracerisk.pipeline.workspace.controller import load_controller
+
+    return load_controller(path)
+
+
+def load_settings(controller: Controller, options: Mapping[str, Any] | None = None) -> Settings:
+    """Return the settings of a controller, overridden by the options that are given.
+
+    Raises SettingsError with file and line at an unknown key or a bad value.
+    """
+    return controller.settings_with(options)
+
+
+def load_robot(controller: Controller, settings: Settings) -> Robot:
+    """Return the robot that a controller drives; `Robot.chosen_by` says why it is this one.
+
+    Raises RobotError when it is unknown, or several fit.
+    """
+    from tracerisk.pipeline.robot.choice import driven_robot
+
+    return driven_robot(controller, settings)
+
+
+def load_hardware(settings: Settings, robot: str) -> Hardware:
+    """Return the hardware description of the settings, else the shipped one of the robot.
+
+    Raises HardwareError where it is malformed, or there is none.
+    """
+    from tracerisk.common.hardware.formats import load_hardware
+
+    return load_hardware(settings, robot)
+
+
+def trace_controller(
+    controller: Controller,
+    settings: Settings,
+    *,
+    keep: Path | None = None,
+    progress: Progress | None = None,
+    live_speed: float | None = None,
+) -> Trace:
+    """Run a controller on the twin and return what the run showed.
+
+    `keep` is a folder in which the recording stays. `progress` is called with each phase and the
+    simulated time [s]. With `live_speed` it runs once on real rospy, at most so many times as fast
+    as the wall clock. A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
+    Raises SourceError, RobotError, HardwareError before anything runs, DependencyError where the
+    simulator is not installed.
+    """
+    from tracerisk.pipeline.scenarios.trace_controller import trace_controller
+
+    return trace_controller(
+        controller, settings, keep=keep, progress=progress, live_speed=live_speed
+    )
+
+
+def annotate(
+    controller: Controller,
+    trace: Trace,
+    hardware: Hardware,
+    settings: Settings,
+    *,
+    policy: MergePolicy | None = None,
+    profile: ProfileText | None = None,
+    given: Mapping[str, Any] | None = None,
+) -> Annotated:
+    """Put the blocks of a trace into the sources of its controller; nothing is written yet.
+
+    `policy` says what becomes of values edited by hand, `profile` how often each function follows
+    another, as text. `given` are those of the settings that came from the command line: a refresh
+    uses them again. Raises as `tracerisk.pipeline.annotate.annotate`.
+    """
+    from tracerisk.pipeline.annotate import annotate
+
+    return annotate(
+        controller, trace, hardware, settings, policy=policy, profile=profile, given=given
+    )
+
+
+def build(
+    sources: Mapping[str, bytes],
+    *,
+    name: str,
+    profile: Mapping[str, Mapping[str, Fraction]] | None = None,
+) -> HybridModel:
+    """Build the hybrid risk model from the blocks in sources, and from nothing else.
+
+    `sources` maps the names of files, for messages, to their bytes; by its ending a file is one of
+    C, C++ or Java, else of Python.
+    Raises BlockError or ModelError where the blocks are malformed or contradict each other.
+    """
+    from tracerisk.pipeline.model import build
+
+    return build(sources, name=name, profile=profile)
+
+
+def solve(model: HybridModel) -> Assessment:
+    """Solve a model exactly. Raises ModelError when it has no solution."""
+    from tracerisk.prm.hybrid.solve import solve
+
+    return solve(model)
+
+
+def strip(controller: Controller) -> bytes:
+    """Return the source of a controller without its risk blocks, every other byte kept."""
+    from tracerisk.adder.sources.insert import strip_blocks
+
+    return strip_blocks(controller.source, str(controller.path))
+
+
+def diff(
+    before_sources: Mapping[str, bytes],
+    after_sources: Mapping[str, bytes],
+    *,
+    name: str = "",
+) -> RiskDiff:
+    """Return the difference in risk between two versions of one controller's annotated sources.
+
+    Both map the names of files to their bytes, as `build` takes them; a version without blocks
+    has no risk to report.
+    Raises BlockError, SourceError or ModelError where the blocks are malformed or make no model.
+    """
+    from tracerisk.pipeline.review.review import diff
+
+    return diff(before_sources, after_sources, name=name)
+
+
+# The verbs
+
+
 def assess(
     path: str | Path,
     settings: Mapping[str, Any] | None = None,
@@ -84,63 +228,44 @@ def assess(
     Raises RunFailedError when the run came to a bad end, ControllerFailedError when it commanded
     no hardware, and TraceRiskError for input that a stage refuses. Writes nothing but `keep`.
     """
-    from tracerisk import pipeline
-    from tracerisk.adder.merge.merge import MergePolicy
+    from tracerisk.pipeline.freshness.known_functions import check_blocks
+    from tracerisk.pipeline.scenarios.trace_controller import nothing_commanded
 
-    controller = pipeline.load_controller(path)
-    loaded = pipeline.load_settings(controller, settings)
-    pipeline.check_blocks(controller)
+    controller = load_controller(path)
+    loaded = load_settings(controller, settings)
+    check_blocks(controller)
     trace = None if known is None else _trace_of(known, controller, loaded)
     if trace is None:
-        trace = pipeline.trace_controller(
+        trace = trace_controller(
             controller, loaded, keep=keep, progress=progress, live_speed=live_speed
         )
     if not trace.is_usable:
         raise RunFailedError(trace)
     if not trace.functions:
-        raise _nothing_commanded(trace, controller)
+        raise nothing_commanded(trace, controller)
     if worlds:
-        trace = _in_worlds(path, settings, trace, worlds, progress)
+        from tracerisk.pipeline.worlds.world_runs import with_worlds
+
+        trace = with_worlds(trace, path, settings, worlds, progress)
     simulated_s = trace.end.simulated_s or 0.0
     if progress is not None:
         progress("annotating", simulated_s)
-    hardware = pipeline.load_hardware(loaded, trace.robot)
-    annotated = pipeline.annotate(
+    hardware = load_hardware(loaded, trace.robot)
+    annotated = annotate(
         controller,
         trace,
         hardware,
         loaded,
-        policy=policy or MergePolicy(),
+        policy=policy,
         profile=profile or {},
         given=settings or {},
     )
     if progress is not None:
         progress("solving", simulated_s)
     sources = {str(controller.path_of(file)): text for file, text in annotated.sources.items()}
-    model = pipeline.build(sources, name=controller.path.name)
-    assessment = pipeline.solve(model)
+    model = build(sources, name=controller.path.name)
+    assessment = solve(model)
     return Assessed(controller, loaded, hardware, trace, annotated, sources, model, assessment)
-
-
-def _in_worlds(
-    path: str | Path,
-    settings: Mapping[str, Any] | None,
-    trace: Trace,
-    names: str,
-    progress: Progress | None,
-) -> Trace:
-    """Return the trace with the runs of its controller in other worlds."""
-    from tracerisk.common.worlds.world import worlds_named
-    from tracerisk.pipeline.worlds.world_runs import run_worlds
-
-    def notify(done: int, of: int, left_s: float) -> None:
-        if progress is not None:
-            progress(f"world {done} of {of}, {left_s:.0f} s left", trace.end.simulated_s or 0.0)
-
-    asked = worlds_named(names)
-    notify(0, len(asked), 0.0)
-    runs = run_worlds(Path(path), settings, asked, trace=trace, progress=notify)
-    return replace(trace, worlds=runs)
 
 
 def _trace_of(known: Assessed, controller: Controller, settings: Settings) -> Trace | None:
@@ -166,6 +291,8 @@ def gather_evidence(
     is not tried again, unless the options say otherwise.
     Raises ControllerFailedError where the run without a failure came to a bad end.
     """
+    from pathlib import Path
+
     from tracerisk.common.dependencies import require_simulator
     from tracerisk.pipeline.evidence.campaign import gather
 
@@ -186,6 +313,7 @@ def sweep(
     Raises InputError for what cannot be varied.
     """
     from collections.abc import Mapping
+    from pathlib import Path
 
     from tracerisk.common.dependencies import require_simulator
     from tracerisk.pipeline.evidence.sweep import Factor, parse_factor, sweep
@@ -211,6 +339,8 @@ def mutate(
     the cache is written: files are changed in memory. Raises ControllerFailedError where the run
     without a change came to a bad end, and InputError where there is nothing to change.
     """
+    from pathlib import Path
+
     from tracerisk.common.dependencies import require_simulator
     from tracerisk.pipeline.mutation.campaign import MOST, mutate
 
@@ -225,7 +355,6 @@ def evidence(path: str | Path) -> Evidence:
     """
     from tracerisk.common.evidence import EVIDENCE_NAME
     from tracerisk.common.evidence.file import read_evidence
-    from tracerisk.pipeline import load_controller
 
     controller = load_controller(path)
     kept = controller.root / EVIDENCE_NAME
@@ -252,6 +381,8 @@ def evidence_replays(
     leads to them. `progress` as in `gather_evidence`. Raises as that, and InputError where the
     folder is a file.
     """
+    from pathlib import Path
+
     from tracerisk.common.dependencies import require_simulator
     from tracerisk.pipeline.pictures.evidence_replays import write_replays
 
@@ -276,24 +407,24 @@ def run_with_faults(
     Raises InputError for a fault that is none or that the robot cannot have, RunFailedError when
     the run without a fault came to a bad end, and ControllerFailedError when it commanded nothing.
     """
-    from tracerisk import pipeline
     from tracerisk.common.dependencies import require_simulator
     from tracerisk.twin.faults.fault import parse_fault
 
     parsed = [parse_fault(each) for each in faults]
     if not parsed:
         raise InputError("no fault is given; expected UNIT:MODE@SECONDS")
-    controller = pipeline.load_controller(path)
-    loaded = pipeline.load_settings(controller, settings)
+    controller = load_controller(path)
+    loaded = load_settings(controller, settings)
     require_simulator("running a controller")
     from tracerisk.pipeline.run.ended_run import RunOptions
     from tracerisk.pipeline.run.fault_run import nominal_run, run_with_faults
+    from tracerisk.pipeline.scenarios.trace_controller import nothing_commanded
 
     nominal = nominal_run(controller, loaded, RunOptions(progress=progress))
     if not nominal.trace.is_usable:
         raise RunFailedError(nominal.trace)
     if not nominal.trace.functions:
-        raise _nothing_commanded(nominal.trace, controller)
+        raise nothing_commanded(nominal.trace, controller)
     if on_nominal is not None:
         on_nominal(nominal.trace)
     return run_with_faults(controller, loaded, nominal, parsed, RunOptions(keep, progress))
@@ -301,10 +432,10 @@ def run_with_faults(
 
 def write_blocks(assessed: Assessed) -> Assessed:
     """Write the blocks into the sources, and the lock; return it with the lines of today."""
-    from tracerisk import pipeline
+    from tracerisk.pipeline.annotate import at_annotated_lines
 
     assessed.annotated.write()
-    return replace(assessed, trace=pipeline.at_annotated_lines(assessed.trace, assessed.annotated))
+    return replace(assessed, trace=at_annotated_lines(assessed.trace, assessed.annotated))
 
 
 def check(
@@ -316,6 +447,8 @@ def check(
     fraction of the functions that can command hardware; `base` a git revision, whose lock says
     how many ran. Raises InputError when no controller is known.
     """
+    from pathlib import Path
+
     from tracerisk.pipeline.check.check import check_controllers
     from tracerisk.pipeline.check.run import CoverageLimits
     from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
@@ -344,6 +477,8 @@ def refresh(
 
     Write them with `refreshed.annotated.write()`. Raises as `assess`.
     """
+    from pathlib import Path
+
     from tracerisk.adder.merge.merge import MergePolicy
     from tracerisk.pipeline.check.refresh import refresh_controller
     from tracerisk.pipeline.workspace.project import Projects
@@ -358,24 +493,8 @@ def overrides(paths: Iterable[str | Path] = ()) -> Sequence[Override]:
 
     Those are the locks in and below this folder. Raises InputError where there is none.
     """
+    from pathlib import Path
+
     from tracerisk.pipeline.check.overrides import files_of_locks, overrides_in
 
     return overrides_in(list(map(Path, paths)) or files_of_locks(Path()))
-
-
-def _nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedError:
-    """Return the error of a run in which no hardware was commanded, with what it showed instead."""
-    message = f"{trace.end.message}, and it commanded no hardware: there is no risk to assess"
-    if trace.verdict is not None and trace.verdict.coverage.never_ran_words:
-        message = f"{message}; {trace.verdict.coverage.never_ran_words}"
-    if not trace.findings:
-        hint = "does it need arguments (after --) or answers (--answer)?"
-        start = Location(str(controller.path), 1)
-        return ControllerFailedError(f"{message}; {hint}", start, trace.end.scenario)
-    # What went wrong says more than what was assumed before it.
-    first = min(trace.findings, key=lambda each: each.kind in _NO_FAILURE)
-    more = len(trace.findings) - 1
-    also = f" (and {more} more, which `tracerisk trace` prints)" if more else ""
-    found = first.location
-    place = None if found is None else replace(found, file=str(controller.path_of(found.file)))
-    return ControllerFailedError(f"{message}; {first.message}{also}", place, trace.end.scenario)

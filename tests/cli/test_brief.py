@@ -17,7 +17,7 @@ _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 
 @pytest.fixture(scope="module")
 def assessed(tmp_path_factory, annotated_source):
-    from tracerisk import pipeline
+    from tracerisk import api
 
     functions = {
         f"step_{number}": (
@@ -27,7 +27,7 @@ def assessed(tmp_path_factory, annotated_source):
         for number in range(30)
     }
     source = annotated_source(**functions).encode()
-    return solve(pipeline.build({"cell.py": source}, name="cell.py"))
+    return solve(api.build({"cell.py": source}, name="cell.py"))
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])

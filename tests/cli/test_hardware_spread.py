@@ -4,10 +4,10 @@ from argparse import Namespace
 
 import pytest
 
+from tracerisk.api import build
 from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.errors import InputError
-from tracerisk.pipeline import build
 
 SOURCE = b"""\
 def place():

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tracerisk.api import load_controller
 from tracerisk.config import Settings
-from tracerisk.pipeline import load_controller
 from tracerisk.pipeline.launch.choose import choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
 from tracerisk.twin.motion.kinematics import Kinematics

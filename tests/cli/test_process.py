@@ -171,7 +171,7 @@ def test_two_runs_of_one_controller_at_once_give_what_one_gives(annotated_run, e
 def test_a_run_whose_source_another_annotates_before_it_is_imported_gives_what_one_gives(
     annotated_run, example, two_steps, monkeypatch, body
 ):
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.pipeline.run import controller_run
 
     if body == "module":
@@ -191,11 +191,11 @@ def test_a_run_whose_source_another_annotates_before_it_is_imported_gives_what_o
         return begin(*arguments, **named)
 
     monkeypatch.setattr(controller_run, "_run_child", late)
-    controller = pipeline.load_controller(example.folder / "controller.py")
-    settings = pipeline.load_settings(controller)
-    trace = pipeline.trace_controller(controller, settings)
-    hardware = pipeline.load_hardware(settings, trace.robot)
-    pipeline.annotate(controller, trace, hardware, settings).write()
+    controller = api.load_controller(example.folder / "controller.py")
+    settings = api.load_settings(controller)
+    trace = api.trace_controller(controller, settings)
+    hardware = api.load_hardware(settings, trace.robot)
+    api.annotate(controller, trace, hardware, settings).write()
     for name in (path.name, "tracerisk.lock"):
         assert example.files()[name] == whole[name]
 
@@ -230,7 +230,7 @@ def test_many_runs_checks_and_refreshes_at_once_leave_everything_whole(
 
 
 def test_a_run_keeps_what_another_wrote_into_the_lock_meanwhile(example, two_steps):
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.adder.lock.lock import ControllerLock, Lock
     from tracerisk.adder.lock.reading import read_lock
     from tracerisk.common import trace_json
@@ -239,10 +239,10 @@ def test_a_run_keeps_what_another_wrote_into_the_lock_meanwhile(example, two_ste
     assert example.run("trace", "controller.py", "-o", "trace.json").code == 0
 
     trace = trace_json.loads(example.read("trace.json").decode(), "trace.json")
-    controller = pipeline.load_controller(path)
-    settings = pipeline.load_settings(controller)
-    hardware = pipeline.load_hardware(settings, trace.robot)
-    annotated = pipeline.annotate(controller, trace, hardware, settings)
+    controller = api.load_controller(path)
+    settings = api.load_settings(controller)
+    hardware = api.load_hardware(settings, trace.robot)
+    annotated = api.annotate(controller, trace, hardware, settings)
     other = Lock().with_controller("other.py", ControllerLock("f", {"other.py": {}}))
     example.write("tracerisk.lock", other.dumps())
     annotated.write()
@@ -252,18 +252,16 @@ def test_a_run_keeps_what_another_wrote_into_the_lock_meanwhile(example, two_ste
 
 
 def test_a_source_that_someone_changes_during_a_run_is_not_overwritten(example, two_steps):
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.common import trace_json
     from tracerisk.errors import InputError
 
     path = example.write("controller.py", two_steps)
     assert example.run("trace", "controller.py", "-o", "trace.json").code == 0
     trace = trace_json.loads(example.read("trace.json").decode(), "trace.json")
-    controller = pipeline.load_controller(path)
-    settings = pipeline.load_settings(controller)
-    annotated = pipeline.annotate(
-        controller, trace, pipeline.load_hardware(settings, trace.robot), settings
-    )
+    controller = api.load_controller(path)
+    settings = api.load_settings(controller)
+    annotated = api.annotate(controller, trace, api.load_hardware(settings, trace.robot), settings)
     example.write("controller.py", two_steps + "# saved in an editor\n")
     with pytest.raises(InputError, match="was changed by someone else meanwhile"):
         annotated.write()
@@ -467,7 +465,7 @@ def test_help_imports_nothing_of_the_stages(example):
         "common",
         "common.text",
         "common.text.columns",
-        "version",
+        *("api", "common.campaign", "common.records", "errors", "version"),
     )
     assert ours == {f"tracerisk.{each}" for each in words}
 
@@ -475,5 +473,7 @@ def test_help_imports_nothing_of_the_stages(example):
 def test_importing_the_package_is_light(example):
     code = "import tracerisk, sys; print(*sorted(sys.modules), file=sys.stderr)"
     modules = modules_of(example, code)
-    assert {name for name in modules if name.startswith("tracerisk.")} == {"tracerisk.version"}
+    light = {"api", "common", "common.campaign", "common.records", "errors", "version"}
+    ours = {name for name in modules if name.startswith("tracerisk.")}
+    assert ours == {f"tracerisk.{name}" for name in light}
     assert not (HEAVY | {"numpy", "rich", "argparse"}) & modules

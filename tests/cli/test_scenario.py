@@ -319,12 +319,12 @@ def test_the_exit_code_of_a_search_cut_short_is_that_of_a_run_with_its_scenario(
 
 
 def test_a_search_is_not_ended_by_the_time_that_a_busy_machine_takes(example, monkeypatch):
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.config import Settings
     from tracerisk.pipeline.scenarios import rounds
 
     source = HEAD + "rospy.wait_for_message('/a', String)\nturn(0.1)\n"
-    controller = pipeline.load_controller(example.write("c.py", source))
+    controller = api.load_controller(example.write("c.py", source))
     clock = itertools.count(step=200.0)
     monkeypatch.setattr(rounds, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     found = rounds.draft_scenario(
@@ -339,11 +339,11 @@ def test_a_search_is_not_ended_by_the_time_that_a_busy_machine_takes(example, mo
 
 
 def test_an_interrupt_gives_the_best_so_far(example, monkeypatch):
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.config import Settings
     from tracerisk.pipeline.scenarios import rounds
 
-    controller = pipeline.load_controller(example.write("c.py", ALL))
+    controller = api.load_controller(example.write("c.py", ALL))
     runs = []
 
     def interrupted(*given, **options):

@@ -13,7 +13,7 @@ from tracerisk.cli.shared.sources import decoded, read_file
 from tracerisk.errors import ExitCode, InputError, Location
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline import Controller
+    from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.trace import Trace
 
 
@@ -33,22 +33,23 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk import pipeline
+    from tracerisk import api
+    from tracerisk.pipeline.freshness.known_functions import check_blocks
 
     profile = shared.read_profile(options)
-    controller = pipeline.load_controller(options.controller)
+    controller = api.load_controller(options.controller)
     given = shared.run_settings(options)
-    settings = pipeline.load_settings(controller, given)
-    pipeline.check_blocks(controller)
+    settings = api.load_settings(controller, given)
+    check_blocks(controller)
     trace = _read_trace(options, controller)
     if not trace.robot and settings.hardware is None:
         raise InputError(
             "a log names no robot, so no hardware description can be chosen; "
             "give one with --hardware FILE"
         )
-    hardware = pipeline.load_hardware(settings, trace.robot)
+    hardware = api.load_hardware(settings, trace.robot)
     note_warnings(hardware, quiet=options.quiet)
-    annotated = pipeline.annotate(
+    annotated = api.annotate(
         controller,
         trace,
         hardware,

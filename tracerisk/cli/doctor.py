@@ -18,7 +18,7 @@ from tracerisk.version import __version__
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
-    from tracerisk.pipeline import Controller
+    from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.pipeline.workspace.prefixes import Prefix
     from tracerisk.twin.robots.robot import Robot
 
@@ -54,11 +54,11 @@ def run(options: argparse.Namespace) -> int:
     if options.controller is None:
         found["installed ROS"] = _of_environment()
     else:
-        from tracerisk import pipeline
+        from tracerisk import api
 
         given = {"robot": options.robot, "sandbox": options.sandbox}
-        controller = pipeline.load_controller(options.controller)
-        in_use = pipeline.load_settings(controller, given)
+        controller = api.load_controller(options.controller)
+        in_use = api.load_settings(controller, given)
         found.update(_of_controller(controller, in_use))
         settings = _settings(controller, in_use, given)
     code = ExitCode.INTERNAL_FAULT if faults else ExitCode.FINE
@@ -234,7 +234,7 @@ _MOST_EVIDENCE = 12
 
 
 def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]:
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
     from tracerisk.pipeline.robot.choice import choose_launched_robot
     from tracerisk.pipeline.workspace.ros_distro import choose_distro
@@ -273,7 +273,7 @@ def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]
         if choice.skipped:
             found["robot files not taken"] = "; ".join(choice.skipped)
         found["scene"] = settings.scene or robot.default_scene or "none; give --scene"
-        found["hardware"] = pipeline.load_hardware(settings, robot.name).file
+        found["hardware"] = api.load_hardware(settings, robot.name).file
     except LimitError:
         raise
     except TraceRiskError as error:

@@ -75,14 +75,14 @@ def _write_page(
     options: argparse.Namespace, kept: KeptRun | None, trace: Trace | None
 ) -> dict[str, Any]:
     """Write the page; return what `--json` prints of it."""
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.prm.formats.assessment_json import assessment_to_json
 
     files = list(options.files)
     if len(files) == 1 and kept is not None:
         files = list(kept.files)
     model = model_of_sources(files, shared.read_profile(options))
-    assessment = pipeline.solve(model)
+    assessment = api.solve(model)
     verdicts = sources_verdict(files)
     assert verdicts is not None, "the files are sources"
     lines = list(verdicts.lines)

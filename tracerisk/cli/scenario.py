@@ -17,8 +17,8 @@ from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline import Controller
     from tracerisk.pipeline.scenarios.entries import ScenarioDraft
+    from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.ros.controller.needs import Missed, Need
 
 _LINES = 3
@@ -46,11 +46,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 
-    controller = pipeline.load_controller(options.controller)
-    settings = pipeline.load_settings(controller, shared.run_settings(options))
+    controller = api.load_controller(options.controller)
+    settings = api.load_settings(controller, shared.run_settings(options))
     if not options.is_run:
         if options.write or options.output is not None:
             raise InputError("--no-run writes nothing: leave out --write and --output")

@@ -19,16 +19,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.adder.sources.write import FileWrite, write_all
+    from tracerisk.pipeline.check.overrides import hand_set
     from tracerisk.pipeline.freshness.known_controllers import forget_blocks
 
     stripped = []
     for name in options.files:
-        controller = pipeline.load_controller(name)
+        controller = api.load_controller(name)
         if not options.discard_edits:
-            _refuse_pins(pipeline.hand_set(controller))
-        stripped.append((controller, pipeline.strip(controller)))
+            _refuse_pins(hand_set(controller))
+        stripped.append((controller, api.strip(controller)))
     changed = [(c, after) for c, after in stripped if after != c.source]
     if options.diff:
         for controller, after in changed:

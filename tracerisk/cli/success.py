@@ -34,13 +34,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code: that of the run, which drafts nothing if faulted."""
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.pipeline.scenarios.success_draft import draft_success
 
     if options.output is not None and not options.write:
         raise InputError("--output says where --write writes; give both, or neither")
-    controller = pipeline.load_controller(options.controller)
-    settings = pipeline.load_settings(controller, shared.run_settings(options))
+    controller = api.load_controller(options.controller)
+    settings = api.load_settings(controller, shared.run_settings(options))
     base = None if settings.scenario is None else Path(settings.scenario)
     output = Path(options.output) if options.output is not None else base
     output = output or scenario_file(controller)

@@ -84,13 +84,13 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> Trace:
-    from tracerisk import pipeline
+    from tracerisk import api
 
     shown = progress_bar(quiet=options.quiet, controller=options.controller)
     with shown as progress, recording_folder(options) as keep:
-        controller = pipeline.load_controller(options.controller)
-        settings = pipeline.load_settings(controller, shared.run_settings(options))
-        trace = pipeline.trace_controller(
+        controller = api.load_controller(options.controller)
+        settings = api.load_settings(controller, shared.run_settings(options))
+        trace = api.trace_controller(
             controller,
             settings,
             keep=keep,
@@ -101,7 +101,7 @@ def _run(options: argparse.Namespace) -> Trace:
     if options.log is not None:
         from tracerisk.adder.figures.computed import compute_blocks
 
-        hardware = pipeline.load_hardware(settings, trace.robot)
+        hardware = api.load_hardware(settings, trace.robot)
         write_outputs(options, compute_blocks(trace, hardware, active=settings.active))
     return trace
 

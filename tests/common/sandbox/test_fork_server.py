@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 
 from tests.slow import slow_but
+from tracerisk.api import load_controller, trace_controller
 from tracerisk.common import trace_json
 from tracerisk.common.limits import Sandbox
 from tracerisk.common.sandbox import fork_server, process
 from tracerisk.common.sandbox.fork_server import Forked
 from tracerisk.common.sandbox.kernel_features import support
 from tracerisk.config import Settings
-from tracerisk.pipeline import load_controller, trace_controller
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="needs Linux")
 contained = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")

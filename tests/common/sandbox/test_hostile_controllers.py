@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.api import trace_controller
 from tracerisk.common.sandbox.kernel_features import support
 from tracerisk.config import Settings
-from tracerisk.pipeline.stages import trace_controller
 from tracerisk.pipeline.workspace.controller import load_controller
 
 pytestmark = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")

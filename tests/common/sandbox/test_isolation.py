@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.api import trace_controller
 from tracerisk.common.limits import DEFAULT_LIMITS, Sandbox
 from tracerisk.common.sandbox.kernel_features import Support, support
 from tracerisk.common.sandbox.process import SandboxWarning, is_contained, start
 from tracerisk.config import ProjectSettings, Settings
 from tracerisk.errors import RobotError, SandboxError
 from tracerisk.pipeline.launch_files.process import read_launch
-from tracerisk.pipeline.stages import trace_controller
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.twin.urdf.xacro_files import expand_xacro

@@ -7,11 +7,11 @@ import time
 import pytest
 
 from tests.slow import slow_but_every
+from tracerisk.api import trace_controller
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError, LogError
 from tracerisk.pipeline.history import file_lock
 from tracerisk.pipeline.run import controller_run, run_folders
-from tracerisk.pipeline.stages import trace_controller
 from tracerisk.pipeline.workspace.controller import load_controller
 
 CELL = """\

@@ -9,9 +9,9 @@ import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+from tracerisk.api import build
 from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
-from tracerisk.pipeline import build
 from tracerisk.pipeline.failure_data.figure_spreads import hardware_spreads, with_distributions
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.numbers.distributions import Lognormal

@@ -1,8 +1,8 @@
 import pytest
 
+from tracerisk.api import load_hardware
 from tracerisk.config import Settings
 from tracerisk.errors import HardwareError
-from tracerisk.pipeline import load_hardware
 
 
 def test_the_description_of_another_robot_is_refused_by_name(tmp_path):

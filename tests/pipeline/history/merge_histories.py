@@ -12,13 +12,14 @@ import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.adder.lock.lock import LockError
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.common.trace_log import read_log
 from tracerisk.errors import EditInTheWayError, TraceRiskError
+from tracerisk.pipeline.annotate import Annotated
 from tracerisk.pipeline.check.check import check_controller
 from tracerisk.pipeline.workspace.project import Projects
 
@@ -437,15 +438,15 @@ class History:
         ]
         return "\n".join([*rows, "", "CallSequence:" + ",".join(f"{each}()" for each in calls)])
 
-    def annotated(self, policy: MergePolicy) -> pipeline.Annotated:
-        controller = pipeline.load_controller(self.folder / "c.py")
+    def annotated(self, policy: MergePolicy) -> Annotated:
+        controller = api.load_controller(self.folder / "c.py")
         hardware = str(self.folder / "arm.yaml")
-        settings = pipeline.load_settings(controller, {"hardware": hardware})
+        settings = api.load_settings(controller, {"hardware": hardware})
         trace = read_log(self.computed_log(), "run.log", controller="c.py")
-        return pipeline.annotate(
+        return api.annotate(
             controller,
             trace,
-            pipeline.load_hardware(settings, ""),
+            api.load_hardware(settings, ""),
             settings,
             policy=policy,
             given={"hardware": hardware},

@@ -201,17 +201,17 @@ def test_a_file_that_changes_under_a_refresh_is_not_overwritten(project) -> None
 
 
 def test_blocks_that_another_run_wrote_meanwhile_are_no_edit(project) -> None:
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.common.trace_log import read_log
 
-    stale = pipeline.load_controller("c00.py")
-    settings = pipeline.load_settings(stale, {"hardware": "arm.yaml"})
+    stale = api.load_controller("c00.py")
+    settings = api.load_settings(stale, {"hardware": "arm.yaml"})
     trace = read_log(LOG, "run.log", controller="c00.py")
     set_figure("1e-09")
     assert main(["refresh", "--quiet"]) == 0
-    hardware = pipeline.load_hardware(settings, "")
-    done = pipeline.annotate(stale, trace, hardware, settings, given={"hardware": "arm.yaml"})
+    hardware = api.load_hardware(settings, "")
+    done = api.annotate(stale, trace, hardware, settings, given={"hardware": "arm.yaml"})
     assert not done.is_changed
     Path("c00.py").write_text(Path("c00.py").read_text() + "import os\n")
     with pytest.raises(InputError, match=r"c00\.py: was changed by someone else meanwhile"):
-        pipeline.annotate(stale, trace, hardware, settings)
+        api.annotate(stale, trace, hardware, settings)

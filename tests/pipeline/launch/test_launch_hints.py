@@ -3,8 +3,8 @@
 import ast
 from dataclasses import replace
 
+from tracerisk.api import load_robot
 from tracerisk.config import Settings
-from tracerisk.pipeline import load_robot
 from tracerisk.pipeline.launch.launch_hints import with_parameters
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED, LaunchParameter
 from tracerisk.pipeline.workspace.controller import load_controller, string_literals

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.config import Settings
 from tracerisk.pipeline.launch.choose import choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
@@ -32,7 +32,7 @@ def cell(top: Path, body: str, source: str = "import rospy\n", **files: str) -> 
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
     (app / "go.py").write_text(source)
-    controller = pipeline.load_controller(app / "go.py")
+    controller = api.load_controller(app / "go.py")
     launch = choose_launch(controller, Settings())
     return choose_launched_robot(controller, Settings(), launch).robot
 

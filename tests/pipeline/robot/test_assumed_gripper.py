@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.common import trace_json
 from tracerisk.config import Settings
 from tracerisk.instrument.source.python_source import parsed
@@ -103,7 +103,7 @@ def test_a_gripper_is_asked_for_by_its_names_and_not_in_prose(source: bytes, ask
 
 def test_a_controller_without_a_gripper_gets_the_arm_as_it_is_sold(tmp_path):
     (tmp_path / "turn.py").write_text(CONTROLLER.partition("def grip")[0].replace("Gripper", ""))
-    robot = choose_robot(pipeline.load_controller(tmp_path / "turn.py"), Settings()).robot
+    robot = choose_robot(api.load_controller(tmp_path / "turn.py"), Settings()).robot
     assert robot.name == "ur5e"
     assert robot.grippers == ()
     assert not robot.approximate

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.slow import slow_but
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.config import Settings
 from tracerisk.pipeline.launch.choose import choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
@@ -159,7 +159,7 @@ def with_joints(script, names):
 
 
 def chosen(script):
-    controller = pipeline.load_controller(script)
+    controller = api.load_controller(script)
     launch = choose_launch(controller, Settings())
     return choose_launched_robot(controller, Settings(), launch)
 
@@ -203,7 +203,7 @@ def test_the_arm_of_prefix_made_names_runs(tmp_path):
     described(tmp_path)
     script = cell(tmp_path, FEEDER, "feeder_description")
     with_joints(script, joints())
-    trace = pipeline.trace_controller(pipeline.load_controller(script), Settings())
+    trace = api.trace_controller(api.load_controller(script), Settings())
     assert [function.ref.name for function in trace.functions] == ["Feeder.feed"]
     moved = {
         name
@@ -543,8 +543,8 @@ def test_a_controller_run_alone_finds_the_parameters_of_the_controllers(tmp_path
     described(tmp_path)
     bringup(tmp_path, joints(), ways)
     script = cell(tmp_path, ALONE, "feeder_description", name="wave.py")
-    controller = pipeline.load_controller(script)
-    trace = pipeline.trace_controller(controller, Settings(robot=None))
+    controller = api.load_controller(script)
+    trace = api.trace_controller(controller, Settings(robot=None))
     assert trace.end.cause == "ended"
     assert [function.ref.name for function in trace.functions] == ["wave"]
     file = "../bringup/launch/robot.launch" if ways == "launch" else "../bringup/config/arm.yaml"
@@ -561,8 +561,8 @@ def test_without_launch_files_a_controller_run_alone_finds_no_parameters(tmp_pat
     described(tmp_path)
     bringup(tmp_path, joints(), "launch")
     script = cell(tmp_path, ALONE, "feeder_description", name="wave.py")
-    trace = pipeline.trace_controller(
-        pipeline.load_controller(script), Settings(launch=False, robot="generic")
+    trace = api.trace_controller(
+        api.load_controller(script), Settings(launch=False, robot="generic")
     )
     assert trace.end.cause == "raised"
     assert "/arm_controller/joints" in trace.end.message
@@ -593,7 +593,7 @@ def test_a_robot_whose_prefix_is_left_out_is_assumed_and_moves(tmp_path):
         'self.declare_parameter("joints", [""]).value', '[f"joint{n}" for n in range(1, 8)]'
     )
     script = cell(tmp_path, source, "feeder_description")
-    trace = pipeline.trace_controller(pipeline.load_controller(script), Settings())
+    trace = api.trace_controller(api.load_controller(script), Settings())
     assert trace.verdict.kind == "partial"
     (reason,) = [each for each in trace.verdict.reasons if each.code == "robot-assumed"]
     assert "without the prefix 'feeder_'" in reason.words

@@ -5,18 +5,19 @@ from pathlib import Path
 import pytest
 
 from tests.twin.urdf.test_urdf import RATED
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.pipeline.robot.elsewhere import not_blamed
+from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import Reason, Verdict
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.urdf.urdf import read_urdf
 
 
-def controller(top: Path) -> pipeline.Controller:
+def controller(top: Path) -> Controller:
     (top / ".git").mkdir()
     (top / "other.urdf").write_text(RATED.replace('"shoulder"', '"mast_joint"'))
     (top / "go.py").write_text("pass\n")
-    return pipeline.load_controller(top / "go.py")
+    return api.load_controller(top / "go.py")
 
 
 def judged(words: str, code: str = "goal-rejected") -> Verdict:
@@ -71,8 +72,8 @@ def test_a_run_on_another_robot_says_how_to_name_the_right_one(tmp_path):
     )
     from tracerisk.config import Settings
 
-    known = pipeline.load_controller(tmp_path / "go.py")
-    verdict = pipeline.trace_controller(known, Settings(draft=False)).verdict
+    known = api.load_controller(tmp_path / "go.py")
+    verdict = api.trace_controller(known, Settings(draft=False)).verdict
     assert verdict is not None
     assert verdict.kind == "partial", verdict.reasons
     assert any("--robot other.urdf" in each.words for each in verdict.reasons), verdict.reasons

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.choice import choose_robot
 
@@ -29,7 +29,7 @@ def project(top: Path, script: str, **files: str) -> Path:
 
 
 def chosen_by(script: Path) -> tuple[str, str]:
-    robot = choose_robot(pipeline.load_controller(script), Settings()).robot
+    robot = choose_robot(api.load_controller(script), Settings()).robot
     return robot.name, robot.chosen_by.partition("; ")[2] or robot.chosen_by
 
 
@@ -61,12 +61,12 @@ def test_the_heaviest_evidence_decides_and_is_reported(tmp_path, script, files, 
 @pytest.mark.parametrize("needs", ["ur5_msgs", "ur5_moveit_config</depend><depend>ur10_support"])
 def test_what_a_package_depends_on_says_nothing_where_it_is_no_robot_or_two(tmp_path, needs):
     script = project(tmp_path, GROUP, manifest=DEPENDING.format(needs).replace("exec_", ""))
-    assert choose_robot(pipeline.load_controller(script), Settings()).robot.name == "generic"
+    assert choose_robot(api.load_controller(script), Settings()).robot.name == "generic"
 
 
 def test_folders_of_the_project_count_and_those_around_it_do_not(tmp_path):
     script = project(tmp_path / "ur10", ARM)
-    found = choose_robot(pipeline.load_controller(script), Settings()).robot
+    found = choose_robot(api.load_controller(script), Settings()).robot
     assert "would fit as well" in found.doubt
     script.parents[2].rename(tmp_path / "ur5e_demo")
     moved = tmp_path / "ur5e_demo" / "cell" / "scripts" / "pick.py"
@@ -80,7 +80,7 @@ def test_files_of_another_checkout_beside_it_are_no_evidence(tmp_path):
         (folder / "package.xml").write_text(MANIFEST.format(folder.name))
     (other / "README.md").write_text("UR5e\n")
     (own / "pick.py").write_text(ARM)
-    found = choose_robot(pipeline.load_controller(own / "pick.py"), Settings()).robot
+    found = choose_robot(api.load_controller(own / "pick.py"), Settings()).robot
     assert found.name == "ur5e"
     assert found.doubt.startswith("ur10, ur10e, ur16e, ur20, ur3, ur30 would fit as well")
 
@@ -107,7 +107,7 @@ def test_a_controller_of_a_gripper_alone_gets_the_generic_arm(tmp_path):
 )
 def test_what_a_readme_alone_speaks_of_is_assumed_and_not_a_generic_arm(tmp_path, files, robot):
     script = project(tmp_path, GROUP, **files)
-    found = choose_robot(pipeline.load_controller(script), Settings()).robot
+    found = choose_robot(api.load_controller(script), Settings()).robot
     assert found.name == robot
     if robot != "generic":
         assert found.doubt == f"nothing names it but that {robot} is named in a readme (README.md)"
@@ -125,6 +125,6 @@ def test_a_robot_of_the_settings_assumes_the_groups_that_only_pymoveit2_names(
     tmp_path, script, assumes
 ):
     (tmp_path / "pick.py").write_text(script)
-    controller = pipeline.load_controller(tmp_path / "pick.py")
+    controller = api.load_controller(tmp_path / "pick.py")
     robot = choose_robot(controller, Settings(robot="panda")).robot
     assert robot.assumes_names is assumes

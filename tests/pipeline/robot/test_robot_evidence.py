@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.choice import RobotChoice, choose_robot
 from tracerisk.pipeline.robot.evidence import Evidence, is_decided, ranked, shown
@@ -31,7 +31,7 @@ def written(top: Path, files: dict[str, str]) -> Path:
 
 def chosen(top: Path, **files: str) -> RobotChoice:
     named = {name.replace("__", "/").replace("_DOT_", "."): text for name, text in files.items()}
-    return choose_robot(pipeline.load_controller(written(top, named)), Settings())
+    return choose_robot(api.load_controller(written(top, named)), Settings())
 
 
 def of_source(top: Path, source: str) -> RobotChoice:
@@ -545,7 +545,7 @@ def test_prose_does_not_name_a_package_that_lies_beside(tmp_path, text, is_taken
         path = tmp_path / "src/other/moveit_config" / file
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(content.replace("big_config", "moveit_config"))
-    choice = choose_robot(pipeline.load_controller(mine), Settings())
+    choice = choose_robot(api.load_controller(mine), Settings())
     assert (choice.robot.name == "big") is is_taken
 
 

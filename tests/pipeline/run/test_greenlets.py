@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.api import load_settings
 from tracerisk.common import trace_json
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_again
 from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.pipeline.run.fault_run import nominal_run
-from tracerisk.pipeline.stages import load_settings
 from tracerisk.pipeline.workspace.controller import load_controller
 
 SAMPLES = Path(__file__).parents[3] / "sample_controllers"

@@ -5,7 +5,7 @@ import textwrap
 import pytest
 
 from tests.slow import slow_but
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.config import Settings
 
 ARM = """\
@@ -273,7 +273,7 @@ def trace_of(folder, head, body):
     path = folder / "arm.py"
     path.write_text(head + textwrap.dedent(body))
     (folder / "pyproject.toml").touch()
-    trace = pipeline.trace_controller(pipeline.load_controller(path), Settings(robot="panda"))
+    trace = api.trace_controller(api.load_controller(path), Settings(robot="panda"))
     return path.read_text().splitlines(), trace
 
 
@@ -317,7 +317,7 @@ def test_a_blocking_motion_to_where_the_arm_begins_is_not_over_before_the_connec
         "limb.move_to_joint_positions(BENCH, timeout=0.0)\nrospy.sleep(1.0)\n"
         "assert 0.004 < limb.joint_angle('right_s0') < 0.03\n"
     )
-    trace = pipeline.trace_controller(pipeline.load_controller(path), Settings(robot="baxter"))
+    trace = api.trace_controller(api.load_controller(path), Settings(robot="baxter"))
     assert [reason.words for reason in trace.verdict.open_reasons] == []
 
 
@@ -325,5 +325,5 @@ def test_a_nudge_of_a_new_limb_reaches_nobody(tmp_path):
     (tmp_path / "pyproject.toml").touch()
     path = tmp_path / "nudge.py"
     path.write_text(f"{NUDGE}limb.move_to_joint_positions(BENCH, timeout=0.0)\nrospy.sleep(1.0)\n")
-    trace = pipeline.trace_controller(pipeline.load_controller(path), Settings(robot="baxter"))
+    trace = api.trace_controller(api.load_controller(path), Settings(robot="baxter"))
     assert [reason.code for reason in trace.verdict.reasons] == ["sent-early", "no-command"]

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.choice import choose_robot
 from tracerisk.pipeline.workspace.own_modules import own_modules, with_own_modules
@@ -28,7 +28,7 @@ def written(top: Path, files: dict[str, str]) -> Path:
 
 
 def names(script: Path) -> list[str]:
-    controller = pipeline.load_controller(script)
+    controller = api.load_controller(script)
     top = script.parents[1]
     return sorted(path.relative_to(top).as_posix() for path in own_modules(controller))
 
@@ -50,17 +50,17 @@ def test_a_module_that_imports_its_importer_and_one_that_is_no_python_end_the_se
     script = written(tmp_path, files)
     assert "src/cell/broken.py" in names(script)
     assert "src/cell/unused.py" not in names(script)
-    assert b"print 'old'" not in with_own_modules(pipeline.load_controller(script)).source
+    assert b"print 'old'" not in with_own_modules(api.load_controller(script)).source
 
 
 def test_the_names_in_its_modules_say_the_robot(tmp_path):
     script = written(tmp_path, FILES)
-    robot = choose_robot(pipeline.load_controller(script), Settings()).robot
+    robot = choose_robot(api.load_controller(script), Settings()).robot
     assert robot.name == "panda"
     lists = 'JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"]\n'
     (tmp_path / "src/cell/names.py").write_text(lists)
     (tmp_path / "src/cell/arms/left.py").write_text('GROUP = "ur10e"\n')
-    robot = choose_robot(pipeline.load_controller(script), Settings()).robot
+    robot = choose_robot(api.load_controller(script), Settings()).robot
     assert robot.name == "ur10e"
 
 
@@ -68,4 +68,4 @@ def test_a_module_in_another_encoding_is_read_in_its_own(tmp_path):
     script = written(tmp_path, FILES)
     text = '# coding: latin-1\nJOINTS = ["panda_joint1"]  # Gelenk, grün\n'
     (tmp_path / "src/cell/names.py").write_bytes(text.encode("latin-1"))
-    assert "grün" in with_own_modules(pipeline.load_controller(script)).source.decode()
+    assert "grün" in with_own_modules(api.load_controller(script)).source.decode()

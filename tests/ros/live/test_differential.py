@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.trace import Trace
 
 PROGRAMS = Path(__file__).parent / "programs"
@@ -97,9 +97,9 @@ def logged(printed: str) -> list[str]:
 def _traced(
     script: Path, capfd: pytest.CaptureFixture[str], live_speed: float | None
 ) -> tuple[Trace, str]:
-    controller = pipeline.load_controller(script)
-    settings = pipeline.load_settings(controller, {"robot": "panda", "draft": False})
-    trace = pipeline.trace_controller(controller, settings, live_speed=live_speed)
+    controller = api.load_controller(script)
+    settings = api.load_settings(controller, {"robot": "panda", "draft": False})
+    trace = api.trace_controller(controller, settings, live_speed=live_speed)
     return trace, "".join(capfd.readouterr())
 
 

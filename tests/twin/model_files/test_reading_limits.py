@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.common.limits import DEFAULT_LIMITS, Limit
 from tracerisk.config import Settings
 from tracerisk.errors import LimitError
@@ -38,7 +38,7 @@ def test_a_controller_gets_no_generic_arm_where_the_xacro_of_its_workspace_takes
     script = tmp_path / "reach.py"
     script.write_text('LINK = "bent_base"\n')
     with pytest.raises(LimitError, match=TOLD):
-        choose_robot(pipeline.load_controller(script), Settings(stall_limit_s=0.3))
+        choose_robot(api.load_controller(script), Settings(stall_limit_s=0.3))
 
 
 def test_a_mesh_that_is_never_read_to_its_end_is_not_left_out(tmp_path):

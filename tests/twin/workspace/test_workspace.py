@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tests.twin.urdf import test_urdf as texts
-from tracerisk import pipeline
+from tracerisk import api
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.config import Settings
@@ -38,7 +38,7 @@ def workspace(tmp_path, source=CONTROLLER):
 
 
 def chosen(script):
-    return choose_robot(pipeline.load_controller(script), Settings())
+    return choose_robot(api.load_controller(script), Settings())
 
 
 def test_the_robot_beside_the_controller_is_taken_and_reported(tmp_path):
@@ -338,7 +338,7 @@ def test_a_broken_file_of_the_only_robot_is_reported_with_its_reason(tmp_path):
     assert robot.name == "generic"
     assert "cannot be read (tiny.srdf: is not XML" in robot.chosen_by
     assert "or name the robot with --robot" in robot.chosen_by
-    generic = choose_robot(pipeline.load_controller(script), Settings(robot="generic"))
+    generic = choose_robot(api.load_controller(script), Settings(robot="generic"))
     assert generic.robot.name == "generic"
 
 
@@ -517,8 +517,8 @@ def test_a_controller_of_an_unknown_robot_runs(tmp_path):
         "    group.go(wait=True)\n\n"
         'reach(moveit_commander.MoveGroupCommander("some_arm"))\n',
     )
-    controller = pipeline.load_controller(script)
-    trace = pipeline.trace_controller(controller, Settings())
+    controller = api.load_controller(script)
+    trace = api.trace_controller(controller, Settings())
     assert [function.ref.name for function in trace.functions] == ["reach"]
     messages = [finding.message for finding in trace.findings]
     assert any("unknown planning group 'some_arm'" in message for message in messages)

@@ -77,7 +77,7 @@ def run_shown(trace: Trace, settings: Settings, kept: KeptRun | None = None) -> 
     Raises HardwareError where the hardware description does not fit it.
     """
     from tracerisk.adder.figures.computed import compute_blocks
-    from tracerisk.pipeline import load_hardware
+    from tracerisk.common.hardware.formats import load_hardware
     from tracerisk.pipeline.freshness.used_evidence import used_evidence
     from tracerisk.pipeline.pictures.run_section import run_section
 
@@ -111,7 +111,7 @@ def report_html(
     """
     from tracerisk.cli.shared.run_report import finding_line, object_lines
     from tracerisk.pipeline.check.overrides import overrides_in
-    from tracerisk.pipeline.stages import blocks_of
+    from tracerisk.pipeline.model import blocks_of
     from tracerisk.report.html.report import render_report
     from tracerisk.report.html.report_input import ReportInput
     from tracerisk.report.run_figures import run_figures

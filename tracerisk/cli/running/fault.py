@@ -89,12 +89,13 @@ def run_faults(options: argparse.Namespace) -> int:
     )
     lines = _lines(replace(done, nominal=nominal, trace=trace))
     if options.report is not None:
-        from tracerisk.pipeline import load_controller, load_hardware, load_settings
+        from tracerisk import api
         from tracerisk.pipeline.pictures.run_section import run_section
         from tracerisk.report.html.fault_report import render_fault_report
 
-        settings = load_settings(load_controller(options.controller), shared.run_settings(options))
-        hardware = load_hardware(settings, done.trace.robot)
+        controller = api.load_controller(options.controller)
+        settings = api.load_settings(controller, shared.run_settings(options))
+        hardware = api.load_hardware(settings, done.trace.robot)
         section: Section | None = run_section(done.trace, hardware, recorded, done.faults)
         sections = () if section is None else (section,)
         write_file(options.report, render_fault_report(done.trace, done.words, lines, sections))

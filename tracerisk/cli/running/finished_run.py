@@ -17,9 +17,9 @@ from tracerisk.cli.shared.verdict import as_typed, verdict_details
 from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
 from tracerisk.common import trace_json
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
+from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
 from tracerisk.pipeline.review.alerts import run_alerts
-from tracerisk.pipeline.stages import blocks_of
 from tracerisk.prm.formats import model_json
 from tracerisk.report.run_figures import run_figures, set_by_hand
 from tracerisk.trace import verdict_line

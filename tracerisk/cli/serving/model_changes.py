@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy
 from tracerisk.errors import InputError, one_of
-from tracerisk.pipeline.stages import blocks_of, solve
+from tracerisk.pipeline.model import blocks_of
 from tracerisk.prm.hybrid.from_blocks import build_model
+from tracerisk.prm.hybrid.solve import solve
 from tracerisk.prm.questions.set_values import groups_of, value_of, with_values
 
 if TYPE_CHECKING:

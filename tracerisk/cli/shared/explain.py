@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.common.hardware.model import Hardware
     from tracerisk.config import Settings
-    from tracerisk.pipeline import Annotated
+    from tracerisk.pipeline.annotate import Annotated
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
 
@@ -24,9 +24,9 @@ def explained(
     """
     if options.explain is None:
         return None
-    from tracerisk import pipeline
+    from tracerisk.pipeline.failure_data.explanation import explain
 
-    return pipeline.explain(annotated, hardware, settings, options.explain)
+    return explain(annotated, hardware, settings, options.explain)
 
 
 def derivation_json(derivation: FunctionDerivation | None) -> dict[str, Any]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from typing import Any, TextIO
 
     from tracerisk.common.hardware.model import Hardware
-    from tracerisk.pipeline import Annotated
+    from tracerisk.pipeline.annotate import Annotated
     from tracerisk.pipeline.workspace.project import Projects
     from tracerisk.report.sarif import Alert
 

@@ -81,15 +81,15 @@ def check_robot(trace: Trace, name: str | None, path: Path) -> None:
 def _declared(
     path: Path, options: argparse.Namespace, controller: str | None
 ) -> tuple[Robot, Declared]:
-    from tracerisk import pipeline
+    from tracerisk import api
     from tracerisk.config import Settings
     from tracerisk.pipeline.recordings.declared import Declared, parse_effort_unit
     from tracerisk.pipeline.recordings.messages import open_recording
 
     settings, file, root = Settings(), "", Path()
     if controller is not None:
-        found = pipeline.load_controller(controller)
-        settings = pipeline.load_settings(found, shared.run_settings(options))
+        found = api.load_controller(controller)
+        settings = api.load_settings(found, shared.run_settings(options))
         file, root = found.file, found.root
     name = options.robot or settings.robot
     with open_recording(path):

@@ -43,7 +43,7 @@ def model_of_sources(files: Sequence[str], profile: ProfileText) -> HybridModel:
     """Build the model of the blocks in the files."""
     from pathlib import Path
 
-    from tracerisk.pipeline import build
+    from tracerisk.pipeline.model import build
 
     if len(set(files)) != len(files):
         raise InputError("a file is named twice; name each once")

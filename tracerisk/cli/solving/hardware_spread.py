@@ -77,7 +77,7 @@ def spreads_of_files(
     sources = [name for name in files if Path(name).suffix == ".py"]
     if sources:
         from tracerisk.cli.shared.sources import read_file
-        from tracerisk.pipeline.stages import blocks_of
+        from tracerisk.pipeline.model import blocks_of
         from tracerisk.report.run_figures import set_by_hand
 
         blocks = blocks_of({name: read_file(name) for name in sources})

@@ -22,10 +22,12 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, WrittenBlock, lock_key
 from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.errors import InputError, Location, Readable
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.known_controllers import locks_in
+from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.project import Project, Projects
 from tracerisk.trace import QualifiedName
 
@@ -192,3 +194,31 @@ def _moved(value: Sequence[Transition], computed: Sequence[Transition]) -> Fract
 
 def _order(override: Override) -> tuple[str, int, str]:
     return (override.location.file, override.location.line or 0, override.field)
+
+
+def hand_set(controller: Controller) -> tuple[str, ...]:
+    """Return what a user set in the blocks of a source, each with its place.
+
+    Raises BlockError when a block cannot be read.
+    """
+    from tracerisk.adder.blocks.values import component_fields
+
+    found = []
+    for placed in read_blocks(controller.source, str(controller.path)):
+        block = placed.block
+        if block.added:
+            found.append(f"{block.location}: the block of {block.name}")
+        fields = [("callSequence", block.call_sequence), ("next", block.next)]
+        for component in block.components:
+            if component.added or component.omitted:
+                found.append(f"{component.location}: {block.name}.{component.name}")
+            fields += [
+                (f"{component.name}.{kind.key}", value)
+                for kind, value in component_fields(component)
+            ]
+        found += [
+            f"{value.location}: {block.name}.{key}"
+            for key, value in fields
+            if value is not None and value.pinned
+        ]
+    return tuple(found)

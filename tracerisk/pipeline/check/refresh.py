@@ -13,11 +13,13 @@ from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.limits import SandboxMode
 from tracerisk.config import SANDBOX_SETTINGS
 from tracerisk.errors import ControllerFailedError, Location
+from tracerisk.pipeline.annotate import Annotated, annotate
 from tracerisk.pipeline.check.check import check_controller, given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
 from tracerisk.pipeline.freshness.known_controllers import with_moved
+from tracerisk.pipeline.freshness.known_functions import check_blocks
 from tracerisk.pipeline.freshness.trace_cache import TraceCache
-from tracerisk.pipeline.stages import Annotated, annotate, check_blocks, trace_controller
+from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects

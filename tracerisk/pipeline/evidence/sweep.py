@@ -17,10 +17,12 @@ from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.sandbox.scratch import scratch
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError, one_of
+from tracerisk.pipeline.annotate import annotate
 from tracerisk.pipeline.evidence.workers import Workers
 from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons, stated
 from tracerisk.pipeline.freshness.trace_cache import FOLDER, make_kept
-from tracerisk.pipeline.stages import annotate, build, trace_controller
+from tracerisk.pipeline.model import build
+from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.prm.hybrid.solve import solve
 from tracerisk.report.series.sweep import SweepPoint as SweepPoint

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.common.hardware.model import Hardware
     from tracerisk.config import Settings
-    from tracerisk.pipeline.stages import Annotated
+    from tracerisk.pipeline.annotate import Annotated
 
 
 def explain(

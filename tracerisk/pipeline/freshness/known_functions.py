@@ -9,14 +9,16 @@ from pathlib import Path
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import DONE
-from tracerisk.adder.lock.lock import Written
+from tracerisk.adder.lock.lock import Written, lock_key
 from tracerisk.adder.merge.hand_edits import check_targets, is_next_by_hand
 from tracerisk.adder.sources.functions import functions_in
+from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.config import Settings
 from tracerisk.errors import SettingsError, TraceRiskError, one_of
 from tracerisk.instrument.source.function_definitions import MODULE
+from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import Trace
+from tracerisk.trace import QualifiedName, Trace
 
 _SHOWN = 20  # names listed in a message, of a controller that may have hundreds
 
@@ -130,3 +132,25 @@ def _functions_of(path: Path, mtime_ns: int) -> frozenset[str]:  # noqa: ARG001 
     except (OSError, TraceRiskError):
         return frozenset()
     return frozenset(str(name) for name, _ in functions if name != MODULE)
+
+
+def check_blocks(controller: Controller) -> None:
+    """Read what is there of blocks and lock, so that a fault in them is reported before a run.
+
+    Raises BlockError, SourceError or InputError at what is malformed.
+    """
+    lock = with_moved(controller.project.lock, controller)
+    entry = lock.controllers.get(lock_key(controller.path, controller.root))
+    written = {} if entry is None else dict(entry.blocks)
+    found = []
+    for file in (controller.file, *sorted(set(written) - {controller.file})):
+        if file == controller.file or controller.path_of(file).is_file():
+            base = written.get(file, {})
+            known = {QualifiedName(name) for name in base}
+            shown = str(controller.path_of(file))
+            followed = follow_renames(controller.source_of(file), shown, known)
+            base = base_with_names(base, followed.renamed)
+            found += [(placed.block, base) for placed in followed.placed]
+    others = {name for base in written.values() for name in base}
+    check_steps(controller, found, others, before_run=True)
+    check_named_functions(controller, controller.settings)

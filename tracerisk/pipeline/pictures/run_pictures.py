@@ -30,7 +30,7 @@ def run_again(
     simulated. Raises as `trace_controller`.
     """
     from tracerisk.pipeline.pictures.run_section import recorded_run
-    from tracerisk.pipeline.stages import trace_controller
+    from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 
     with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
         trace = trace_controller(controller, settings, keep=Path(folder), progress=progress)

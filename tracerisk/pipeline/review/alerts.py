@@ -253,7 +253,7 @@ def _names(path: str, placed: Sequence[PlacedBlock]) -> tuple[str, str, str]:
 def _single_points(
     name: str, held: Mapping[Path, bytes], sources: Mapping[Path, Sequence[PlacedBlock]]
 ) -> Iterator[Alert]:
-    from tracerisk.pipeline.stages import build
+    from tracerisk.pipeline.model import build
     from tracerisk.prm.review.model_parts import single_points
 
     annotated = {str(file): held[file] for file, blocks in sources.items() if blocks}

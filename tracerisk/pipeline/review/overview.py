@@ -10,10 +10,11 @@ from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.freshness.known_controllers import locks_in
 from tracerisk.pipeline.freshness.source_verdict import source_verdicts
-from tracerisk.pipeline.stages import build, solve
+from tracerisk.pipeline.model import build
 from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.hybrid.solve import solve
 from tracerisk.trace import Verdict
 
 

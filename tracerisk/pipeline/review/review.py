@@ -14,6 +14,7 @@ from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.history.repository import Repository
+from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.review.annotated_files import annotated_files
 from tracerisk.pipeline.review.causes import cause_finder, input_changes
 from tracerisk.pipeline.review.controllers import (
@@ -26,7 +27,6 @@ from tracerisk.pipeline.review.git_versions import GitVersion, compared
 from tracerisk.pipeline.review.renamed_functions import FunctionSource, renamed_functions
 from tracerisk.pipeline.review.run_changes import run_changes, unrun_files
 from tracerisk.pipeline.review.run_verdicts import version_verdict
-from tracerisk.pipeline.stages import blocks_of
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.prm.review.compare import compare
 from tracerisk.prm.review.model_parts import RiskVersion

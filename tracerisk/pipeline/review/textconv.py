@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import component_fields
 from tracerisk.errors import TraceRiskError
-from tracerisk.pipeline.stages import blocks_of
+from tracerisk.pipeline.model import blocks_of
 from tracerisk.prm.hybrid.from_blocks import MAX_QUANTITY, build_model, function_state
 from tracerisk.prm.hybrid.solve import solve_figures, top_event
 

@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.common.dependencies import require_simulator
 from tracerisk.common.limits import Limits
 from tracerisk.config import Settings
 from tracerisk.errors import Location, RobotError
-from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice
+from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, LaunchChoice, choose_launch
 from tracerisk.pipeline.launch.launch_hints import with_parameters
+from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.project import Project
@@ -151,3 +153,16 @@ def robot_files(controller: Controller, settings: Settings) -> tuple[Path, ...]:
         return (Path(name),)
     installed = workspace_of(controller, settings).installed
     return read_model(controller.project, name, settings.limits, installed).files
+
+
+def driven_robot(controller: Controller, settings: Settings) -> Robot:
+    """Return the robot that the controller drives; `Robot.chosen_by` says why it is this one.
+
+    It is that of the settings, else that of the controller's workspace, else the shipped one of
+    which the controller's strings speak, with those of its launch file, else a generic arm.
+    Raises RobotError when it is unknown, or several fit.
+    """
+    require_simulator("what reads a robot")
+    settings = with_scenario(settings)
+    launch = choose_launch(controller, settings) if settings.robot is None else NOTHING_CHOSEN
+    return choose_launched_robot(controller, settings, launch).robot

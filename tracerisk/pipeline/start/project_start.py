@@ -146,7 +146,7 @@ def _robots(
 ) -> tuple[dict[str, tuple[str, ...]], str]:
     if "sim" in missing_extras():
         return {} if given is None else {given: controllers}, "the simulator is not installed"
-    from tracerisk.pipeline.stages import load_robot, load_settings
+    from tracerisk.pipeline.robot.choice import driven_robot
     from tracerisk.pipeline.workspace.controller import load_controller
     from tracerisk.twin.robots.generic import NAME as GENERIC
     from tracerisk.twin.robots.robot import load_robot as load_named
@@ -158,7 +158,7 @@ def _robots(
     for each in controllers[:_MOST_READ]:
         try:
             controller = load_controller(root / each)
-            robot = load_robot(controller, load_settings(controller))
+            robot = driven_robot(controller, controller.settings)
         except TraceRiskError as error:
             why = why or f"{each}: {error.message}"
             continue

@@ -11,7 +11,7 @@ from typing import Any
 
 from tracerisk.common.outcome.changes import Tolerances
 from tracerisk.common.sandbox.scratch import scratch
-from tracerisk.common.worlds.world import World, world_named
+from tracerisk.common.worlds.world import World, world_named, worlds_named
 from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import MachineError, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
@@ -20,9 +20,8 @@ from tracerisk.pipeline.evidence.workers import CellProgress, Workers
 from tracerisk.pipeline.freshness.freshness import stated
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_in_world
-from tracerisk.pipeline.run.ended_run import RunOptions
+from tracerisk.pipeline.run.ended_run import Progress, RunOptions
 from tracerisk.pipeline.scenarios.rounds import draft_scenario
-from tracerisk.pipeline.stages import load_settings
 from tracerisk.pipeline.trace.run_files import EVENTS, LOST_ON_THE_WAY
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.worlds.comparison import Lost, compared, is_endless
@@ -77,7 +76,7 @@ def _drafted(
         yield dict(given)
         return
     loaded = load_controller(controller)
-    settings = load_settings(loaded, dict(given))
+    settings = loaded.settings_with(dict(given))
     base = None if settings.scenario is None else Path(settings.scenario)
     with tempfile.TemporaryDirectory(prefix="tracerisk-worlds-") as folder:
         path = Path(folder, "drafted.scenario.yaml")
@@ -157,3 +156,25 @@ def _lost(recording: Recording) -> tuple[Lost, ...]:
             case [str(words), str(file), int(line)] | (str(words), str(file), int(line)):
                 found.append((words, file, line))
     return tuple(found)
+
+
+def with_worlds(
+    trace: Trace,
+    path: str | Path,
+    settings: Mapping[str, Any] | None,
+    names: str,
+    progress: Progress | None,
+) -> Trace:
+    """Return the trace with the runs of its controller in other worlds.
+
+    `names` are those of the worlds between commas, or `all`.
+    """
+
+    def notify(done: int, of: int, left_s: float) -> None:
+        if progress is not None:
+            progress(f"world {done} of {of}, {left_s:.0f} s left", trace.end.simulated_s or 0.0)
+
+    asked = worlds_named(names)
+    notify(0, len(asked), 0.0)
+    runs = run_worlds(Path(path), settings, asked, trace=trace, progress=notify)
+    return replace(trace, worlds=runs)

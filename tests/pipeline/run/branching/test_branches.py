@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.api import load_settings
 from tracerisk.common import trace_json
 from tracerisk.errors import InputError
 from tracerisk.pipeline.run.branching import branches as branches_module
@@ -14,7 +15,6 @@ from tracerisk.pipeline.run.branching import watch as watch_module
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.pipeline.run.fault_run import nominal_run, run_with_faults
-from tracerisk.pipeline.stages import load_settings
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.twin.faults.fault import Fault, modes_of
 

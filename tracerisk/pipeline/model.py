@@ -1,0 +1,64 @@
+"""The risk model that the blocks in sources make, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
+from tracerisk.adder.sources.read import read_blocks
+from tracerisk.errors import InputError
+from tracerisk.instrument.source.language import is_c_like
+from tracerisk.trace import FunctionRef, QualifiedName
+
+if TYPE_CHECKING:
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+
+
+def build(
+    sources: Mapping[str, bytes],
+    *,
+    name: str,
+    profile: Mapping[str, Mapping[str, Fraction]] | None = None,
+) -> HybridModel:
+    """Build the hybrid risk model from the blocks in the sources, and from nothing else.
+
+    `sources` maps the names of files, for messages, to their bytes; by its ending a file is one of
+    C, C++ or Java, else of Python.
+    Raises BlockError or ModelError where the blocks are malformed or contradict each other.
+    """
+    from tracerisk.prm.hybrid.from_blocks import build_model
+
+    blocks = [block for _, block in blocks_of(sources)]
+    if not blocks:
+        raise InputError(
+            f"no risk block in {', '.join(sources)}; `tracerisk run` or `annotate` writes them"
+        )
+    return build_model(blocks, profile=profile, name=name)
+
+
+def blocks_of(sources: Mapping[str, bytes]) -> list[tuple[FunctionRef, RiskBlock]]:
+    """Return the blocks in the sources, each under the name that its function has in the model.
+
+    Beside each stands its function: the file and the qualified name within it.
+    Raises BlockError or SourceError where a block or a source is malformed.
+    """
+    found = [
+        (FunctionRef(file, name), block)
+        for file, source in sources.items()
+        for name, block in _blocks_in(source, file)
+    ]
+    names = model_names([ref for ref, _ in found])
+    return [(ref, replace(block, name=QualifiedName(names[ref]))) for ref, block in found]
+
+
+def _blocks_in(source: bytes, file: str) -> Iterator[tuple[QualifiedName, RiskBlock]]:
+    if is_c_like(file):
+        yield from ((QualifiedName(block.name), block) for block in read_c_blocks(source, file))
+        return
+    yield from ((placed.function, placed.block) for placed in read_blocks(source, file))
+    yield from ((QualifiedName(block.name), block) for block in read_plain_blocks(source, file))
