@@ -110,7 +110,6 @@ SUB_ROOMS = {
             "dependencies",
             "geometry",
             "limits",
-            "on_demand",
         ),
         *("strong_components", "text", "campaign", "records"),
     ),

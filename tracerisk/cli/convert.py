@@ -167,7 +167,7 @@ def _tree_text(
             # Then every time gives the same numbers.
             time = 0.0
         return dumps_openpra(model, mission_time_h=time)
-    from tracerisk.prm.other_models.formats.open_psa import dumps_open_psa
+    from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 
     return dumps_open_psa(model)
 

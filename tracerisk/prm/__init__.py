@@ -1,6 +1,11 @@
-"""The probabilistic risk model: fault trees, Markov chains, their link, and solving them."""
+"""The probabilistic risk model: fault trees, Markov chains, their link, and solving them.
 
-from tracerisk.common.on_demand import on_demand
+The public names of the room, each imported when it is first used: who imports one kind of model
+from the room waits for no other kind, and a small tree is solved without NumPy. It is the only
+package that does so.
+"""
+
+from importlib import import_module
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -96,9 +101,9 @@ __all__ = [
     "solve",
 ]
 
-__getattr__ = on_demand(
-    __name__,
-    {
+_HOMES = {
+    name: module
+    for module, names in {
         "hybrid.assessment": "Assessment FIGURE_STATEMENT",
         "hybrid.elements": "FunctionState NextStep Parameter",
         "hybrid.from_blocks": "build_model",
@@ -124,5 +129,13 @@ __getattr__ = on_demand(
         ),
         "trees.fault_tree": "FaultTree",
         "trees.gates": "Gate GateKind",
-    },
-)
+    }.items()
+    for name in names.split()
+}
+"""The module of each name."""
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'tracerisk.prm' has no attribute '{name}'")
+    return getattr(import_module(f"tracerisk.prm.{_HOMES[name]}"), name)

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from tracerisk.errors import ModelError
 from tracerisk.prm import BasicEvent, FaultTree, HybridModel, prime_implicants
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of
-from tracerisk.prm.other_models import expressions
 from tracerisk.prm.other_models.dynamic import DynamicEvent, DynamicTree
 from tracerisk.prm.other_models.expressions import (
     Definitions,
@@ -20,6 +19,7 @@ from tracerisk.prm.other_models.expressions import (
     Number,
     Reference,
 )
+from tracerisk.prm.other_models.expressions.laws import Exponential as ExponentialLaw
 from tracerisk.prm.other_models.linked import LinkedModel
 from tracerisk.prm.trees.failure_models import Exponential, PerDemand
 
@@ -208,7 +208,7 @@ def test_a_model_that_needs_no_mission_time_asks_for_none():
     definitions = Definitions(
         (
             ("share", Number(0.25)),
-            ("late", expressions.Exponential(Reference("share"), MissionTime())),
+            ("late", ExponentialLaw(Reference("share"), MissionTime())),
         )
     )
 

@@ -9,31 +9,30 @@ from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.other_models.expressions import (
-    BetaDeviate,
     Call,
     Definitions,
     Difference,
     Evaluation,
-    Exponential,
     ExpressionModel,
-    GammaDeviate,
-    Glm,
-    Histogram,
-    LognormalDeviate,
     MissionTime,
     Negation,
-    NormalDeviate,
     Number,
-    PeriodicTest,
     Product,
     Quotient,
     Reference,
     Sum,
-    UniformDeviate,
-    Weibull,
     evaluate,
     references,
 )
+from tracerisk.prm.other_models.expressions.deviates import (
+    BetaDeviate,
+    GammaDeviate,
+    Histogram,
+    LognormalDeviate,
+    NormalDeviate,
+    UniformDeviate,
+)
+from tracerisk.prm.other_models.expressions.laws import Exponential, Glm, PeriodicTest, Weibull
 
 
 def numbers(*values):

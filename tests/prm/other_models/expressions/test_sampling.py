@@ -7,29 +7,27 @@ from scipy import stats
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.strata import LatinHypercube
 from tracerisk.prm.other_models.expressions import (
-    BetaDeviate,
     Call,
     Difference,
-    Exponential,
-    GammaDeviate,
-    Glm,
-    Histogram,
-    LognormalDeviate,
     MissionTime,
     Negation,
-    NormalDeviate,
     Number,
-    PeriodicTest,
     Product,
     Quotient,
     Reference,
-    Sampling,
     Sum,
-    UniformDeviate,
-    Weibull,
     evaluate,
-    sample,
 )
+from tracerisk.prm.other_models.expressions.deviates import (
+    BetaDeviate,
+    GammaDeviate,
+    Histogram,
+    LognormalDeviate,
+    NormalDeviate,
+    UniformDeviate,
+)
+from tracerisk.prm.other_models.expressions.laws import Exponential, Glm, PeriodicTest, Weibull
+from tracerisk.prm.other_models.expressions.sampling import Sampling, sample
 
 DRAWS = LatinHypercube(2000, seed=1)
 

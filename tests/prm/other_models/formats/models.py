@@ -7,26 +7,25 @@ from functools import cache
 from hypothesis import strategies as st
 
 from tracerisk.prm.other_models.expressions import (
-    BetaDeviate,
     Call,
     Difference,
-    Exponential,
-    GammaDeviate,
-    Glm,
-    Histogram,
-    LognormalDeviate,
     MissionTime,
     Negation,
-    NormalDeviate,
     Number,
-    PeriodicTest,
     Product,
     Quotient,
     Reference,
     Sum,
-    UniformDeviate,
-    Weibull,
 )
+from tracerisk.prm.other_models.expressions.deviates import (
+    BetaDeviate,
+    GammaDeviate,
+    Histogram,
+    LognormalDeviate,
+    NormalDeviate,
+    UniformDeviate,
+)
+from tracerisk.prm.other_models.expressions.laws import Exponential, Glm, PeriodicTest, Weibull
 from tracerisk.prm.other_models.logic.common_cause import CommonCauseLaw
 from tracerisk.prm.other_models.logic.model import (
     ALWAYS,

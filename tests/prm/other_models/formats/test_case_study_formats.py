@@ -5,8 +5,9 @@ import pytest
 from tests.prm.other_models.formats.models import solved_tops
 from tracerisk.prm import build_model
 from tracerisk.prm.other_models.formats.conversion import logic_of_functions
-from tracerisk.prm.other_models.formats.open_psa import dumps_open_psa, loads_open_psa
+from tracerisk.prm.other_models.formats.open_psa import loads_open_psa
 from tracerisk.prm.other_models.formats.open_psa.rewriting import written_name
+from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 from tracerisk.prm.other_models.formats.openpra import dumps_openpra, loads_openpra
 
 

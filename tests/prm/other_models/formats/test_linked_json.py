@@ -10,27 +10,26 @@ from tracerisk.errors import ModelError
 from tracerisk.prm import build_model
 from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
 from tracerisk.prm.other_models.expressions import (
-    BetaDeviate,
     Call,
     Difference,
-    Exponential,
     Expression,
-    GammaDeviate,
-    Glm,
-    Histogram,
-    LognormalDeviate,
     MissionTime,
     Negation,
-    NormalDeviate,
     Number,
-    PeriodicTest,
     Product,
     Quotient,
     Reference,
     Sum,
-    UniformDeviate,
-    Weibull,
 )
+from tracerisk.prm.other_models.expressions.deviates import (
+    BetaDeviate,
+    GammaDeviate,
+    Histogram,
+    LognormalDeviate,
+    NormalDeviate,
+    UniformDeviate,
+)
+from tracerisk.prm.other_models.expressions.laws import Exponential, Glm, PeriodicTest, Weibull
 from tracerisk.prm.other_models.formats.linked_json import dumps, linked_data, linked_schema, loads
 from tracerisk.prm.other_models.linked import (
     Absorption,

@@ -14,18 +14,16 @@ from hypothesis import strategies as st
 from tests.prm.other_models.formats.models import gates, logic_models, names, ordered
 from tracerisk.errors import ModelError
 from tracerisk.prm.other_models.expressions import (
-    Exponential,
     MissionTime,
     Negation,
     Number,
     Reference,
     evaluate,
 )
+from tracerisk.prm.other_models.expressions.laws import Exponential
 from tracerisk.prm.other_models.formats.open_psa import (
-    dumps_open_psa,
     loads_open_psa,
     read_open_psa,
-    write_open_psa,
 )
 from tracerisk.prm.other_models.formats.open_psa.rewriting import (
     accepted_form,
@@ -33,6 +31,7 @@ from tracerisk.prm.other_models.formats.open_psa.rewriting import (
     read_name,
     written_name,
 )
+from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa, write_open_psa
 from tracerisk.prm.other_models.logic.model import (
     ALWAYS,
     NEVER,

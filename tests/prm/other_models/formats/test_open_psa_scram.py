@@ -9,10 +9,10 @@ from tests.slow import slow_but
 from tracerisk.errors import ModelError
 from tracerisk.prm import minimal_cut_sets, prime_implicants
 from tracerisk.prm.other_models.formats.open_psa import (
-    dumps_open_psa,
     loads_open_psa,
     read_open_psa,
 )
+from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
 
 MISSION_H = 8760.0

@@ -21,8 +21,10 @@ from tracerisk.prm.other_models.event_trees.elements import (
     Weight,
 )
 from tracerisk.prm.other_models.event_trees.event_tree import EventTree
-from tracerisk.prm.other_models.expressions import Exponential, MissionTime, Number
-from tracerisk.prm.other_models.formats.open_psa import dumps_open_psa, loads_open_psa
+from tracerisk.prm.other_models.expressions import MissionTime, Number
+from tracerisk.prm.other_models.expressions.laws import Exponential
+from tracerisk.prm.other_models.formats.open_psa import loads_open_psa
+from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 from tracerisk.prm.other_models.formats.openpra import (
     dumps_openpra,
     loads_openpra,

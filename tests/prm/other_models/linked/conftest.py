@@ -8,7 +8,6 @@ import pytest
 from tracerisk.prm.other_models.expressions import (
     Call,
     Difference,
-    Exponential,
     MissionTime,
     Negation,
     Number,
@@ -17,6 +16,7 @@ from tracerisk.prm.other_models.expressions import (
     Reference,
     Sum,
 )
+from tracerisk.prm.other_models.expressions.laws import Exponential
 from tracerisk.prm.other_models.linked import (
     Absorption,
     Figure,

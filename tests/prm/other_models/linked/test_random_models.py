@@ -4,14 +4,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from tracerisk.prm.other_models.expressions import (
-    Call,
-    Exponential,
-    MissionTime,
-    Number,
-    Product,
-    Reference,
-)
+from tracerisk.prm.other_models.expressions import Call, MissionTime, Number, Product, Reference
+from tracerisk.prm.other_models.expressions.laws import Exponential
 from tracerisk.prm.other_models.linked import (
     Absorption,
     Figure,

@@ -8,14 +8,8 @@ import pytest
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import build_model
 from tracerisk.prm.numbers.distributions import Lognormal, Uniform
-from tracerisk.prm.other_models.expressions import (
-    LognormalDeviate,
-    Number,
-    Product,
-    Reference,
-    Sum,
-    UniformDeviate,
-)
+from tracerisk.prm.other_models.expressions import Number, Product, Reference, Sum
+from tracerisk.prm.other_models.expressions.deviates import LognormalDeviate, UniformDeviate
 from tracerisk.prm.other_models.linked import (
     Figure,
     LinkedChain,

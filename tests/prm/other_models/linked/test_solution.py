@@ -8,9 +8,6 @@ from tracerisk.prm import build_model, solve
 from tracerisk.prm.other_models.expressions import (
     Call,
     Difference,
-    Exponential,
-    Glm,
-    LognormalDeviate,
     MissionTime,
     Negation,
     Number,
@@ -18,9 +15,9 @@ from tracerisk.prm.other_models.expressions import (
     Quotient,
     Reference,
     Sum,
-    UniformDeviate,
-    Weibull,
 )
+from tracerisk.prm.other_models.expressions.deviates import LognormalDeviate, UniformDeviate
+from tracerisk.prm.other_models.expressions.laws import Exponential, Glm, Weibull
 from tracerisk.prm.other_models.linked import (
     Absorption,
     Figure,

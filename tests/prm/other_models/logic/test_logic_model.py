@@ -4,7 +4,8 @@ import pytest
 
 from tests.prm.other_models.formats.models import solved_tops
 from tracerisk.errors import Location, ModelError
-from tracerisk.prm.other_models.expressions import Exponential, MissionTime, Number, Reference
+from tracerisk.prm.other_models.expressions import MissionTime, Number, Reference
+from tracerisk.prm.other_models.expressions.laws import Exponential
 from tracerisk.prm.other_models.logic.common_cause import CommonCauseLaw
 from tracerisk.prm.other_models.logic.model import (
     ALWAYS,

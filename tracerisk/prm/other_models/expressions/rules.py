@@ -13,16 +13,18 @@ from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.other_models.expressions import (
     Call,
     Difference,
-    Exponential,
     Expression,
-    GammaDeviate,
     Negation,
-    NormalDeviate,
     Product,
     Quotient,
     Sum,
+)
+from tracerisk.prm.other_models.expressions.deviates import (
+    GammaDeviate,
+    NormalDeviate,
     UniformDeviate,
 )
+from tracerisk.prm.other_models.expressions.laws import Exponential
 
 Pairs = Sequence[Probability]
 

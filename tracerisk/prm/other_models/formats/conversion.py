@@ -11,16 +11,14 @@ from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.other_models.dynamic import DynamicTree
 from tracerisk.prm.other_models.expressions import (
     Evaluation,
-    Exponential,
     Expression,
     ExpressionModel,
-    Glm,
     MissionTime,
     Number,
     Reference,
-    Weibull,
     depends_on_mission_time,
 )
+from tracerisk.prm.other_models.expressions.laws import Exponential, Glm, Weibull
 from tracerisk.prm.other_models.logic.common_cause import ShareOf
 from tracerisk.prm.other_models.logic.model import (
     ALWAYS,

@@ -12,28 +12,27 @@ from typing import Any
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.formats.element import Element
 from tracerisk.prm.other_models.expressions import (
-    BetaDeviate,
     Call,
     Difference,
-    Exponential,
     Expression,
-    GammaDeviate,
-    Glm,
-    Histogram,
-    LognormalDeviate,
     MissionTime,
     Negation,
-    NormalDeviate,
     Number,
-    PeriodicTest,
     Product,
     Quotient,
     Reference,
     Sum,
-    UniformDeviate,
-    Weibull,
 )
 from tracerisk.prm.other_models.expressions.arithmetic import FUNCTIONS
+from tracerisk.prm.other_models.expressions.deviates import (
+    BetaDeviate,
+    GammaDeviate,
+    Histogram,
+    LognormalDeviate,
+    NormalDeviate,
+    UniformDeviate,
+)
+from tracerisk.prm.other_models.expressions.laws import Exponential, Glm, PeriodicTest, Weibull
 from tracerisk.prm.other_models.linked.links import Absorption, Occupancy, TopEvent
 
 _FORMS: dict[str, Callable[[float], Any]] = {"float": float, "int": int, "bool": bool}

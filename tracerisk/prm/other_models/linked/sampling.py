@@ -11,13 +11,13 @@ from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.numbers.strata import LatinHypercube
 from tracerisk.prm.other_models.expressions import (
-    Deviate,
     Difference,
     Expression,
     Number,
     Product,
     Reference,
 )
+from tracerisk.prm.other_models.expressions.deviates import Deviate
 from tracerisk.prm.other_models.linked.chain_solution import ChainToSolve
 from tracerisk.prm.other_models.linked.derivative_tape import Tape
 from tracerisk.prm.other_models.linked.links import Absorption, ElementKey, Link, Occupancy

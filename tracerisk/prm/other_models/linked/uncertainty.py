@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.numbers.distributions import Distribution
-from tracerisk.prm.other_models.expressions import Deviate, Number
+from tracerisk.prm.other_models.expressions import Number
+from tracerisk.prm.other_models.expressions.deviates import Deviate
 from tracerisk.prm.other_models.linked.elements import ModelParameter
 from tracerisk.prm.other_models.linked.importance import is_probability
 from tracerisk.prm.other_models.linked.model import LinkedModel

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.numbers.strata import LatinHypercube
 from tracerisk.prm.other_models.expressions import (
-    Deviate,
     Evaluation,
     Expression,
     ExpressionModel,
     Number,
     Reference,
-    Sampling,
     references,
 )
+from tracerisk.prm.other_models.expressions.deviates import Deviate
 from tracerisk.prm.other_models.expressions.evaluation import nodes
+from tracerisk.prm.other_models.expressions.sampling import Sampling
 from tracerisk.prm.other_models.logic.common_cause import ShareOf
 from tracerisk.prm.other_models.logic.model import LogicModel
 from tracerisk.prm.questions.uncertainty import SAMPLES, InputShare, Uncertainty, percentiles_of

@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.other_models import expressions
 from tracerisk.prm.other_models.expressions.arithmetic import (
     FUNCTIONS,
     Call,
     Difference,
+    Negation,
     Product,
     Quotient,
     Sum,
@@ -90,8 +90,14 @@ def read_expression(element: Element, resolve: Resolve) -> Expression:
 
 
 def _kind(name: str) -> Callable[..., Expression]:
-    kind: Callable[..., Expression] = getattr(expressions, name)
-    return kind
+    """Return the class of a name; laws and deviates are imported for them alone."""
+    for kind in (Difference, Negation, Product, Quotient, Sum):
+        if kind.__name__ == name:
+            return kind
+    from tracerisk.prm.other_models.expressions import deviates, laws
+
+    found: Callable[..., Expression] = getattr(laws, name, None) or getattr(deviates, name)
+    return found
 
 
 def read_float(element: Element, attribute: str = "value") -> float:
@@ -183,7 +189,9 @@ def expression_node(expression: Expression, name_of: Callable[[str], str], depth
     if len(parts) == 1 and _is_its_term(expression):
         # SCRAM takes two or more.
         return parts[0]
-    if isinstance(expression, expressions.Histogram):
+    from tracerisk.prm.other_models.expressions.deviates import Histogram
+
+    if isinstance(expression, Histogram):
         count = len(expression.boundaries)
         bins: list[Node] = [
             ("bin", {}, [bound, weight])
