@@ -27,6 +27,10 @@ import quick
 
 SKIPPED = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT}
 VERBS = ("check", "solve", "run")
+PROJECT = "tracerisk.pipeline.workspace.project"
+PARTS_OF_PROJECT = frozenset(
+    {"find_prefixes", "find_workspace", "project_top", "read_lock", "read_settings"}
+)
 QUICK_PACKAGE = {"cell/__init__.py": "", "cell/pick.py": "import cell.place"}
 CONTROLLER = Path(__file__).parents[1] / "sample_controllers" / "pick_and_place.py"
 
@@ -79,6 +83,27 @@ def imports(tree: ast.Module) -> Iterator[tuple[str, bool]]:
         else:
             continue
         yield from ((name, id(node) in inside) for name in names if name.startswith("tracerisk."))
+
+
+def serves_names(name: str, tree: ast.Module) -> bool:
+    """Return whether a module serves names that it does not define; those of others must."""
+    own = [getattr(node, "name", "") for node in tree.body]
+    own += [
+        getattr(target, "id", "")
+        for node in tree.body
+        if isinstance(node, ast.Assign)
+        for target in node.targets
+    ]
+    return "__getattr__" in own and ".stand_ins." not in name
+
+
+def read_anew(tree: ast.Module) -> Iterator[str]:
+    """Yield the calls of what reads a part of a project that a `Project` has read already."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            called = getattr(node.func, "id", "")
+            if called in PARTS_OF_PROJECT:
+                yield called
 
 
 def loaded_lines(verb: str, package: Path, lines: Mapping[str, int]) -> int:
@@ -147,6 +172,13 @@ def main() -> None:
     )
     print(f"cycles of imports: {len(cycles)}, of {', '.join(map(str, cycles))} modules")
     print(f"imports within functions: {within}")
+    served = [name for name, tree in trees.items() if serves_names(name, tree)]
+    print(f"packages that serve names by __getattr__: {len(served)} ({', '.join(served)})")
+    readers = Counter(
+        called for name, tree in trees.items() if name != PROJECT for called in read_anew(tree)
+    )
+    shown = ", ".join(f"{called} {count}" for called, count in sorted(readers.items()))
+    print(f"parts of a project read past it: {readers.total()} ({shown})")
     for verb in VERBS[: 1 if options.quick else None]:
         print(f"lines loaded by {verb}: {loaded_lines(verb, package, lines)}")
 

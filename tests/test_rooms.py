@@ -264,6 +264,35 @@ def test_each_folder_of_tests_is_named_after_the_folder_that_it_tests():
     assert sorted(str(folder) for folder in missing if folder.parts[0] not in apart) == []
 
 
+READERS = re.compile(
+    r"(?<!def )\b(find_prefixes|find_workspace|project_top|read_lock|ProjectSettings)\("
+)
+SERVING = re.compile(r"^(def )?__getattr__\b", re.MULTILINE)
+
+
+def test_only_a_project_reads_what_belongs_to_a_root():
+    """Who reads the lock or looks for packages anew does what the controller's project has done."""
+    assert files_with(READERS) == {"pipeline/workspace/project"}
+
+
+def test_a_package_names_what_it_offers_in_plain_imports():
+    """A name that `__getattr__` serves has no definition that a reader finds.
+
+    `prm` alone does so: its public names are those of every kind of model, and who imports one of
+    its modules waits for no other.
+    """
+    assert {file for file in files_with(SERVING) if "stand_ins" not in file} == {"prm/__init__"}
+
+
+def files_with(pattern: re.Pattern[str]) -> set[str]:
+    """The files in whose text a pattern is."""
+    return {
+        "/".join(parts_of(path))
+        for path in FILES
+        if pattern.search(path.read_text(encoding="utf-8"))
+    }
+
+
 def test_no_circle_of_imports_has_more_than_three_files_and_prm_has_none():
     modules = {
         ".".join(("tracerisk", *parts_of(path))).removesuffix(".__init__"): path
