@@ -4,6 +4,7 @@ import textwrap
 
 import pytest
 
+from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.graph.runtime import Runtime, activate
@@ -15,6 +16,7 @@ from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
+from tracerisk.ros.world.connecting import ConnectionTimes
 
 SECOND = 1_000_000_000
 
@@ -34,7 +36,7 @@ class Clock:
 def run_in(tmp_path):
     """Run a function as a controller in the world of a scenario."""
 
-    def run(text, main, *arguments, interfaces=None, params=()):
+    def run(text, main, *arguments, interfaces=None, params=(), times=None):
         path = tmp_path / "scenario.yaml"
         path.write_text(textwrap.dedent(text))
         scenario = read_scenario(path)
@@ -47,7 +49,7 @@ def run_in(tmp_path):
         scheduler = Scheduler(Clock(), duration_ns=300 * SECOND)
         runtime = Runtime(
             scheduler,
-            Graph(scheduler),
+            Graph(scheduler, times=times),
             argv=("controller.py", *arguments),
             parameters=tuple(parameters),
         )
@@ -589,7 +591,8 @@ def test_a_call_waits_for_its_turn_which_what_nobody_serves_does_not_take(run_in
 GOALS = "calls:\n  - {action: /grasp, type: TYPE, goal: {command: {position: 0.02}}}\n"
 
 
-def test_goals_are_sent_to_a_server_of_ros_1(run_in):
+@pytest.mark.parametrize("when", ["", ", at: 0.7", ", wait: true"])
+def test_goals_are_sent_to_a_server_of_ros_1(run_in, when):
     def main(scheduler):
         import actionlib
         import rospy
@@ -608,7 +611,9 @@ def test_goals_are_sent_to_a_server_of_ros_1(run_in):
         rospy.signal_shutdown("the server would keep the process alive")
         return came
 
-    assert run_in(GOALS.replace("TYPE", "control_msgs/GripperCommand"), main) == [0.02]
+    goals = GOALS.replace("TYPE", "control_msgs/GripperCommand").replace("}}}", "}}" + when + "}")
+    times = ConnectionTimes.of(DistroRules("noetic"))
+    assert run_in(goals, main, times=times) == [0.02]
 
 
 def test_goals_are_sent_to_a_server_of_ros_2(run2_in):

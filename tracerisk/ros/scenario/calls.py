@@ -163,7 +163,8 @@ class ScenarioCall:
             return
         actions = self._runtime.client(Actions)
         number = next(self._numbers)
-        client = actions.client(self._name, self._type, node=NODE)
+        # Whoever sends a scenario's goals was there before, connected like all of the cell.
+        client = actions.client(self._name, self._type, node=NODE, by_controller=False)
         goal = client.send(
             self._message.make(self._schedule.now_ns),
             goal_id=number.to_bytes(16, "big") if self._is_ros2 else f"{NODE}-{number}",
