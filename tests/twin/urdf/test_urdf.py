@@ -5,6 +5,7 @@ import math
 import pytest
 
 from tracerisk.errors import RobotError
+from tracerisk.ros.moveit.robot_groups import RobotGroups
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import PlanningError, Pose
@@ -203,6 +204,31 @@ def test_a_joint_that_carries_two_fingers_turns_the_hand_and_is_none():
     found = read_urdf(text, "tiny.urdf")
     assert [joint.name for joint in found.arm_joints] == ["shoulder", "elbow", "turn"]
     assert found.grippers[0].joints == ("clawr", "clawl")
+
+
+@pytest.mark.parametrize(
+    "claw",
+    [
+        '<joint name="left_finger_joint"/><joint name="right_finger_joint"/>',
+        '<link name="left_finger"/><link name="tcp"/><link name="right_finger"/>',
+        '<chain base_link="tool" tip_link="left_finger"/><link name="right_finger"/>',
+    ],
+    ids=["joints", "links", "a chain and a link"],
+)
+def test_fingers_of_an_end_effector_follow_each_other_though_one_carries_the_tool(claw):
+    tcp = (
+        '<link name="tcp"/><joint name="end" type="fixed"><parent link="left_finger"/>'
+        '<child link="tcp"/></joint></robot>'
+    )
+    text = RATED.replace("</robot>", tcp)
+    listed = '<joint name="left_finger_joint"/><joint name="right_finger_joint"/>'
+    srdf = SRDF.replace(listed, claw)
+    for side in ("left", "right"):
+        # Nothing but the SRDF says that these are fingers.
+        text, srdf = (t.replace(f"{side}_finger", f"{side}_part") for t in (text, srdf))
+    found = read_urdf(text, "tiny.urdf", srdf=read_srdf(srdf, "tiny.srdf"))
+    assert [one.joints for one in found.grippers] == [("left_part_joint", "right_part_joint")]
+    assert RobotGroups(found, 0).variables("claw") == ("left_part_joint", "right_part_joint")
 
 
 def test_the_last_joint_of_an_arm_is_no_gripper_though_the_end_effectors_group_has_it():

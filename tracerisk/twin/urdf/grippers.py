@@ -137,7 +137,7 @@ def grippers_of(
         name
         for effector in (srdf.end_effectors if srdf is not None else ())
         if effector.group in groups
-        for name in groups[effector.group].joints
+        for name in (*groups[effector.group].joints, *_followers(groups[effector.group], tree))
         if name not in {joint.name for joint in tree.way(effector.parent_link)}
     }
     wanted |= set(known)
@@ -162,6 +162,12 @@ def grippers_of(
         group = _group(joints, groups) or _fresh("gripper", {*groups, *(p.group for p in found)})
         found.append(GripperParts(group, group, joints))
     return tuple(found)
+
+
+def _followers(group: Group, tree: Tree) -> Iterator[str]:
+    """Yield the joints of a group that follow another one, which its own joints leave out."""
+    members = (tree.joint(name) for name in group.members)
+    return (joint.name for joint in members if joint is not None and joint.moves and joint.mimic)
 
 
 def _group(joints: tuple[str, ...], groups: Mapping[str, Group]) -> str | None:
