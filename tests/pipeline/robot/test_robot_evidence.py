@@ -537,16 +537,34 @@ def test_the_name_of_a_robot_is_as_much_a_description_s_of_its_joints(tmp_path, 
     ],
 )
 def test_prose_does_not_name_a_package_that_lies_beside(tmp_path, text, is_taken):
+    assert (beside(tmp_path, text, "moveit_config") == "big") is is_taken
+
+
+@pytest.mark.parametrize(
+    ("text", "is_taken"),
+    [
+        ('group = MoveGroupCommander("arm")', False),
+        ('parameters = {"arm": 1.0}', False),
+        ('wait_for("arm", "hand")', False),
+        ('config = MoveItConfigsBuilder("arm").to_moveit_configs()', True),
+        ('package = "arm_moveit_config"', True),
+    ],
+)
+def test_a_word_alone_names_no_configuration_that_lies_beside(tmp_path, text, is_taken):
+    assert (beside(tmp_path, text, "arm_moveit_config") == "big") is is_taken
+
+
+def beside(tmp_path: Path, text: str, package: str) -> str:
+    """Return the robot of a program, with one of the name `big` in a package of another project."""
     mine = written(
         tmp_path / "src/mine", {"go.py": f"{text}\n", "package.xml": PACKAGE.format("mine")}
     )
     for name, content in BIG.items():
         file = name.replace("__", "/").replace("_DOT_", ".").partition("/")[2]
-        path = tmp_path / "src/other/moveit_config" / file
+        path = tmp_path / "src/other" / package / file
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(content.replace("big_config", "moveit_config"))
-    choice = choose_robot(api.load_controller(mine), Settings())
-    assert (choice.robot.name == "big") is is_taken
+        path.write_text(content.replace("big_config", package))
+    return choose_robot(api.load_controller(mine), Settings()).robot.name
 
 
 @pytest.mark.parametrize(

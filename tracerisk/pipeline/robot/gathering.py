@@ -94,7 +94,8 @@ class Gathering:
     def _said(self, speeches: Sequence[Speech]) -> tuple[Spoken, Mapping[str, Path]]:
         """Return what sources say, and the installed packages in which they mean a robot."""
         own, root, strings = self.speeches[0], self._controller.root, strings_of(speeches)
-        described = installed_descriptions(root, self.workspace, strings)
+        source = self.whole.source
+        described = installed_descriptions(root, self.workspace, strings, source)
         named = named_packages(root, self.workspace.packages, strings) | described.keys()
         return Spoken(strings, named, self._launched, own.listed, own.strings), described
 

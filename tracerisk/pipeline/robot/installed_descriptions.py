@@ -15,6 +15,7 @@ from tracerisk.twin.workspace.srdf_pairing import noted_package
 _FOLDERS = ("urdf", "robots", "robot", "xacro", "srdf", "description")
 _ENDINGS = (".srdf", ".urdf", ".xacro")
 _OF_MOVEIT = "_moveit_config"
+_BUILDER = b"MoveItConfigsBuilder"
 _MOST_READ = 200
 _NAMING = re.compile(
     r"\$\((?:find|find-pkg-share|dirname) |package://|\broslaunch |\brosrun |\bros2 "
@@ -22,14 +23,15 @@ _NAMING = re.compile(
 
 
 def installed_descriptions(
-    root: Path, workspace: Workspace, strings: Iterable[str]
+    root: Path, workspace: Workspace, strings: Iterable[str], source: bytes
 ) -> dict[str, Path]:
     """Return the installed packages with robots that a controller names, and those behind them.
 
     It names them in its `strings`, its launch files or its manifest, and a package
     `<name>_moveit_config` by the name alone, as MoveItConfigsBuilder does. Those that only lie
-    beside its project it must name in its strings, and not in prose. Behind them are the packages
-    on which they depend, as far as these describe robots.
+    beside its project it must name in its strings, and not in prose; there a name alone, which
+    may be a group's, counts only if its `source` has that builder. Behind them are the packages on
+    which they depend, as far as these describe robots.
     """
     installed = workspace.installed
     if not installed:
@@ -40,7 +42,8 @@ def installed_descriptions(
     )
     named = named_packages(root, from_prefixes, strings) & installed.keys()
     named |= packages_in(filter(_may_name, strings)) & installed.keys()
-    of_moveit = {f"{each}{_OF_MOVEIT}" for each in strings} & installed.keys()
+    may_build = installed if _BUILDER in source else from_prefixes
+    of_moveit = {f"{each}{_OF_MOVEIT}" for each in strings} & may_build.keys() & installed.keys()
     waiting = sorted(named | of_moveit)
     seen = set(waiting)
     found: dict[str, Path] = {}
