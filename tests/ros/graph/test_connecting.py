@@ -7,6 +7,7 @@ import pytest
 
 from tests.ros.conftest import ClockWorld
 from tracerisk.config import RosDistro
+from tracerisk.instrument.recording import Recorder
 from tracerisk.ros.controller.node_process import NodeProcess
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.actions import Actions
@@ -15,9 +16,15 @@ from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.robot.state_topics import TwinTopics
 from tracerisk.ros.time.patches import virtual_time
 from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.ros.twin_interfaces import TwinInterfaces
+from tracerisk.ros.vendors.serving import serve_vendors
 from tracerisk.ros.world.connecting import ConnectionTimes
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.simulation.twin import Twin
 
 SECOND = 1_000_000_000
 TEXT, TRIGGER = "std_msgs/String", "std_srvs/Trigger"
@@ -625,3 +632,37 @@ def test_a_companion_is_connected_later_than_the_controller_with_itself(distro, 
         assert got == ["late"]
 
     cell.run(main)
+
+
+# What the cell publishes
+
+
+@pytest.mark.parametrize("distro", ["noetic", "humble"])
+def test_what_the_twin_publishes_is_no_early_message_of_the_controller(distro, tmp_path):
+    topics = {
+        "/gazebo/model_states": "gazebo_msgs/ModelStates",
+        "/world/model_states": "gazebo_msgs/ModelStates",
+        "/wrench": "geometry_msgs/WrenchStamped",
+        "/joint_states": "sensor_msgs/JointState",
+    }
+    twin = Twin.build(load_robot("ur5e"), load_scene("empty"))
+    scheduler = Scheduler(twin, duration_ns=3 * SECOND)
+    rules = DistroRules(distro)
+    graph = Graph(scheduler, times=ConnectionTimes.of(rules))
+    interfaces = Interfaces() if distro == "noetic" else Interfaces2(rules=rules)
+    stream = (tmp_path / "events").open("wb", buffering=0)
+    recorder = Recorder(stream, clock=lambda: scheduler.now_ns)
+    runtime = Runtime(scheduler, graph, twin, recorder=recorder, argv=("c.py",), distro=rules)
+    TwinTopics(runtime, interfaces)
+    serve_vendors(runtime, TwinInterfaces(runtime, interfaces), ())
+    heard = set()
+
+    def main() -> None:
+        for topic, kind in topics.items():
+            graph.subscribe(topic, kind, lambda *_, topic=topic: heard.add(topic), node="/c")
+        scheduler.sleep(SECOND)
+
+    with stream, activate(runtime), StandInFinder(interfaces), virtual_time(scheduler):
+        scheduler.run_main(main)
+    assert heard == topics.keys()
+    assert graph.carrier.early == []

@@ -80,7 +80,7 @@ class GazeboServices(TwinNode):
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change == "subscribed" and type_name == f"{_PACKAGE}/ModelStates":
-            self._report_on(name, type_name, _HZ, self._states, by_controller=True)
+            self._report_on(name, type_name, _HZ, self._states)
         elif change == "advertised" and type_name == f"{_PACKAGE}/ModelState":
             self._hear(name, type_name, self._moved)
 

@@ -95,7 +95,6 @@ class TwinNode:
         sensors: Sequence[SensorKind] = (),
         *,
         latch: bool = False,
-        by_controller: bool = False,
     ) -> None:
         """Publish `hz` times a second while somebody subscribes.
 
@@ -107,7 +106,7 @@ class TwinNode:
             return
         self._reported.add(key)
         publication = self._graph.advertise(
-            name, type_name, node=self.node, latch=latch, by_controller=by_controller
+            name, type_name, node=self.node, latch=latch, by_controller=False
         )
         if sensors:
             self._reading.reports(publication, self._reading.named(*sensors), hz)
@@ -154,12 +153,9 @@ class TwinNode:
         sensors: Sequence[str] = (),
         *,
         yields: bool = False,
-        by_controller: bool = False,
     ) -> None:
         """Begin a `TopicStream`, which is read of some sensors, by name."""
-        publication = self._graph.advertise(
-            name, type_name, node=self.node, by_controller=by_controller
-        )
+        publication = self._graph.advertise(name, type_name, node=self.node, by_controller=False)
         if sensors:
             self._reading.reports(publication, sensors, hz)
         TopicStream(self._runtime, publication, hz, make, yields=yields)

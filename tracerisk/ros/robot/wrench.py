@@ -46,7 +46,7 @@ class WrenchTopics(TwinNode):
             return
         self._reported.add(name)
         names = [each.name for each in telling]
-        self._stream(name, TYPE, HZ, lambda: self._message(telling[0]), names, by_controller=True)
+        self._stream(name, TYPE, HZ, lambda: self._message(telling[0]), names)
 
     def _message(self, sensor: Sensor) -> Any:
         wrench = self._twin.wrench(sensor)
