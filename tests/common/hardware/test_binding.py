@@ -5,6 +5,7 @@ import pytest
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
 from tracerisk.common.hardware.redundancy import Redundancy
+from tracerisk.common.hardware.shipped import fitting_words, shipped_hardware
 from tracerisk.errors import HardwareError, Location
 from tracerisk.trace import Element
 
@@ -53,6 +54,50 @@ def test_component_the_robot_has_no_place_for_is_an_error_with_file_and_line(fie
     with pytest.raises(HardwareError, match=message) as caught:
         bind(one(**fields), PANDA)
     assert str(caught.value).startswith("h.yaml:3: ")
+
+
+def joints(*names: str) -> tuple[Element, ...]:
+    return tuple(Element(name, "joint") for name in names)
+
+
+def arm(prefix: str) -> tuple[Element, ...]:
+    own = joints(*(f"{prefix}_j{i}" for i in range(1, 8)))
+    return (*own, Element(f"{prefix}_hand", "gripper"))
+
+
+def test_robot_of_two_shipped_arms_has_what_each_of_them_has():
+    panda = shipped_hardware("panda")
+    one_arm = {each.component.name: each for each in bind(panda, arm("left"))}
+    two = {each.component.name: each for each in bind(panda, (*arm("left"), *arm("right")))}
+    assert two.keys() - one_arm.keys() == {"power_system_2", "control_system_2"}
+    assert two["power_system"] == one_arm["power_system"]
+    assert (
+        two["power_system_2"].component.redundancy == one_arm["power_system"].component.redundancy
+    )
+    assert two["electric_motor"].units()[:7] == one_arm["electric_motor"].units()
+    assert two["electric_motor"].component.figures == one_arm["electric_motor"].component.figures
+    assert two["electric_motor"].quantity == 14
+    assert two["gripper"].units() == ("left_hand", "right_hand")
+
+
+@pytest.mark.parametrize(
+    ("elements", "quantity", "said"),
+    [
+        (PANDA, 7, ()),
+        ((*arm("a"), *arm("b")), 14, ("once for each of 2 such arms",)),
+        ((*arm("a"), *arm("b"), *arm("c")), 21, ("once for each of 3 such arms",)),
+        ((*joints("rail"), *PANDA), 8, ("the robot has 8: a motor is taken for each joint",)),
+        ((*joints("x", "y", "yaw"), *PANDA), 10, ("a motor is taken for each joint",)),
+        (PANDA[:6], 6, ("the robot has 6: a motor is taken for each joint",)),
+    ],
+)
+def test_shipped_description_is_fitted_to_the_joints_and_says_so(elements, quantity, said):
+    panda = shipped_hardware("panda")
+    found = {each.component.name: each.quantity for each in bind(panda, elements)}
+    assert found["electric_motor"] == quantity
+    words = fitting_words(panda, elements)
+    assert len(words) == len(said)
+    assert all(part in line for part, line in zip(said, words, strict=True))
 
 
 def test_gripper_of_a_robot_without_one_is_an_error():

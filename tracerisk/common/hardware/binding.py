@@ -8,6 +8,7 @@ from typing import NoReturn
 
 from tracerisk.common.hardware.checks import check_required
 from tracerisk.common.hardware.model import Component, Hardware, TwinBinding
+from tracerisk.common.hardware.shipped import fitted_to
 from tracerisk.errors import HardwareError, one_of
 from tracerisk.trace import Element
 
@@ -35,7 +36,8 @@ def bind(hardware: Hardware, elements: Sequence[Element]) -> tuple[BoundComponen
     """Return every component with its elements, in the order of the description.
 
     Elements of kind `component` (of a log in the published format) are bound by name; one that
-    the description does not know is an error, for its failures would be left out.
+    the description does not know is an error, for its failures would be left out. A shipped
+    description is fitted to the joints of the robot; a user's must count them as they are.
     Raises HardwareError with file and line for a component that the robot has no place for, for
     a quantity that is not that of the places, and for a group of which as many must work as
     there are.
@@ -44,7 +46,7 @@ def bind(hardware: Hardware, elements: Sequence[Element]) -> tuple[BoundComponen
     if logged:
         _check_logged(hardware, logged)
     bound = []
-    for component in hardware.components:
+    for component in fitted_to(hardware, elements).components:
         if component.always_active:
             bound.append(BoundComponent(component, component.quantity or 1, ()))
         elif logged:

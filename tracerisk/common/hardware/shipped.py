@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from tracerisk.common.hardware.model import Hardware
+from tracerisk.common.hardware.model import Component, Hardware
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError, one_of
+from tracerisk.trace import Element
 
 _FOLDER = Path(__file__).parent / "robots"
-
+_SHOWN_FOLDER = "tracerisk/common/hardware/robots/"
 
 GENERIC = "generic"
 """The description, all assumed, of an arm for which none of its own is shipped."""
@@ -38,4 +41,67 @@ def shipped_hardware(robot: str) -> Hardware:
             f"no hardware description is shipped for robot '{robot}'; "
             f"{one_of(shipped_names(), robot)}; name your own with --hardware FILE"
         )
-    return read_hardware(path, shown=f"tracerisk/common/hardware/robots/{robot}.yaml")
+    return read_hardware(path, shown=f"{_SHOWN_FOLDER}{robot}.yaml")
+
+
+def fitted_to(hardware: Hardware, elements: Sequence[Element]) -> Hardware:
+    """Return a shipped description as it stands for a robot with other joints than its own.
+
+    A robot of several such arms has each component once for each arm: a motor for each joint, and
+    what is always active again under a name of its own, so that redundant units replace only
+    those of their arm. One with further joints has a motor for each. A user's file stays as it is.
+    """
+    own, places = _joints(hardware, elements)
+    if own == places:
+        return hardware
+    arms = _arms(own, places)
+    fitted = tuple(part for each in hardware.components for part in _for_arms(each, arms))
+    return replace(hardware, components=fitted)
+
+
+def fitting_words(hardware: Hardware, elements: Sequence[Element]) -> tuple[str, ...]:
+    """Return what is assumed where a shipped description stands for a robot with other joints."""
+    own, places = _joints(hardware, elements)
+    if own == places:
+        return ()
+    arms = _arms(own, places)
+    taken = (
+        f"its components are taken once for each of {arms} such arms"
+        if arms > 1
+        else "a motor is taken for each joint, and the rest as it is"
+    )
+    return (
+        f"hardware: {hardware.file} describes {own} joints, and the robot has {places}: {taken}; "
+        "give --hardware",
+    )
+
+
+def _joints(hardware: Hardware, elements: Sequence[Element]) -> tuple[int, int]:
+    """Return how many joints a shipped description counts, and how many the robot has.
+
+    They are the same where the description leaves their number to the robot.
+    """
+    places = sum(element.kind == "joint" for element in elements)
+    if places and hardware.file.startswith(_SHOWN_FOLDER):
+        for component in hardware.components:
+            if _has_every_joint(component) and component.quantity is not None:
+                return component.quantity, places
+    return places, places
+
+
+def _has_every_joint(component: Component) -> bool:
+    return component.twin is not None and component.twin.joints == "*"
+
+
+def _arms(own: int, places: int) -> int:
+    return places // own if places % own == 0 else 1
+
+
+def _for_arms(component: Component, arms: int) -> Iterator[Component]:
+    if _has_every_joint(component):
+        yield replace(component, quantity=None)
+        return
+    yield component
+    if component.always_active:
+        for arm in range(2, arms + 1):
+            yield replace(component, name=f"{component.name}_{arm}")

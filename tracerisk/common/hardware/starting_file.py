@@ -19,6 +19,7 @@ from tracerisk.common.hardware.model import (
     TwinBinding,
 )
 from tracerisk.common.hardware.redundancy import Redundancy
+from tracerisk.common.hardware.shipped import fitted_to
 from tracerisk.common.hardware.yaml.writer import component_lines, head_lines, key_line
 from tracerisk.trace import Element, SensorKind
 
@@ -87,6 +88,7 @@ def starting_description(
     describe are added with assumed figures.
     Raises HardwareError where the base does not fit the robot.
     """
+    base = fitted_to(base, elements)
     bound = bind(base, elements)
     parts = _joint_groups([each.name for each in elements if each.kind == "joint"], groups)
     by_name = {each.component.name: each for each in bound}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.common.hardware.shipped import is_shipped
+from tracerisk.common.hardware.shipped import fitting_words, hardware_of, is_shipped
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
 from tracerisk.instrument.commands import traced_commands
@@ -261,6 +261,8 @@ def _assumptions(ran: Ran) -> tuple[str, ...]:
         lines.append(
             f"hardware: all figures are assumed, none are shipped for {robot.name}; give --hardware"
         )
+    elif settings.hardware is None:
+        lines += fitting_words(hardware_of(robot.name), elements_of(robot, settings))
     answers = [note.data["answer"] for note in recording.notes if note.kind == "input"]
     if answers:
         scripted = sum(1 for answer in answers if answer)
