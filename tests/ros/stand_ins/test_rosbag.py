@@ -4,6 +4,8 @@ import pytest
 from rosbags.rosbag1 import Reader, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from tracerisk.common.sandbox.moved_files import MovedFiles
+
 
 @pytest.fixture
 def path(tmp_path):
@@ -71,6 +73,20 @@ def test_a_bag_is_written_on_or_anew(run_node, path):
             return more, len(bag)
 
     assert run_node(main) == (10, 5)
+
+
+def test_a_bag_of_the_same_name_elsewhere_is_neither_in_the_way_nor_touched(
+    run_node, tmp_path, monkeypatch
+):
+    here, beside = tmp_path / "here", tmp_path / "beside"
+    for folder in (here, beside):
+        folder.mkdir()
+    (beside / "motion.bag").write_bytes(b"another")
+    monkeypatch.chdir(here)
+    with MovedFiles({}, tmp_path, lambda *_: None, [beside]).active():
+        run_node(lambda: written("motion.bag"))
+    assert (beside / "motion.bag").read_bytes() == b"another"
+    assert (here / "motion.bag").read_bytes().startswith(b"#ROSBAG")
 
 
 def test_a_message_without_a_time_is_of_now(run_node, path):

@@ -1,5 +1,7 @@
 """Which of a workspace's xacro files are expanded."""
 
+import pytest
+
 from tracerisk.common.limits import DEFAULT_LIMITS
 from tracerisk.errors import RobotError
 from tracerisk.twin.workspace.description_files import DescriptionFile
@@ -26,3 +28,21 @@ def test_parts_that_cannot_be_expanded_do_not_hide_the_robot_behind_them(tmp_pat
     assert found[2:] == ["expanded", "not looked at"]
     assert "expanded" not in found[:2]
     assert "not looked at" not in found[:2]
+
+
+@pytest.mark.parametrize(
+    ("lower", "expanded"),
+    [
+        ("-${pi}", "-3.14"),
+        ("${-pi/2}", "-1.57"),
+        ("${radians(-90)}", "-1.57"),
+        ("-1.5", "-1.5"),
+    ],
+)
+def test_expressions_in_a_urdf_are_those_of_xacro(tmp_path, lower, expanded):
+    path = tmp_path / "arm.urdf"
+    path.write_text(XACRO.format(f'<joint name="a"><limit lower="{lower}"/></joint>'))
+    text = DescriptionTexts({}, {}, DEFAULT_LIMITS).of(
+        DescriptionFile(path, path.name, path.read_bytes())
+    )
+    assert f'lower="{expanded}'.encode() in text

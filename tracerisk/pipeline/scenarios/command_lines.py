@@ -143,8 +143,8 @@ class _Option:
             values = _in_reach(names, given, len(values), text, reach) or values
         flag = max(flags, key=len, default=None)
         words = values if flag is None else (flag, *values)
+        # Without `nargs` a positional argument must be given whatever its default.
         needed = _value(given.get("required")) is True if flags else count not in ("?", "*")
-        has_default = "default" in given and not flags
         owner = ast.unparse(call.func.value) if isinstance(call.func, ast.Attribute) else ""
         metavar = _value(given.get("metavar"))
         called = [*names, metavar] if isinstance(metavar, str) else names
@@ -154,7 +154,7 @@ class _Option:
         is_file = is_read(called, "" if kind is None else last_name(kind)) and value == (
             names[-1].strip("-") if names else ""
         )
-        is_needed = bool(needed and names and not has_default)
+        is_needed = bool(needed and names)
         return cls(words, owner, is_needed, is_switch, is_file and not is_switch)
 
 

@@ -25,6 +25,7 @@ from tracerisk.twin.urdf.urdf import read_urdf
 from tracerisk.twin.urdf.xacro_files import expanded_xacro
 from tracerisk.twin.urdf.xml_reader import XmlElement, read_xml
 
+_MACRO_SIGNS = (b"<xacro:", b"xmlns:xacro", b"${")
 _ALLOWED = ("mujoco (MJCF)", "robot (URDF or xacro)")
 _LARGEST_M = 100.0
 _HEAVIEST_KG = 1e5
@@ -56,7 +57,7 @@ def read_model_file(
     # Reported before xacro, which reads without bounds, is asked.
     root = read_xml(text, shown)
     _check_root(root)
-    if path.name.endswith(".xacro") or b"<xacro:" in text or b"xmlns:xacro" in text:
+    if path.name.endswith(".xacro") or any(sign in text for sign in _MACRO_SIGNS):
         within = folder.allowed
         expanded = expanded_xacro(path, folder.packages, within=within, shown=shown, limits=limits)
         text, read = expanded.text, expanded.files

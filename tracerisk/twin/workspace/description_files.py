@@ -17,6 +17,8 @@ _NOT_SEARCHED = frozenset(
 )
 _ENDINGS = (".srdf", ".urdf", ".xacro")
 _ROBOT_NAME = re.compile(r"<robot\b[^>]*\bname\s*=\s*[\"']([^\"']+)[\"']", re.DOTALL)
+# A URDF has neither; an author's command line may expand a file of either name.
+_MACRO_SIGNS = (b"<xacro:", b"${")
 _INCLUDE = re.compile(rb"<(?:xacro:)?include\b[^>]*\bfilename\s*=\s*[\"']([^\"']+)[\"']")
 
 
@@ -58,7 +60,8 @@ class DescriptionFile:
     @property
     def is_macro(self) -> bool:
         """Whether macros must be expanded before it can be read."""
-        return self.path.name.endswith(".xacro") or b"<xacro:" in self.text
+        named = self.path.name.endswith(".xacro")
+        return named or any(sign in self.text for sign in _MACRO_SIGNS)
 
     @property
     def included(self) -> frozenset[str]:

@@ -160,7 +160,10 @@ class Bag:
         from rosbags.rosbag1 import Writer
 
         self._path.unlink(missing_ok=True)
-        writer = Writer(self._path)
+        # The package refuses a file that is there, and one of this name may be elsewhere in the
+        # workspace; a real bag is written anew.
+        writer = Writer(self._path.with_name(f"{self._path.name}.{os.getpid()}"))
+        writer.path = self._path
         if self.compression != Compression.NONE:
             writer.set_compression(Writer.CompressionFormat[self.compression.upper()])
         writer.open()
