@@ -52,6 +52,8 @@ if TYPE_CHECKING:
 
 _STARTING = "starting the twin"
 _LIVE = "tracerisk.pipeline.run.live.child"
+_FIGURES = "module://tracerisk.ros.controller.unseen_windows"
+"""The backend of matplotlib in a run, which has no screen."""
 _GRACE_S = 2.0
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 
@@ -217,6 +219,12 @@ def run_request(
     return replace(done, request=asked_for)
 
 
+def _font_lists() -> list[Path]:
+    """Return the lists of fonts that matplotlib keeps; to make one takes seconds in each run."""
+    caches = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")  # noqa: PTH111
+    return sorted(Path(caches, "matplotlib").glob("fontlist-*.json"))
+
+
 def _workspace(request: RunRequest) -> tuple[str, ...]:
     """Return what a controller's process may read besides Python and the system."""
     root = Path(request.root)
@@ -248,9 +256,10 @@ def _run_child(
         _LIVE if is_live else "tracerisk.pipeline.run.child",
         str(request_path),
         sandbox=sandbox,
-        reads=map(Path, request.readable),
+        reads=(*map(Path, request.readable), *_font_lists()),
         writes=map(Path, request.writable),
         environment={
+            **({} if is_live else {"MPLBACKEND": _FIGURES}),
             **passed_environment(sandbox),
             "MUJOCO_GL": "disable",
             # The host's time zone must not show in what a controller sees.
