@@ -197,7 +197,7 @@ def generate_launch_description():
 @pytest.mark.parametrize(
     ("source", "files", "joint", "doubt"),
     [
-        ("import rospy\n", {}, "j1", "gives cell.urdf.xacro the arguments side"),
+        ("import rospy\n", {}, "j1", "gives cell.urdf.xacro its side: taken for empty, or for 0"),
         (
             "import rospy\n",
             {"app__launch__a_DOT_launch": ROS1.format("$(find desc)/cell.urdf.xacro")},

@@ -46,3 +46,33 @@ def test_expressions_in_a_urdf_are_those_of_xacro(tmp_path, lower, expanded):
         DescriptionFile(path, path.name, path.read_bytes())
     )
     assert f'lower="{expanded}'.encode() in text
+
+
+CONSTANTS = '<xacro:include filename="$(find of_others)/calibration.xacro"/>'
+TURNS = '<joint name="a" type="revolute"><origin xyz="{}"/></joint>'
+
+
+@pytest.mark.parametrize(
+    ("value", "expanded"),
+    [
+        ("${head_offset} 0 0", "0.0 0 0"),
+        ("0 ${1 - dx} 0", "0 1.0 0"),
+        ("0 0 ${dz + dz}", "0 0 0.0"),
+    ],
+)
+def test_constants_of_an_absent_file_are_0_and_in_doubt(tmp_path, value, expanded):
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(XACRO.format(CONSTANTS + TURNS.format(value)))
+    file = DescriptionFile(path, path.name, path.read_bytes())
+    texts = DescriptionTexts({}, {}, DEFAULT_LIMITS)
+    assert f'xyz="{expanded}"'.encode() in texts.of(file)
+    assert texts.is_without_parts(file)
+
+
+def test_a_constant_that_no_file_lacks_is_an_error(tmp_path):
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(XACRO.format(TURNS.format("${head_offset} 0 0")))
+    with pytest.raises(RobotError, match="head_offset"):
+        DescriptionTexts({}, {}, DEFAULT_LIMITS).of(
+            DescriptionFile(path, path.name, path.read_bytes())
+        )

@@ -190,7 +190,7 @@ class _Lacking:
 
         find, files = substitution_args._eval_find, xacro.get_include_files
         argument, call = substitution_args._eval_arg, xacro.handle_macro_call
-        boolean = xacro.get_boolean_value
+        boolean, evaluate = xacro.get_boolean_value, xacro.safe_eval
 
         def found(package: str) -> Any:
             try:
@@ -240,6 +240,17 @@ class _Lacking:
             xacro.eval_all(node, macros, symbols)
             return True
 
+        def evaluated(expression: str, known: Any, inner: Any = None) -> Any:
+            while True:
+                try:
+                    return evaluate(expression, known, inner)
+                except NameError as error:
+                    # An absent file may have given it: those of a calibration are near 0.
+                    if not self.includes or not error.name:
+                        raise
+                    self.arguments.setdefault(error.name)
+                    inner = {**(inner or {}), error.name: 0.0}
+
         def absent(name: str) -> str:
             self.arguments.setdefault(name)
             return ""
@@ -253,7 +264,7 @@ class _Lacking:
         xacro.substitution_args_context = Context(xacro.substitution_args_context)
         substitution_args._eval_find, xacro.get_include_files = found, included
         substitution_args._eval_arg, xacro.handle_macro_call = given, called
-        xacro.get_boolean_value = decided
+        xacro.get_boolean_value, xacro.safe_eval = decided, evaluated
 
 
 class _Reading:

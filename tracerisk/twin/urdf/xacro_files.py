@@ -36,7 +36,7 @@ class Expanded:
     packages: tuple[str, ...] = ()
     """The packages that were absent."""
     arguments: tuple[str, ...] = ()
-    """The arguments that nothing gave, and that were taken for empty."""
+    """The arguments that nothing gave, taken for empty; constants of absent files, taken for 0."""
     includes: tuple[str, ...] = ()
     """The files of absent packages that it includes, the package's name first."""
     is_old: bool = False
@@ -77,7 +77,7 @@ def expanded_xacro(
     """Return what a xacro file expands to; `within` are the folders whose files it may read.
 
     `may_lack`: files of absent packages are left out, calls of their macros stay as elements
-    `ABSENT_MACRO`, and arguments that nothing gives are empty.
+    `ABSENT_MACRO`, constants that they may give are 0, and arguments that nothing gives are empty.
     Raises LackingError where something of the kind is absent and must not be; RobotError and
     LimitError as `expand_xacro` does, RobotError at a file outside the folders.
     """

@@ -123,7 +123,7 @@ class DescriptionTexts:
             raise error
         if found.arguments:
             empty = ", ".join(found.arguments)
-            doubt = f"no launch file gives {file.shown} the arguments {empty}: they are left empty"
+            doubt = f"nothing here gives {file.shown} its {empty}: taken for empty, or for 0"
             done = replace(done, doubts=(*done.doubts, doubt))
         if found.is_old:
             done = replace(done, notes=(*done.notes, _OLD))
