@@ -35,6 +35,7 @@ def compile_file(
     Raises:
         InputError: there is no such file, or it cannot be read.
         SourceError: it is not Python 3.
+        UnsafeRewriteError: it cannot be instrumented safely.
     """
     try:
         source = path.read_bytes()
@@ -95,7 +96,7 @@ def prepared_controller(
     need it open. All is put back at the end; modules that were imported stay imported.
 
     Raises:
-        InputError, SourceError: as `compile_file`; nothing has run then.
+        InputError, SourceError, UnsafeRewriteError: as `compile_file`; nothing has run then.
     """
     script = Path(path).absolute()
     root = controller_root(script) if root is None else root

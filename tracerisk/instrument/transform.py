@@ -1,22 +1,28 @@
 """Insert one tracing decorator per function, and compile the result as if it were the original.
 
-The decorators and their import go into the syntax tree itself, on the lines that the functions
-have, so line numbers, columns and `co_firstlineno` of the compiled code are those of the file on
-disk, and all that Python reads can be traced.
-Loops without an end, `except` clauses and calls that may command are marked likewise.
+The text that libcst writes is parsed again and walked beside the original's syntax tree: but for
+what was inserted both must be the same tree, and every node takes the original's position, so
+line numbers, columns and `co_firstlineno` of the compiled code are those of the file on disk.
+Then loops without an end, `except` clauses and calls that may command are marked in the tree
+itself, on the lines that they have.
 """
 
 from __future__ import annotations
 
 import ast
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import CodeType
 
+import libcst as cst
+
+from tracerisk.errors import Location, UnsafeRewriteError
 from tracerisk.instrument.code_positions import compile_with_positions
-from tracerisk.instrument.marks.calls import is_compiled, mark_calls
+from tracerisk.instrument.marks.calls import COMPILING_DECORATORS, mark_calls
 from tracerisk.instrument.marks.caught_exceptions import CAUGHT, mark_handlers
-from tracerisk.instrument.marks.endless_loops import MARKER, import_into, mark_endless_loops
-from tracerisk.instrument.source.python_source import FunctionSite, parse_source
+from tracerisk.instrument.marks.endless_loops import MARKER, begin_of_code, mark_endless_loops
+from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource, parse_source
 
 TRACER_MODULE = "__tracerisk__"
 """The module from which instrumented code imports its decorator; the loader serves it."""
@@ -24,43 +30,54 @@ DECORATOR = "__tracerisk_traced__"
 """The name of the decorator in instrumented code; not mangled in classes, hidden from `*`."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class InstrumentedSource:
-    """A source with its decorators."""
+    """A source with its decorators.
+
+    `file` is the path relative to the controller's root, as in every `FunctionRef`;
+    `original` the bytes on disk, `text` the instrumented source (decoded),
+    `functions` every traced function in the order of the file.
+    """
 
     file: str
-    """The path relative to the controller's root, as in every `FunctionRef`."""
+    original: bytes
     text: str
-    """The source as it is on disk, decoded."""
     functions: tuple[FunctionSite, ...]
-    """Every traced function in the order of the file."""
-
-    def tree(self, filename: str = "<unknown>") -> ast.Module:
-        """Return the syntax tree with a decorator at each traced function, and their import."""
-        # Unlike every other parse this one may warn (invalid escapes), once, as Python does.
-        tree = ast.parse(self.text, filename)
-        sites = {site.line: site for site in self.functions}
-        for node in ast.walk(tree):
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.lineno in sites:
-                node.decorator_list.append(_decorator(sites[node.lineno], node))
-        import_into(tree, TRACER_MODULE, {"traced": DECORATOR} if sites else {})
-        return tree
 
 
 def instrument_source(source: bytes, file: str) -> InstrumentedSource:
-    """Find the functions that get a tracing decorator, closest to their `def`.
+    """Insert a tracing decorator closest to each `def`, and the import that it needs.
 
-    Raises SourceError where the source is not Python 3, with line, column and reason.
+    Raises:
+        SourceError: the source is not Python 3, with line, column and reason.
+        UnsafeRewriteError: libcst cannot read what Python can.
     """
     parsed = parse_source(source, file)
-    compiled = {node.lineno for node in ast.walk(parsed.tree) if is_compiled(node)}
-    traced = tuple(site for site in parsed.functions if site.line not in compiled)
-    return InstrumentedSource(file, parsed.text, traced)
+    inserter = _DecoratorInserter(parsed)
+    try:
+        module = cst.parse_module(parsed.text).visit(inserter)
+    except (cst.ParserSyntaxError, RecursionError) as error:
+        raise _cannot_instrument(file, getattr(error, "raw_line", None)) from error
+    if inserter.sites:
+        body = list(module.body)
+        body.insert(_import_index(parsed.tree, body), _import_line())
+        module = module.with_changes(body=body)
+    return InstrumentedSource(file, source, module.code, tuple(inserter.sites))
 
 
 def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> CodeType:
-    """Compile instrumented source with the original's file name and positions."""
-    tree = instrumented.tree(filename)
+    """Compile instrumented source with the original's file name and positions.
+
+    Raises:
+        UnsafeRewriteError: without the decorators the syntax tree is not the original's.
+    """
+    parsed = parse_source(instrumented.original, instrumented.file)
+    # Unlike every other parse this one may warn (invalid escapes), once, as Python itself would.
+    original = ast.parse(parsed.text, filename)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        tree = ast.parse(instrumented.text, filename)
+    _take_positions(tree, original, instrumented.file)
     mark_endless_loops(tree, TRACER_MODULE, instrumented.file)
     mark_handlers(tree, TRACER_MODULE)
     inserted = frozenset({DECORATOR, MARKER, CAUGHT})
@@ -68,11 +85,125 @@ def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> Cod
     return compile_with_positions(tree, filename)
 
 
-def _decorator(site: FunctionSite, function: ast.FunctionDef | ast.AsyncFunctionDef) -> ast.Call:
-    values = (site.ref.file, str(site.ref.name), site.line)
-    call = ast.Call(ast.Name(DECORATOR, ast.Load()), [ast.Constant(value) for value in values], [])
-    for node in ast.walk(call):
-        if isinstance(node, ast.expr):
-            node.lineno = node.end_lineno = function.lineno
-            node.col_offset = node.end_col_offset = function.col_offset
-    return call
+class _DecoratorInserter(cst.CSTTransformer):
+    """Adds the decorator to every function; meets them in the order of `ParsedSource.functions`."""
+
+    def __init__(self, parsed: ParsedSource) -> None:
+        super().__init__()
+        self._remaining = iter(parsed.functions)
+        self._open: list[FunctionSite] = []
+        self._met: list[FunctionSite] = []
+
+    @property
+    def sites(self) -> list[FunctionSite]:
+        """The functions that were decorated, in the order of the file."""
+        return sorted(self._met, key=lambda site: site.line)
+
+    def visit_FunctionDef(self, node: cst.FunctionDef) -> None:  # noqa: N802, ARG002
+        self._open.append(next(self._remaining))
+
+    def leave_FunctionDef(  # noqa: N802
+        self, original_node: cst.FunctionDef, updated_node: cst.FunctionDef
+    ) -> cst.FunctionDef:
+        site = self._open.pop()
+        if any(
+            _last_name(each.decorator) in COMPILING_DECORATORS for each in original_node.decorators
+        ):
+            return updated_node
+        self._met.append(site)
+        return updated_node.with_changes(
+            decorators=[*updated_node.decorators, cst.Decorator(_decorator_call(site))]
+        )
+
+
+def _last_name(decorator: cst.BaseExpression) -> str:
+    if isinstance(decorator, cst.Call):
+        decorator = decorator.func
+    if isinstance(decorator, cst.Attribute):
+        return decorator.attr.value
+    return decorator.value if isinstance(decorator, cst.Name) else ""
+
+
+def _decorator_call(site: FunctionSite) -> cst.Call:
+    # ascii(): the source's own encoding may not have the letters of a file name.
+    return cst.Call(
+        cst.Name(DECORATOR),
+        [
+            cst.Arg(cst.SimpleString(ascii(site.ref.file))),
+            cst.Arg(cst.SimpleString(ascii(str(site.ref.name)))),
+            cst.Arg(cst.Integer(str(site.line))),
+        ],
+    )
+
+
+def _import_line() -> cst.SimpleStatementLine:
+    alias = cst.ImportAlias(cst.Name("traced"), asname=cst.AsName(cst.Name(DECORATOR)))
+    return cst.SimpleStatementLine([cst.ImportFrom(cst.Name(TRACER_MODULE), [alias])])
+
+
+def _import_index(tree: ast.Module, body: Sequence[cst.BaseStatement]) -> int:
+    """Count the lines of the docstring and the `from __future__` imports, which must stay first."""
+    small, index = begin_of_code(tree), 0
+    while small > 0:
+        line = body[index]
+        assert isinstance(line, cst.SimpleStatementLine)
+        small -= len(line.body)
+        index += 1
+    return index
+
+
+def _take_positions(tree: ast.Module, original: ast.Module, file: str) -> None:
+    """Give every node of `tree` the position of its twin in `original`.
+
+    Inserted nodes take that of the function they decorate, or the first line.
+    """
+    pending: list[tuple[ast.AST, ast.AST]] = [(tree, original)]
+    while pending:
+        node, twin = pending.pop()
+        if type(node) is not type(twin):
+            raise _cannot_instrument(file, getattr(twin, "lineno", None))
+        for attribute in twin._attributes:
+            setattr(node, attribute, getattr(twin, attribute))
+        for name in twin._fields:
+            ours, theirs = getattr(node, name, None), getattr(twin, name, None)
+            if isinstance(ours, list) and isinstance(theirs, list):
+                own = [each for each in ours if not _is_inserted(each)]
+                if len(own) != len(theirs):
+                    raise _cannot_instrument(file, getattr(twin, "lineno", None))
+                for each in ours:
+                    if _is_inserted(each):
+                        _place_inserted(each, twin)
+                pairs = list(zip(own, theirs, strict=True))
+            else:
+                pairs = [(ours, theirs)]
+            for left, right in pairs:
+                if isinstance(right, ast.AST) and isinstance(left, ast.AST):
+                    pending.append((left, right))
+                elif type(left) is not type(right) or left != right:
+                    raise _cannot_instrument(file, getattr(twin, "lineno", None))
+
+
+def _is_inserted(node: object) -> bool:
+    if isinstance(node, ast.ImportFrom):
+        return node.module == TRACER_MODULE and node.level == 0
+    return (
+        isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == DECORATOR
+    )
+
+
+def _place_inserted(node: ast.AST, owner: ast.AST) -> None:
+    line = getattr(owner, "lineno", 1)
+    column = getattr(owner, "col_offset", 0)
+    for each in ast.walk(node):
+        if "lineno" in each._attributes:
+            each.lineno = each.end_lineno = line  # type: ignore[attr-defined]
+            each.col_offset = each.end_col_offset = column  # type: ignore[attr-defined]
+
+
+def _cannot_instrument(file: str, line: int | None) -> UnsafeRewriteError:
+    return UnsafeRewriteError(
+        "the source cannot be instrumented with proof that nothing else changes: libcst does not "
+        "read it as Python does; rewrite this statement in a plainer way, or move it to a module "
+        "that commands no motion",
+        Location(file, line),
+    )

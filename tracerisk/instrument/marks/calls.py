@@ -14,7 +14,6 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import CodeType
-from typing import TypeGuard
 
 from tracerisk.instrument.code_positions import call_position
 from tracerisk.instrument.marks.call_log import Site, call_key
@@ -69,7 +68,7 @@ def marked_calls(tree: ast.Module) -> Iterator[MarkedCall]:
             elif name == "body":
                 inner = (scope, is_spare or _is_spare(node))
             for index, child in enumerate(value if isinstance(value, list) else [value]):
-                if not isinstance(child, ast.AST) or is_compiled(child):
+                if not isinstance(child, ast.AST) or _is_compiled(child):
                     continue
                 pending.append((child, *inner))
                 if isinstance(child, ast.Call) and names.may_command(child.func):
@@ -152,8 +151,7 @@ def _is_spare(node: ast.AST) -> bool:
     return isinstance(node, ast.ExceptHandler)
 
 
-def is_compiled(node: ast.AST) -> TypeGuard[Function]:
-    """Return whether a function is one of which another tool makes code of its own."""
+def _is_compiled(node: ast.AST) -> bool:
     return isinstance(node, _FUNCTIONS) and any(
         last_name(decorator.func if isinstance(decorator, ast.Call) else decorator)
         in COMPILING_DECORATORS
