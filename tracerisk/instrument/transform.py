@@ -55,7 +55,7 @@ def instrument_source(source: bytes, file: str) -> InstrumentedSource:
     parsed = parse_source(source, file)
     inserter = _DecoratorInserter(parsed)
     try:
-        module = cst.parse_module(parsed.text).visit(inserter)
+        module = _read(parsed).visit(inserter)
     except (cst.ParserSyntaxError, RecursionError) as error:
         raise _cannot_instrument(file, getattr(error, "raw_line", None)) from error
     if inserter.sites:
@@ -83,6 +83,15 @@ def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> Cod
     inserted = frozenset({DECORATOR, MARKER, CAUGHT})
     mark_calls(tree, TRACER_MODULE, instrumented.file, inserted)
     return compile_with_positions(tree, filename)
+
+
+def _read(parsed: ParsedSource) -> cst.Module:
+    """Return what libcst reads: where that is not all that Python does, Python's own rendering."""
+    try:
+        return cst.parse_module(parsed.text)
+    except cst.ParserSyntaxError:
+        # A tab after spaces, for instance. Positions are those of the original in any case.
+        return cst.parse_module(ast.unparse(parsed.tree))
 
 
 class _DecoratorInserter(cst.CSTTransformer):

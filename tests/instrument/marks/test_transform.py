@@ -127,6 +127,27 @@ def test_names_the_sources_encoding_lacks_are_escaped() -> None:
     assert namespace["gr\xfcn"]() == "\xe9"  # type: ignore[operator]
 
 
+@pytest.mark.parametrize(
+    "source",
+    [
+        "def f():\n        with a:\n    \t    b = 1\n        return 2\n",
+        "class A:\n        def f(self):  # one\n    \t    return f'{3!r:>{4}}'\n        g = 1\n",
+        "def f():\n        if a:\n      \t  b = 1\n        else: c = (1,\n 2)\n",
+    ],
+)
+def test_indents_that_libcst_does_not_read_are_traced_on_their_lines(source: str) -> None:
+    instrumented = instrument_source(source.encode(), "c.py")
+    code = compile_instrumented(instrumented, "c.py")
+    plain = compile(source, "c.py", "exec")
+    assert [str(site.ref.name).rpartition(".")[2] for site in instrumented.functions] == ["f"]
+    assert [line for _, line in _lines(code)] == [line for _, line in _lines(plain)]
+
+
+def _lines(code: CodeType) -> list[tuple[str, int]]:
+    inner = [each for each in code.co_consts if isinstance(each, CodeType)]
+    return [(code.co_name, code.co_firstlineno), *(pair for one in inner for pair in _lines(one))]
+
+
 def _served(*args: object) -> object:
     class Module:
         @staticmethod
