@@ -27,6 +27,7 @@ MODULES: Mapping[str, str] = {
     "pillow": "PIL",
     "pygls": "pygls.lsp.server",
     "pygments": "pygments",
+    "pymoveit2": "pymoveit2",
     "pyyaml": "yaml",
     "rich": "rich",
     "rosbags": "rosbags",
@@ -45,7 +46,7 @@ MODULES: Mapping[str, str] = {
 EXTRAS: Mapping[str, tuple[str, ...]] = {
     "sim": (
         *("daqp", "dm-control", "etils", "greenlet", "lark", "libcst", "mcap", "mink", "mujoco"),
-        *("numpy", "pillow", "rosbags", "scipy", "six", "xacrodoc"),
+        *("numpy", "pillow", "pymoveit2", "rosbags", "scipy", "six", "xacrodoc"),
     ),
     "large": ("numpy", "scipy"),
     "sysml": ("lark",),
@@ -55,6 +56,9 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "dds": ("cyclonedds",),
 }
 """The distributions of the extras that verbs of `tracerisk` use; all others are always there."""
+
+ONLY_IN_RUNS = ("pymoveit2",)
+"""The distributions that import ROS, and so can be imported in a run alone."""
 
 SIMULATION = ("daqp", "libcst", "mink", "mujoco", "numpy", "rosbags", "ruamel.yaml", "scipy")
 """The distributions without which no controller runs."""
@@ -175,7 +179,8 @@ def version_of(distribution: str) -> str:
     from importlib import metadata
 
     try:
-        import_module(MODULES[distribution])
+        if distribution not in ONLY_IN_RUNS:
+            import_module(MODULES[distribution])
         return metadata.version(distribution)
     except ImportError as cause:
         raise cannot_import(distribution_of(cause) or distribution, cause) from cause
