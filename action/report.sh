@@ -11,7 +11,9 @@ controllers() {
     "$folder/venv/bin/python" -I -c '
 import os, sys
 from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
-found = controllers_of(sys.argv[1:]) if sys.argv[1:] else all_controllers()
+from tracerisk.pipeline.workspace.project import Projects
+files, projects = sys.argv[1:], Projects()
+found = controllers_of(files, projects) if files else all_controllers(projects)
 sys.stdout.buffer.write(b"".join(os.fsencode(str(each)) + b"\0" for each in found))
 ' "${files[@]}" >"$names"
 }

@@ -281,7 +281,7 @@ def test_what_is_asked_of_an_argument_that_nothing_gives_is_answered_with_no(tmp
         body += f'<xacro:if value="{condition}"><link name="plugin_{number}"/></xacro:if>'
     robot = cell(tmp_path, body)
     assert not [name for name in robot.link_names if name.startswith("plugin")]
-    assert "the arguments sim" in robot.doubt
+    assert "nothing here gives cell.urdf.xacro its sim" in robot.doubt
 
 
 OLD = {
