@@ -173,6 +173,7 @@ def test_the_first_alternative_that_can_be_met_is_taken(ran):
         ("constraints()", INVALID),
         ("constraints(joint(1, 0.5), joint(1, 0.9))", INVALID),
         ("constraints(joint(1, 0.5, -0.1, 0.1))", INVALID),
+        ("constraints(joint(4, 0.0, -0.1, 0.1))", INVALID),
         ("constraints(at(0.4, 0.3, 0.4), joint(9, 0.5))", INVALID),
         ("constraints(at(0.4, 0.3, 0.4), at(0.4, -0.3, 0.4))", PLANNING_FAILED),
         # What the joints lead to is not where the link is to be.

@@ -141,7 +141,6 @@ class GoalReader:
                 ErrorCode.INVALID_GOAL_CONSTRAINTS,
                 "goals of visibility cannot be planned: the twin has no cameras",
             )
-        constraints = self._on_limits(constraints)
         by_link: dict[str, tuple[list[Any], list[Any]]] = {}
         for one in constraints.position_constraints:
             by_link.setdefault(one.link_name or self.tip(group), ([], []))[0].append(one)
@@ -150,6 +149,7 @@ class GoalReader:
         regions = tuple(
             self._region(link, positions, turns) for link, (positions, turns) in by_link.items()
         )
+        constraints = self._within_limits(constraints)
         rule = PathRule(
             constraints,
             self._server.forward,
@@ -183,18 +183,31 @@ class GoalReader:
             self._server.forward({}, link) if is_known else ORIGIN,
         )
 
-    def _on_limits(self, constraints: Any) -> Any:
+    def _within_limits(self, constraints: Any) -> Any:
         """Return constraints with each joint on a limit for which all that they allow is past it.
 
         MoveIt takes them so, with a warning in its own log alone.
         """
-        joints = {joint.name: joint for joint in self._server.robot.joints}
+        robot = self._server.robot
+        joints = {joint.name: joint for joint in robot.joints}
         taken = copy.copy(constraints)
         taken.joint_constraints = []
         for one in constraints.joint_constraints:
-            joint, on_limit = joints.get(one.joint_name), copy.copy(one)
+            if one.joint_name not in joints:
+                raise RequestError(
+                    ErrorCode.INVALID_GOAL_CONSTRAINTS,
+                    f"robot '{robot.name}' has no joint '{one.joint_name}'; "
+                    f"{one_of(list(joints), one.joint_name)}",
+                )
+            if min(one.tolerance_below, one.tolerance_above) < 0.0:
+                raise RequestError(
+                    ErrorCode.INVALID_GOAL_CONSTRAINTS,
+                    f"the constraint of joint '{one.joint_name}' has a negative tolerance; "
+                    "give 0 or more",
+                )
+            joint, on_limit = joints[one.joint_name], copy.copy(one)
             taken.joint_constraints.append(on_limit)
-            if joint is None or joint.type == "continuous":
+            if joint.type == "continuous":
                 continue
             if one.position + one.tolerance_above < joint.lower:
                 on_limit.position, on_limit.tolerance_above = joint.lower, 0.0
@@ -208,24 +221,11 @@ class GoalReader:
         return taken
 
     def _joints(self, group: str, constraints: Sequence[Any]) -> dict[str, JointBounds]:
-        """Return where the group's joints are to be; those of other groups are only checked."""
+        """Return where the group's joints are to be; those of other groups are left out."""
         robot = self._server.robot
         members = self._server.group(group).joints
         bounds: dict[str, JointBounds] = {}
         for one in constraints:
-            known = [joint.name for joint in robot.joints]
-            if one.joint_name not in known:
-                raise RequestError(
-                    ErrorCode.INVALID_GOAL_CONSTRAINTS,
-                    f"robot '{robot.name}' has no joint '{one.joint_name}'; "
-                    f"{one_of(known, one.joint_name)}",
-                )
-            if min(one.tolerance_below, one.tolerance_above) < 0.0:
-                raise RequestError(
-                    ErrorCode.INVALID_GOAL_CONSTRAINTS,
-                    f"the constraint of joint '{one.joint_name}' has a negative tolerance; "
-                    "give 0 or more",
-                )
             if one.joint_name not in members:
                 continue
             found = JointBounds.of(one, robot.joint(one.joint_name))
