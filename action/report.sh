@@ -10,10 +10,9 @@ failed=0
 controllers() {
     "$folder/venv/bin/python" -I -c '
 import os, sys
-from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
+from tracerisk.pipeline.freshness.known_controllers import named_or_all
 from tracerisk.pipeline.workspace.project import Projects
-files, projects = sys.argv[1:], Projects()
-found = controllers_of(files, projects) if files else all_controllers(projects)
+found = named_or_all(sys.argv[1:], Projects())
 sys.stdout.buffer.write(b"".join(os.fsencode(str(each)) + b"\0" for each in found))
 ' "${files[@]}" >"$names"
 }

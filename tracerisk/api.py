@@ -451,12 +451,11 @@ def check(
 
     from tracerisk.pipeline.check.check import check_controllers
     from tracerisk.pipeline.check.run import CoverageLimits
-    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
+    from tracerisk.pipeline.freshness.known_controllers import named_or_all
     from tracerisk.pipeline.workspace.project import Projects
 
     projects = Projects()
-    given = list(map(Path, paths))
-    found = controllers_of(given, projects) if given else all_controllers(projects)
+    found = named_or_all(list(map(Path, paths)), projects)
     verdicts: Sequence[Any] = [None] * len(found)
     if base is not None:
         from tracerisk.pipeline.review.run_verdicts import base_verdicts

@@ -66,11 +66,9 @@ def _watch(options: argparse.Namespace, projects: Projects) -> NoReturn:
 
 def _paths(options: argparse.Namespace, projects: Projects) -> Sequence[Path]:
     """Return the controllers to check; raise InputError where none is known."""
-    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
+    from tracerisk.pipeline.freshness.known_controllers import named_or_all
 
-    if options.files:
-        return controllers_of(options.files, projects)
-    return all_controllers(projects)
+    return named_or_all(options.files, projects)
 
 
 def _check(options: argparse.Namespace, projects: Projects) -> int:

@@ -42,12 +42,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.pipeline.check.refresh import refresh_controller
-    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
+    from tracerisk.pipeline.freshness.known_controllers import named_or_all
     from tracerisk.pipeline.workspace.project import Projects
 
     projects = Projects()
-    named = options.files
-    paths = controllers_of(named, projects) if named else all_controllers(projects)
+    paths = named_or_all(options.files, projects)
     note_without_controllers(options, projects)
     policy = shared.merge_policy(options)
     outcomes: list[dict[str, Any]] = []

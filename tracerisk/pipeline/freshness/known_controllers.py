@@ -75,6 +75,11 @@ def controllers_in(root: Path, projects: Projects) -> tuple[Path, ...]:
     return tuple(sorted(found))
 
 
+def named_or_all(files: Sequence[Path | str], projects: Projects) -> tuple[Path, ...]:
+    """Return the controllers of the files; where none is named, all. Raises as either of both."""
+    return controllers_of(files, projects) if files else all_controllers(projects)
+
+
 def all_controllers(projects: Projects) -> tuple[Path, ...]:
     """Return every controller of the locks in and below this folder: where no file is named.
 
@@ -222,7 +227,7 @@ def moved_from(lock: Lock, controller: Controller) -> str | None:
 
 def without_controllers(files: Sequence[Path | str], projects: Projects) -> tuple[str, ...]:
     """Return those of the files that have to do with no controller, in their order."""
-    return tuple(str(each) for each in files if not controllers_of([each], projects))
+    return tuple(str(file) for file in files if not controllers_of([file], projects))
 
 
 def _users(lock: Lock) -> dict[str, list[str]]:
