@@ -39,9 +39,7 @@ class MissingModules:
             hint = python_2_hint(source_bytes(path), shown) or _unreadable(path, shown)
             if hint is not None:
                 return hint
-        top = failed.partition(".")[0]
-        names = dict.fromkeys([top, *_absent(self._imported(files), top)])
-        return _sentence(list(names), self.provided)
+        return _sentence(self._missing(failed, files), self.provided)
 
     def replaceable(self, failed: str) -> Mapping[str, str]:
         """Return the modules that are missing where a placeholder may stand for each, else none.
@@ -49,11 +47,9 @@ class MissingModules:
         Each comes with what to do about it. A library that moves the robot, or is of ROS, has
         effects that no placeholder has.
         """
-        files = self._files()
-        if any(python_2_hint(source_bytes(path), self._shown(path)) for path in files):
+        if self.python_2() is not None:
             return {}
-        top = failed.partition(".")[0]
-        names = (top, *_absent(self._imported(files), top))
+        names = self._missing(failed, self._files())
         if not all(may_stand_in(name, self.provided) for name in names):
             return {}
         return {name: _remedy_words(name, self.provided) for name in names}
@@ -62,6 +58,11 @@ class MissingModules:
         """Return the hint where the script or one of its own modules is Python 2."""
         hints = (python_2_hint(source_bytes(path), self._shown(path)) for path in self._files())
         return next((hint for hint in hints if hint is not None), None)
+
+    def _missing(self, failed: str, files: Iterable[Path]) -> list[str]:
+        """Return the top modules that are missing, the one whose import failed first."""
+        top = failed.partition(".")[0]
+        return [top, *_absent(self._imported(files), top)]
 
     def _shown(self, path: Path) -> str:
         try:
