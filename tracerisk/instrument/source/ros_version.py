@@ -28,7 +28,7 @@ _ROS1 = re.compile(
 # `from control_msgs.action import ...`: ROS 1 has actions in `msg`. A folder of a ROS 1 program
 # may have that name too, so that it decides only where nothing else does.
 _ACTIONS = re.compile(r"\w+\.action(\..*)?")
-_AMENT = re.compile(r"<(build_type|buildtool_depend)[^>]*>\s*ament_")
+_BUILT_BY = re.compile(r"<(?:build_type|buildtool_depend)\b[^>]*>\s*(ament|catkin)\w*\s*<")
 _IMPORT = re.compile(r"\s*(?:from\s+([\w.]+)\s+import|import\s+([\w., ]+))")
 
 
@@ -63,7 +63,12 @@ def _is_built_by_ament(root: Path) -> bool:
         manifest = (root / "package.xml").read_text(encoding="utf-8", errors="replace")
     except OSError:
         return False
-    return _AMENT.search(manifest) is not None
+    return "ament" in build_tools(manifest)
+
+
+def build_tools(manifest: str) -> frozenset[str]:
+    """Return which of `ament`, of ROS 2, and `catkin`, of ROS 1, a `package.xml` has build it."""
+    return frozenset(_BUILT_BY.findall(manifest))
 
 
 def _imported(path: Path) -> Iterator[str]:

@@ -15,12 +15,10 @@ import time
 from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Literal
 
 from tracerisk.common.records import dataclass
 from tracerisk.common.text.patterns import pattern
-
-RosVersion = Literal[1, 2]
+from tracerisk.instrument.source.ros_version import RosVersion, build_tools
 
 PACKAGE_FILE = "package.xml"
 NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
@@ -46,7 +44,6 @@ _IGNORED_MARKS = ("COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE")
 _MOST_BYTES = 256 * 1024
 _NAME = pattern(r"<name>\s*([\w.-]+)\s*</name>")
 _NEED = pattern(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
-_BUILT_BY = pattern(r"<(?:build_type|buildtool_depend)\b[^>]*>\s*(ament|catkin|cmake)\w*\s*<")
 _COMMENT = pattern(r"<!--.*?-->", re.DOTALL)
 
 
@@ -110,7 +107,7 @@ def ros_of_package(folder: Path) -> RosVersion | None:
 
     catkin builds for ROS 1, ament for ROS 2. `None` where it names neither, or both.
     """
-    tools = set(_BUILT_BY.findall(_COMMENT.sub("", manifest_text(folder)))) - {"cmake"}
+    tools = build_tools(_COMMENT.sub("", manifest_text(folder)))
     if len(tools) != 1:
         return None
     return 2 if "ament" in tools else 1
@@ -171,7 +168,7 @@ def siblings_of(root: Path, top: Path) -> Siblings | None:
         lambda folder: folder not in (Path.home(), Path("/")), (root, *root.parents)
     )
     project = next((folder for folder in above if (folder / REPOSITORY).exists()), top)
-    sources = next((each for each in project.parents[:_ABOVE] if each.name == SOURCES), None)
+    sources = next((folder for folder in project.parents[:_ABOVE] if folder.name == SOURCES), None)
     return None if sources is None else Siblings(project, sources)
 
 
@@ -187,7 +184,7 @@ def needed_beside(root: Path, siblings: Siblings | None, ros: RosVersion | None)
     several with one name, those that are built for the other ROS than `ros` come last.
     """
     beside: dict[str, Path] = {}
-    around = (each for each in root.parents[:_ABOVE] if each not in (Path.home(), Path("/")))
+    around = (folder for folder in root.parents[:_ABOVE] if folder not in (Path.home(), Path("/")))
     near = (package for folder in around for package in packages_below(folder, deepest=_ABOVE))
     far = (
         package
@@ -228,7 +225,7 @@ def _needs_of(folder: Path) -> list[str]:
 def _folders_in(folder: Path) -> list[str]:
     try:
         with os.scandir(folder) as entries:
-            found = [each.name for each in entries if not each.name.startswith(".")]
+            found = [entry.name for entry in entries if not entry.name.startswith(".")]
     except OSError:
         return []
     return sorted(name for name in found if (folder / name).is_dir())

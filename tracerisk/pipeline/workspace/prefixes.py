@@ -29,10 +29,10 @@ from tracerisk.common.sandbox.ros_prefix import (
     prefix_folders,
 )
 from tracerisk.common.text.patterns import pattern
+from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.package_folders import (
     PACKAGE_FILE,
     SOURCES,
-    RosVersion,
     head_of,
     is_of_other_ros,
     name_of,

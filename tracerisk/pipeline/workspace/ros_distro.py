@@ -13,7 +13,7 @@ from tracerisk.config import RosDistro, Settings
 from tracerisk.errors import SettingsError
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.workspace import searched
+from tracerisk.pipeline.workspace.workspace import DISTROS, searched
 
 _SERVED: dict[RosVersion, dict[str, RosDistro]] = {
     1: {
@@ -84,9 +84,9 @@ def choose_distro(
     """
     ros = controller.ros_version
     if settings.ros_distro is not None:
-        if settings.ros_distro not in _SERVED[ros].values():
+        if settings.ros_distro not in DISTROS[ros]:
             origin = controller.project.setting_origins(controller.file).get("ros_distro")
-            allowed = " or ".join(dict.fromkeys(_SERVED[ros].values()))
+            allowed = " or ".join(DISTROS[ros])
             raise SettingsError(
                 f"ros_distro: {settings.ros_distro} is not of ROS {ros}, which {controller.file} "
                 f"imports; give {allowed} in its own table",

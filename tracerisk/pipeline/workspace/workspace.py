@@ -10,6 +10,7 @@ from pathlib import Path
 from tracerisk.common.records import dataclass
 from tracerisk.common.text.patterns import pattern
 from tracerisk.config import RosDistro, Settings
+from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.package_folders import (
     ENVIRONMENT,
@@ -17,7 +18,6 @@ from tracerisk.pipeline.workspace.package_folders import (
     PACKAGE_FILE,
     REPOSITORY,
     SOURCES,
-    RosVersion,
     declared_needs,
     is_of_other_ros,
     name_of,
@@ -39,7 +39,8 @@ _TOP_MARKS = frozenset(
 _MOST_MODULES = 300
 _MOST_FOLDERS = 5000
 _WORD = pattern(r"[\w.-]+")
-_SHIPPED_FOR: Mapping[RosVersion, tuple[RosDistro, ...]] = {1: ("noetic",), 2: ("humble", "jazzy")}
+DISTROS: Mapping[RosVersion, tuple[RosDistro, ...]] = {1: ("noetic",), 2: ("humble", "jazzy")}
+"""The distributions of each ROS that are served."""
 _LAUNCH_ENDINGS = (".launch", ".py", ".xml", ".yaml")
 
 
@@ -181,7 +182,7 @@ def workspace_of(controller: Controller, settings: Settings) -> Workspace:
         # Only then: to list them all may take a moment.
         installed = installed_packages(prefixes).items()
         there = {name for name, folder in installed if not is_of_other_ros(folder, ros)}
-        other &= there.union(*map(shipped_packages, _SHIPPED_FOR[ros]))
+        other &= there.union(*map(shipped_packages, DISTROS[ros]))
     packages = {name: folder for name, folder in found.packages.items() if name not in other}
     return Workspace(packages, prefixes)
 
