@@ -110,8 +110,8 @@ def _of_settings() -> str:
     settings = project.settings()
     if settings.hardware is None:
         files = project.controllers_with_settings
-        of_each = {project.settings(file).hardware for file in files}
-        named = sorted(from_here(project.root)(each) for each in of_each if each is not None)
+        given = {project.settings(file).hardware for file in files}
+        named = sorted(from_here(project.root)(name) for name in given if name is not None)
         if named:
             raise InputError(
                 "the settings name a description for single controllers, and none for all; give "

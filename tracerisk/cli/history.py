@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
 
     files = [Path(each) for each in options.files]
     if not files:
-        files = [each for each in all_controllers(Projects()) if each.is_file()]
+        files = [path for path in all_controllers(Projects()) if path.is_file()]
     if options.badge is not None and len(files) != 1:
         raise InputError(f"--badge is that of one controller, not of {len(files)}; name it")
     walked = histories(files, most=options.most)

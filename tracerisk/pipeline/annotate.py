@@ -90,9 +90,9 @@ class Annotated:
         lock = Project(self.lock_path.parent).lock
         # A second run of the same controller may have written the very same.
         left = tuple(
-            each
-            for each in change.sources
-            if (self.lock_path.parent / each.file).read_bytes() != each.after
+            source
+            for source in change.sources
+            if (self.lock_path.parent / source.file).read_bytes() != source.after
         )
         return Changed(
             left,
@@ -171,7 +171,7 @@ def annotate(
     if isinstance(outcome, EditsInTheWay):
         raise outcome.error()
     change = outcome if isinstance(outcome, Changed) else None
-    after = {each.file: each.after for each in change.sources} if change is not None else {}
+    after = {source.file: source.after for source in change.sources} if change is not None else {}
     sources = {**before, **after}
     return Annotated(
         controller, sources, before, change, lock_path, computed, trace, inputs.fingerprint
@@ -219,7 +219,9 @@ def _source_blocks(
         if function.line > 0 and function.ref.file == file
     }
     instances = {
-        ref.name: {each.component.name: each.in_function(ref) for each in computed.instances}
+        ref.name: {
+            instance.component.name: instance.in_function(ref) for instance in computed.instances
+        }
         for ref in computed.blocks
         if ref.file == file
     }

@@ -89,7 +89,6 @@ class Answer:
 
 def choices_of(known: KnownController, hardware: Hardware | None) -> Choices:
     """Return what can be changed of a controller that has a figure."""
-
     if known.model is None:
         return Choices((), ())
     blocks = [block for _, block in blocks_of(known.sources)]
@@ -206,7 +205,6 @@ def answer(known: KnownController, choices: Choices, change: Change, files: str)
 
     Raises ModelError where a figure would be above one.
     """
-
     if known.model is None or known.assessment is None:
         raise InputError(known.error or "has no figure; `tracerisk run` writes its blocks")
     model = _with_units(known, change.units)
@@ -225,7 +223,6 @@ def answer(known: KnownController, choices: Choices, change: Change, files: str)
 
 
 def _with_units(known: KnownController, units: Mapping[str, tuple[int, int]]) -> HybridModel:
-
     if not units:
         assert known.model is not None, "it was asked for before"
         return known.model

@@ -104,7 +104,7 @@ def _quantity(component: Component, twin: TwinBinding, places: int) -> int:
     _fail(
         component,
         f"has quantity {asked}, but the robot has {places} such {' and '.join(kinds)}; give "
-        f"'quantity: {places}', one a {'or '.join(each[:-1] for each in kinds)}, or list the "
+        f"'quantity: {places}', one a {'or '.join(kind[:-1] for kind in kinds)}, or list the "
         "ones it describes",
     )
 

@@ -55,7 +55,7 @@ def fitted_to(hardware: Hardware, elements: Sequence[Element]) -> Hardware:
     if own == places:
         return hardware
     arms = _arms(own, places)
-    fitted = tuple(part for each in hardware.components for part in _for_arms(each, arms))
+    fitted = tuple(part for component in hardware.components for part in _for_arms(component, arms))
     return replace(hardware, components=fitted)
 
 

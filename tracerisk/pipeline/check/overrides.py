@@ -201,8 +201,6 @@ def hand_set(controller: Controller) -> tuple[str, ...]:
 
     Raises BlockError when a block cannot be read.
     """
-    from tracerisk.adder.blocks.values import component_fields
-
     found = []
     for placed in read_blocks(controller.source, str(controller.path)):
         block = placed.block

@@ -47,12 +47,12 @@ def asked_by(controller: Controller, folders: Mapping[str, Path]) -> Asked:
     waiting, seen = deque([(script, controller.source)]), {script}
     while waiting and len(seen) < _MOST_MODULES:
         path, text = waiting.popleft()
-        for each in _imported(path, project.imports(text), folders):
-            if each in seen:
+        for module in _imported(path, project.imports(text), folders):
+            if module in seen:
                 continue
-            seen.add(each)
+            seen.add(module)
             with contextlib.suppress(OSError):
-                waiting.append((each, each.read_bytes()))
+                waiting.append((module, module.read_bytes()))
                 more = _asked_of(project.tree(waiting[-1][1]))
                 asked = replace(
                     asked, names=asked.names | more.names, required=asked.required | more.required

@@ -65,7 +65,7 @@ def launched_robots(
             by = "controller"
         name = shown([file.path], root)[0]
         said = f"{name} ({file.given})" if file.given else name
-        found += [_described(each, said, by) for each in reading.robots]
+        found += [_described(robot, said, by) for robot in reading.robots]
     return _agreed(found)
 
 

@@ -57,7 +57,7 @@ class Libraries:
 
     def __init__(self, script: Path, project: Project, states: Collection[str] = ()) -> None:
         self._script = script.resolve()
-        self._around = project
+        self._project = project
         self._root = project.root.resolve()
         self._states = frozenset(states)
         self._known: dict[Path, bool] = {}
@@ -106,25 +106,25 @@ class Libraries:
         return frozenset(found)
 
     @cached_property
-    def _project(self) -> tuple[Path, ...]:
-        top = self._around.top
+    def _files(self) -> tuple[Path, ...]:
+        top = self._project.top
         # A link may lead out of it.
         return tuple(path for path in _sources(top) if path.is_relative_to(top))
 
     @cached_property
     def _programs(self) -> tuple[Path, ...]:
-        return tuple(path for path in self._project if self._is_program(path))
+        return tuple(path for path in self._files if self._is_program(path))
 
     @cached_property
     def _tops(self) -> frozenset[str]:
         """The names with which an import of something in the project may begin."""
-        top = self._around.top
-        folders = {part for path in self._project for part in path.relative_to(top).parts[:-1]}
-        return frozenset(folders | {path.stem for path in self._project})
+        top = self._project.top
+        folders = {part for path in self._files for part in path.relative_to(top).parts[:-1]}
+        return frozenset(folders | {path.stem for path in self._files})
 
     @cached_property
     def _folders(self) -> tuple[Path, ...]:
-        workspace = self._around.workspace()
+        workspace = self._project.workspace()
         return (*workspace.import_paths, *workspace.packages.values())
 
     def _imported_by(self, program: Path) -> frozenset[Path]:

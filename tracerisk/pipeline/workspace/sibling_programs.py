@@ -24,7 +24,7 @@ def sibling_programs(controller: Controller) -> tuple[Controller, ...]:
         if not is_other or path.name.startswith("test_") or len(found) >= _MOST:
             continue
         source = _source(path)
-        if controller.project.tree(source) is not None and source:
+        if source and controller.project.tree(source) is not None:
             file = path.relative_to(root).as_posix()
             found.append(Controller(path, controller.project, file, source))
     return tuple(found)

@@ -88,9 +88,8 @@ class Placeholder:
         return False
 
     def __getitem__(self, key: Any) -> Any:
-        if isinstance(key, slice):
-            return self._numbers()[key]
-        if hasattr(key, "__index__") and not isinstance(key, Placeholder):
+        is_index = hasattr(key, "__index__") and not isinstance(key, Placeholder)
+        if is_index or isinstance(key, slice):
             return self._numbers()[key]
         return Placeholder(f"{self._placeholder[0]}[]", self._placeholder[1])
 

@@ -78,22 +78,22 @@ def _expanded(words: Sequence[str], runtime: Runtime) -> str:
     files = [each for each in words if ":=" not in each and not each.startswith("-")]
     output = next((words[at + 1] for at in range(len(words) - 1) if words[at] == "-o"), None)
     path = Path(next((each for each in files if each != output), ""))
-    robot, words = runtime.twin.robot, ""
+    robot, assumed = runtime.twin.robot, ""
     try:
         text = expand_xacro(path, runtime.findable, arguments=given).decode()
     except (TraceRiskError, OSError) as error:
         reason = error.message if isinstance(error, TraceRiskError) else str(error)
         text = srdf_text(robot) if ".srdf" in path.name else urdf_text(robot)
-        words = f"xacro {path.name} is answered with {robot.name}, which is simulated: {reason}"
+        assumed = f"xacro {path.name} is answered with {robot.name}, which is simulated: {reason}"
     else:
         others = sorted(_moving(text) - {joint.name for joint in robot.joints})
         if others:
-            words = (
+            assumed = (
                 f"xacro makes a robot of {path.name} with {', '.join(others[:_MOST_SHOWN])}, and "
                 f"{robot.name} is simulated, which has no such joint"
             )
-    if words:
-        runtime.recorder.finding("answer_assumed", words, object_name=path.name)
+    if assumed:
+        runtime.recorder.finding("answer_assumed", assumed, object_name=path.name)
     if output is None:
         return text
     Path(output).write_text(text, encoding="utf-8")
