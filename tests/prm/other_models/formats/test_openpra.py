@@ -180,6 +180,17 @@ def test_a_random_model_keeps_its_figures(model):
     assert dumps_openpra(model) == text
 
 
+def test_a_home_with_the_name_of_another_top_gives_no_tree_its_name():
+    places = {"aa": Place("a"), "a": Place()}
+    gates = tuple(
+        GateDefinition(Gate(name, GateKind.OR, ("b",)), place) for name, place in places.items()
+    )
+    events = (EventDefinition("b", Number(0.25)),)
+    model = LogicModel(gates=gates, events=events, containers=(Container("a"),))
+    again = loads_openpra(dumps_openpra(model), "again.json")
+    assert solved_tops(again, 1.0) == solved_tops(model, 1.0)
+
+
 def test_a_gate_that_feeds_two_comes_back_as_one():
     gates = (
         Gate("top", GateKind.OR, ("one", "two")),

@@ -87,7 +87,10 @@ class _Writer:
         return data
 
     def _tree_names(self) -> dict[str, str]:
-        """Return the name of the fault tree of each top: that of its home, where it is alone."""
+        """Return the name of the fault tree of each top: that of its home, where it is alone.
+
+        A home that has the name of another top leaves it to the tree of that one.
+        """
         tops = self._model.tops
         homes: dict[str, list[str]] = {}
         for top in tops:
@@ -95,7 +98,7 @@ class _Writer:
         names: dict[str, str] = {}
         for top in tops:
             home = self._gates[top].place.home.partition(".")[0]
-            alone = home and homes[home] == [top]
+            alone = home and homes[home] == [top] and home not in {*tops} - {top}
             names[top] = home if alone and home in self._labels else top
         self._check_distinct(names)
         return names
