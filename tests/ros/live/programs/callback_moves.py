@@ -42,7 +42,7 @@ class Node:
     def go(self, message):
         self.client.send_goal_and_wait(goal_to(turned(message.data), 1.0))
         where = dict(zip(self.state.name, self.state.position))
-        print("> at", round(where["panda_joint1"], 2), self.client.get_state())
+        print("> at", round(where["panda_joint1"], 2) + 0.0, self.client.get_state())
         if message.data == 0.0:
             self.home.set()
 
