@@ -215,6 +215,11 @@ class Scheduler:
             self._block(thread, None, self._now_ns + READ_STEP_NS, "the clock to move")
         thread.read_ns = self._now_ns
 
+    def note_progress(self) -> None:
+        """Note that the thread works on: its next look at the clock is no busy wait's."""
+        if self.current is not None:
+            self.current.read_ns = -1
+
     def count_call(self, cost: int = 1) -> None:
         """Note a call that could wait and need not; too many at one instant move the clock."""
         thread = self.current

@@ -194,7 +194,8 @@ class Executor(WorkFinding):
         self._spin_once_impl(timeout_ns, future)
 
     def _wake_for(self, future: Future) -> None:
-        """Be woken by a future: a task like any other, which takes its turn."""
+        """Be woken by a future: a task like any other, which takes its turn but no time."""
+        self._run.scheduler.note_progress()
         self.wake()
 
     @property
