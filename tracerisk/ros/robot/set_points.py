@@ -166,14 +166,8 @@ class SetPoints(TrajectoryNode):
         if not sent.points:
             raise TrajectoryRefusedError("the trajectory has no points")
         trajectory = controller.trajectory(sent, self._commands.stack())
-        if count := left_out(sent, self._twin):
-            self._commands.report(
-                "command_ignored",
-                f"{count} of {len(sent.points)} points of a message on {topic} moved nothing: they "
-                "lie in the past, and are dropped",
-                object_name=topic,
-                may_stream=True,
-            )
+        if words := left_out(sent, self._twin, f"a message on {topic}"):
+            self._commands.report("command_ignored", words, object_name=topic, may_stream=True)
         return trajectory
 
     def _is_there(self, message: Any, tolerance: float = GOAL_TOLERANCE) -> bool:

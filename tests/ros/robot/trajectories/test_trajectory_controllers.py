@@ -23,6 +23,7 @@ from tracerisk.ros.robot.trajectories.controllers import (
 )
 from tracerisk.ros.robot.trajectories.limits import goal_limits
 from tracerisk.ros.robot.trajectories.settings import TrajectorySettings
+from tracerisk.ros.robot.trajectories.timed import left_out
 from tracerisk.ros.robot.trajectory_messages import TrajectoryCode, TrajectoryRefusedError
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.time.scheduler import Scheduler
@@ -275,6 +276,28 @@ def test_start(what, distro):
     assert (len(way.time) > len(wanted)) == waits
     if waits:
         assert np.abs(way.position[:-1] - HERE).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("distro", "turn", "words"),
+    [
+        ("noetic", 0.3, "1 of 2 points of a goal moved nothing: they lie in the past"),
+        ("jazzy", 0.3, "the first of 2 points of a goal moved nothing: at its time, 0 s, "
+            "'panda_joint1' is 0.300 rad away"),
+        ("humble", 0.3, "a real controller would step there at once"),
+        ("noetic", 0.005, ""),
+        ("jazzy", 0.02, ""),  # no further than the joint may move in an update
+    ],
+)  # fmt: skip
+def test_a_start_point_elsewhere_is_told(distro, turn, words):
+    twin = still_twin()
+    start = moved(distro, 0.0, positions=[turn, *HERE[1:]])
+    runtime = Runtime(None, None, twin, distro=DistroRules(distro))
+    controller = TrajectoryController(runtime, TrajectorySettings.of(ARM, {}))
+    sent = controller.asked(message(distro, start, moved(distro, 2.0)), NOW_NS)
+    said = left_out(sent, twin, "a goal")
+    assert words in said
+    assert bool(words) == bool(said)
 
 
 def test_in_ros_1_the_motion_before_goes_on_until_the_start():

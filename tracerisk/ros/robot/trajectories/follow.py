@@ -126,14 +126,9 @@ class FollowServer(TrajectoryNode):
                 return None
             raise TrajectoryRefusedError("the trajectory has no points")
         trajectory = controller.trajectory(sent, goal.stack)
-        if count := left_out(sent, self._twin):
-            self._commands.report(
-                "command_ignored",
-                f"{count} of {len(sent.points)} points of a goal of action {goal.client.name} "
-                "moved nothing: they lie in the past, and are dropped",
-                goal.stack,
-                object_name=goal.client.name,
-            )
+        name = goal.client.name
+        if words := left_out(sent, self._twin, f"a goal of action {name}"):
+            self._commands.report("command_ignored", words, goal.stack, object_name=name)
         return trajectory
 
     def _stop(self, goal: ActionGoal, controller: TrajectoryController) -> None:

@@ -22,6 +22,9 @@ from tracerisk.twin.simulation.twin import Twin
 
 START = "trajectory-start"
 WRAPAROUND = "trajectory-wraparound"
+UPDATE_S = 0.01
+"""From one set-point of a controller to the next [s]: the default `update_rate` of
+ros-controls/ros2_control controller_manager, 100 Hz."""
 
 Array = NDArray[np.float64]
 
@@ -88,16 +91,45 @@ def _first_point(asked: Asked) -> int:
     return min(first, len(times) - 1)
 
 
-def left_out(asked: Asked, twin: Twin) -> int:
-    """Return how many past points are dropped that are not where the joints are anyway."""
-    if asked.rules.value(PAST_POINTS) != "dropped":
-        return 0
-    here = twin.joint_state().positions
-    start = [here[name] for name in asked.names]
-    return sum(
-        max(abs(x - a) for x, a in zip(point.positions, start, strict=False)) > START_TOLERANCE
-        for point in asked.points[: _first_point(asked)]
+def left_out(asked: Asked, twin: Twin, what: str) -> str:
+    """Say which points move nothing though they are not where the joints are; "" for none.
+
+    A controller of ROS 1 drops past points; one of ROS 2 would step to a start point at time 0,
+    which the twin passes over. `what` carries the trajectory, for example "a goal of action /a".
+    """
+    count, first = len(asked.points), _first_point(asked)
+    if asked.rules.value(PAST_POINTS) == "dropped":
+        n_dropped = sum(bool(_elsewhere(asked, at, twin)) for at in range(first))
+        if not n_dropped:
+            return ""
+        return (
+            f"{n_dropped} of {count} points of {what} moved nothing: they lie in the past, and "
+            "are dropped"
+        )
+    starts_later = first == count - 1 or asked.times_s()[first] > 0.0
+    gaps = {} if starts_later else _elsewhere(asked, first, twin)
+    most = {name: twin.robot.joint(name).velocity_limit * UPDATE_S for name in gaps}
+    steps = {name: gap for name, gap in gaps.items() if gap > most[name]}
+    if not steps:
+        return ""
+    joint = max(steps, key=lambda name: steps[name])
+    unit = "m" if twin.robot.joint(joint).type == "prismatic" else "rad"
+    return (
+        f"the first of {count} points of {what} moved nothing: at its time, 0 s, {joint!r} is "
+        f"{steps[joint]:.3f} {unit} away, and a real controller would step "
+        "there at once; begin where the arm is, or give the point a time to get there"
     )
+
+
+def _elsewhere(asked: Asked, at: int, twin: Twin) -> dict[str, float]:
+    """Return how far the joints are from a point, those that are further than a start may be."""
+    here = twin.joint_state().positions
+    points = zip(asked.names, asked.points[at].positions, strict=False)
+    gaps = {name: position - here[name] for name, position in points}
+    for name in gaps:
+        if wraps(asked, name, twin):
+            gaps[name] = math.remainder(gaps[name], 2 * math.pi)
+    return {name: abs(gap) for name, gap in gaps.items() if abs(gap) > START_TOLERANCE}
 
 
 def _filled(points: Any, order: list[int], start: Array, time: Array) -> tuple[Array, Array, Array]:
