@@ -375,10 +375,13 @@ def test_the_same_goal_again_and_again_that_never_arrives_ends_a_run(example, bo
         assert end["simulated_s"] < 70
 
 
-def test_a_service_that_is_called_again_and_again_for_the_same_ends_a_run(example):
+# Without a pause, a call begins with each answer: a thousand in a second, which computes for long.
+@pytest.mark.parametrize("pause", slow_but(["time.sleep(0.05)"], ["time.sleep(0.05)", ""]))
+def test_a_service_that_is_called_again_and_again_for_the_same_ends_a_run(example, pause):
     example.write(
         "c.py",
         """\
+import time
 import rclpy
 from open_manipulator_msgs.srv import SetJointPosition
 
@@ -393,9 +396,8 @@ def main():
     while rclpy.ok():
         rclpy.spin_once(node)
         path.call_async(request)
-
-main()
-""",
+"""
+        + f"        {pause}\n\nmain()\n",
     )
     outcome = example.run(
         "trace", "c.py", "--robot", "open_manipulator_x", "--duration", "90", "--json"
