@@ -5,18 +5,25 @@ import random
 from fractions import Fraction
 
 import pytest
-from scipy import stats
 
 from tracerisk.common.field.profile import following, ratio, student_t
 
 
+@pytest.fixture(scope="module")
+def stats():
+    """The distributions of SciPy, whose import takes every process that collects tests long."""
+    from scipy import stats
+
+    return stats
+
+
 @pytest.mark.parametrize("freedom", [1, 2, 5, 30, 1000])
 @pytest.mark.parametrize("share", [0.75, 0.95, 0.995])
-def test_students_t_is_that_of_scipy(freedom, share):
+def test_students_t_is_that_of_scipy(stats, freedom, share):
     assert student_t(freedom, share) == pytest.approx(stats.t.ppf(share, freedom), rel=1e-6)
 
 
-def test_the_share_of_what_follows_is_exact():
+def test_the_share_of_what_follows_is_exact(stats):
     found = following({"init": 9, "done": 1})
     assert found["init"].share == Fraction(9, 10)
     assert found["init"].low == pytest.approx(stats.beta.ppf(0.05, 9, 2))

@@ -2,17 +2,23 @@
 
 import pytest
 
-pytest.importorskip("matplotlib")
-
-from matplotlib.figure import Figure
-
 from tracerisk.pipeline.run import controller_run
-from tracerisk.ros.controller import unseen_windows
+
+
+@pytest.fixture(scope="module")
+def unseen_windows():
+    """The module, which imports Matplotlib: that takes every process that collects tests long."""
+    pytest.importorskip("matplotlib")
+    from tracerisk.ros.controller import unseen_windows
+
+    return unseen_windows
 
 
 @pytest.fixture
-def drawn(monkeypatch):
+def drawn(monkeypatch, unseen_windows):
     """Return the canvas of a figure with a line, and how often it was drawn."""
+    from matplotlib.figure import Figure
+
     figure, times = Figure(), []
     figure.add_subplot().plot([0.0, 1.0])
     real = figure.draw
@@ -20,7 +26,7 @@ def drawn(monkeypatch):
     return unseen_windows.FigureCanvas(figure), times
 
 
-def test_the_run_draws_by_it():
+def test_the_run_draws_by_it(unseen_windows):
     assert f"module://{unseen_windows.__name__}" == controller_run._FIGURES
 
 

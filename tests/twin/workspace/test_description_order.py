@@ -4,11 +4,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but
 from tracerisk.twin.robots.names_in_source import LaunchedBy, LaunchedDescription, Spoken
 from tracerisk.twin.workspace.robot_of_workspace import find_workspace_robots
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 MODELS = ("ab1", "ab2", "ab3", "ab4")
+ENDS = ("ab1", "ab4")
+"""The first, within what is expanded of a kind, and the last, which lies behind it."""
 
 
 @pytest.fixture(autouse=True)
@@ -70,7 +73,7 @@ def family(top: Path, *, with_srdf: bool = True) -> None:
     (top / "demo").mkdir()
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", slow_but(ENDS, MODELS))
 def test_the_arm_that_the_source_names_is_read_after_the_srdf_files_of_all(tmp_path, name):
     family(tmp_path)
     found, unreadable = taken(tmp_path, name, "arm")
@@ -78,7 +81,7 @@ def test_the_arm_that_the_source_names_is_read_after_the_srdf_files_of_all(tmp_p
     assert not any(f"/{name}." in words for words in unreadable)
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", slow_but(ENDS, MODELS))
 def test_of_a_family_without_srdf_the_arm_that_the_source_names_is_read(tmp_path, name):
     family(tmp_path, with_srdf=False)
     assert taken(tmp_path, name) == ([f"{name}_elbow"], ())

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.strata import LatinHypercube
@@ -32,6 +31,14 @@ from tracerisk.prm.other_models.expressions.sampling import Sampling, sample
 DRAWS = LatinHypercube(2000, seed=1)
 
 
+@pytest.fixture(scope="module")
+def stats():
+    """The distributions of SciPy, whose import takes every process that collects tests long."""
+    from scipy import stats
+
+    return stats
+
+
 def numbers(*values):
     return tuple(Number(value) for value in values)
 
@@ -39,23 +46,26 @@ def numbers(*values):
 @pytest.mark.parametrize(
     ("deviate", "distribution"),
     [
-        (UniformDeviate(*numbers(2.0, 5.0)), stats.uniform(2.0, 3.0)),
-        (NormalDeviate(*numbers(2.0, 5.0)), stats.norm(2.0, 5.0)),
-        (LognormalDeviate(numbers(-7.0, 0.5)), stats.lognorm(0.5, scale=np.exp(-7.0))),
-        (GammaDeviate(*numbers(2.0, 5.0)), stats.gamma(2.0, scale=5.0)),
-        (BetaDeviate(*numbers(2.0, 5.0)), stats.beta(2.0, 5.0)),
+        (UniformDeviate(*numbers(2.0, 5.0)), lambda stats: stats.uniform(2.0, 3.0)),
+        (NormalDeviate(*numbers(2.0, 5.0)), lambda stats: stats.norm(2.0, 5.0)),
+        (
+            LognormalDeviate(numbers(-7.0, 0.5)),
+            lambda stats: stats.lognorm(0.5, scale=np.exp(-7.0)),
+        ),
+        (GammaDeviate(*numbers(2.0, 5.0)), lambda stats: stats.gamma(2.0, scale=5.0)),
+        (BetaDeviate(*numbers(2.0, 5.0)), lambda stats: stats.beta(2.0, 5.0)),
         (
             Histogram(numbers(0.0, 1.0, 2.0, 4.0), numbers(1.0, 0.0, 3.0)),
-            stats.rv_histogram(
+            lambda stats: stats.rv_histogram(
                 (np.array([1.0, 0.0, 3.0]), np.array([0.0, 1.0, 2.0, 4.0])), density=False
             ),
         ),
     ],
     ids=lambda part: type(part).__name__,
 )
-def test_a_deviate_has_its_distribution(deviate, distribution):
+def test_a_deviate_has_its_distribution(deviate, distribution, stats):
     values = sample(deviate, {}, 1.0, DRAWS)
-    assert stats.kstest(values, distribution.cdf).statistic < 1 / DRAWS.size + 1e-9
+    assert stats.kstest(values, distribution(stats).cdf).statistic < 1 / DRAWS.size + 1e-9
     assert values.mean() == pytest.approx(evaluate(deviate, {}, 1.0), rel=0.02)
 
 
