@@ -379,8 +379,9 @@ def states_at(
     index = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
     width = (time[index + 1] - time[index])[:, None]
     u = np.clip((at - time[index])[:, None] / width, 0.0, 1.0)
-    p0, p1 = position[index], position[index + 1]
-    v0, v1 = velocity[index] * width, velocity[index + 1] * width
+    p0, p1 = position.take(index, axis=0), position.take(index + 1, axis=0)
+    v0 = velocity.take(index, axis=0) * width
+    v1 = velocity.take(index + 1, axis=0) * width
     u2, u3 = u * u, u * u * u
     sampled = (
         (2 * u3 - 3 * u2 + 1) * p0 + (u3 - 2 * u2 + u) * v0
@@ -393,9 +394,12 @@ def states_at(
     if degree is not None:
         of_span = degree[index + 1]
         waits, straight, smooth = of_span == 0, of_span == 1, of_span == 5
-        sampled[waits], slope[waits] = p0[waits], 0.0
-        slope[straight] = ((p1 - p0) / width)[straight]
-        sampled[straight] = (p0 + (p1 - p0) * u)[straight]
+        # Most paths are cubics throughout: what no span is, is not computed for all times.
+        if waits.any():
+            sampled[waits], slope[waits] = p0[waits], 0.0
+        if straight.any():
+            slope[straight] = ((p1 - p0) / width)[straight]
+            sampled[straight] = (p0 + (p1 - p0) * u)[straight]
         if smooth.any():
             bend = np.zeros_like(position) if acceleration is None else acceleration
             a0, a1 = bend[index] * width**2, bend[index + 1] * width**2
