@@ -6,8 +6,9 @@ import pytest
 
 from tracerisk.common.text.yaml_reader import read_large_yaml
 from tracerisk.errors import Location
-from tracerisk.instrument.source.literals.filled_messages import listed_names
-from tracerisk.ros.drafts.drafted_driver import Asked, guessed_driver
+from tracerisk.instrument.source.literals.filled_messages import largest_given, listed_names
+from tracerisk.ros.drafts.drivers.asked import Asked
+from tracerisk.ros.drafts.drivers.guessed_driver import guessed_driver
 from tracerisk.ros.drafts.said_around import ranges_said
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
@@ -131,6 +132,42 @@ MOTIONS = {
         "/move", "float64[6] joints # rad\nfloat64 velocity_scaling",
         {"joints": "joints", "speed": {"field": "velocity_scaling", "unit": "fraction"}}, {},
     ),
+    "a pose that is set": (
+        "/set_ee_pose",
+        "string ref_frame_id\n" + "\n".join(
+            f"float64 {n}" for n in ("x", "y", "z", "roll", "pitch", "yaw")
+        ),
+        {
+            "pose": ["x", "y", "z", "roll", "pitch", "yaw"],
+            "frame": {"field": "ref_frame_id"},
+        },
+        {},
+    ),
+    "a place that is set": (
+        "/set_tcp_position", "geometry_msgs/Point place", {"position": "place"}, {},
+    ),
+    "joints that are set": ("/set_arm_joints", "float64[6] joints", {"joints": "joints"}, {}),
+    "a pose to pick at, beside joints": (
+        "/object_manipulation_server",
+        "string kind\ngeometry_msgs/PoseStamped pose\nfloat64[] joints",
+        {"pose": "pose"},
+        {},
+    ),
+    "a pose to place at": ("/place", "geometry_msgs/Pose where", {"pose": "where"}, {}),
+    "a pose to grasp at, with its frame": (
+        "/grasp", "string frame\ngeometry_msgs/Pose at",
+        {"pose": "at", "frame": {"field": "frame"}}, {},
+    ),
+    "poses in turn": ("/pick_all", "geometry_msgs/PoseStamped[] at", {"pose": "at"}, {}),
+    "a field that is a target": (
+        "/cobra/request", "geometry_msgs/Pose target_pose", {"pose": "target_pose"}, {},
+    ),
+    "a field of joints of the target": (
+        "/cobra/request", "float64[6] goal_joints", {"joints": "goal_joints"}, {},
+    ),
+    "a field of the tool": (
+        "/do_task", "geometry_msgs/PoseStamped ee_pose", {"pose": "ee_pose"}, {},
+    ),
     "a relative motion": (
         "/move_relative", "float64[6] joints", {"joints": "joints", "relative": True}, {},
     ),
@@ -151,6 +188,7 @@ GRIPS = {
     ),
     "a switch that opens": ("/hand", "bool open", {"open": "open"}),
     "nothing but its name": ("/open_gripper", "", {"open": True}),
+    "an angle": ("/set_gripper", "float64 angle", {"position": "angle"}),
     "percent": (
         "/gripper/set", "int32 position # 0-100",
         {"position": {"field": "position", "unit": "percent"}},
@@ -179,6 +217,11 @@ def test_a_gripper_is_what_its_name_says(guess, name, fields, roles):
         ("/move", "float64[5] joints"),
         ("/ready", ""),
         ("/detect", "float64[] positions"),
+        ("/set_object_pose", "geometry_msgs/Pose pose"),
+        ("/set_camera_pose", "geometry_msgs/Pose pose"),
+        ("/plan_grasp", "geometry_msgs/Pose target_pose"),
+        ("/move", "string object_name"),
+        ("/pick", "string name"),
     ],
 )
 def test_what_asks_or_moves_another_thing_is_no_motion_of_the_arm(guess, name, fields):
@@ -190,6 +233,63 @@ def test_a_named_state_is_gone_to_where_the_name_says_so(guess):
     assert guess("/go_ready", "", type_name="Go", states=("ready",))[1]["move"] == {
         "named": "ready"
     }
+
+
+@pytest.mark.parametrize(
+    ("name", "fields", "path"),
+    [
+        ("/move_groupstate", "string goal_state\nfloat32 max_vel", "goal_state"),
+        ("/go_to_state", "string state", "state"),
+        ("/arm/move_to", "string target_name", "target_name"),
+        ("/move_arm", "string pose", "pose"),
+    ],
+)
+def test_a_word_of_a_motion_is_a_named_state_of_the_robot(guess, name, fields, path):
+    _, interface, words = guess(name, fields, type_name="Go", states=("ready", "home"))
+    assert interface["move"] == {"named": {"field": path}}
+    assert f"`{path}` is a named state" in words
+
+
+def test_a_word_is_no_state_where_the_robot_has_none(guess):
+    assert guess("/arm/move_to", "string target_name")[0] is None
+
+
+def test_what_picks_moves_the_tool_alone_and_says_so(guess):
+    _, _, words = guess("/pick", "geometry_msgs/Pose pose", type_name="Pick")
+    assert words == "`pose` is a pose of the tool; nothing is gripped or let go"
+
+
+def test_an_answer_is_filled_within_a_message_of_one_value(guess):
+    _, interface, _ = guess(
+        "/move", "float64[6] joints", "std_msgs/Bool success", reply={"success": {"data": True}}
+    )
+    assert interface["response"] == {"success.data": "$success"}
+
+
+TOPICS = {
+    "a pose with its frame": (
+        "/arm/target_pose", "geometry_msgs/PoseStamped",
+        {"pose": "pose", "frame": {"field": "header.frame_id"}},
+    ),
+    "a pose": (
+        "/move_to", "geometry_msgs/Pose", {"position": "position", "orientation": "orientation"},
+    ),
+    "joints": (
+        "/joint_goal", "sensor_msgs/JointState", {"joints": "position", "joint_names": "name"},
+    ),
+    "a list of joints": ("/joint_cmd", "std_msgs/Float64MultiArray", {"joints": "data"}),
+    "where RViz sends a base": ("/goal_pose", "geometry_msgs/PoseStamped", None),
+    "where a base begins": ("/initialpose", "geometry_msgs/PoseStamped", None),
+    "where a thing is": ("/block_pose", "geometry_msgs/PoseStamped", None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "type_name", "roles"), TOPICS.values(), ids=TOPICS)
+@pytest.mark.parametrize("make", [Interfaces, Interfaces2], ids=["ros1", "ros2"])
+def test_a_topic_of_a_type_of_ros_is_what_its_name_says(make, name, type_name, roles):
+    asked = Asked("subscribed_topics", name, type_name, make().message(type_name))
+    found = guessed_driver(asked, {}, joints=6)
+    assert (found and found.entry["subscribed_topics"][name.strip("/")]["move"]) == roles
 
 
 def test_units_that_nobody_writes_are_assumed_and_said(guess):
@@ -275,3 +375,17 @@ def test_the_range_of_a_number_is_what_a_comment_says(tmp_path, line, expected):
 def test_what_a_source_puts_into_lists_is_known_by_its_names():
     tree = ast.parse("request.angle = [cmd.force, position]\nsend(data=[1, self.grip_pos])")
     assert listed_names(tree) == {"angle": ("force", "position"), "data": ("", "grip_pos")}
+
+
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        ("angle = 90.0\nangle = 0.0", {"angle": 90.0}),
+        ("grip.position = 255\nsend(position=0)", {"position": 255.0}),
+        ("offset = -5\noffset = 20", {}),
+        ("width = 0.08", {}),
+        ("open = True", {}),
+    ],
+)
+def test_the_largest_number_that_a_source_gives_is_the_end_of_its_range(source, expected):
+    assert largest_given(ast.parse(source)) == expected

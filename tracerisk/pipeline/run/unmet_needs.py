@@ -15,7 +15,7 @@ from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
 from tracerisk.pipeline.workspace.needs_in_source import reads_command_line
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.commanding_messages import commands_something
-from tracerisk.ros.drafts.draft import drafts
+from tracerisk.ros.drafts.draft import COMMANDING, drafts
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions
@@ -258,7 +258,7 @@ class UnmetNeeds:
         # Of what the script asks for by name, what comes later is given with what comes first.
         later = () if shows_risk else self._further(self.in_source(self.script))
         beside = (*self._further(self._beside()), *later)
-        obeyed = self._may_be_obeyed()
+        obeyed = self._may_be_obeyed(shows_risk=shows_risk)
         unserved, uncalled = map(self._as_of_end, (self._unserved, self._uncalled))
         # Of a library's many clients only those are in use that are waited for or called.
         own = [each for each in unserved if each.need.kind == "topic" or self._is_script(each)]
@@ -277,9 +277,14 @@ class UnmetNeeds:
         """Return whether the script itself asks for something, and no module that it imports."""
         return missed.location is not None and Path(missed.location.file) == self.script
 
-    def _may_be_obeyed(self) -> Iterator[Missed]:
-        """Yield what is published to nobody, and by its fields may move the robot."""
+    def _may_be_obeyed(self, *, shows_risk: bool) -> Iterator[Missed]:
+        """Yield what is published to nobody, and by its fields may move the robot.
+
+        What has moved it otherwise may publish a pose for a display.
+        """
         for each in self.runtime.graph.unheard():
+            if shows_risk and each.need.type_name in COMMANDING:
+                continue
             obeyed = replace(each, need=replace(each.need, kind="command"))
             (draft,) = drafts([obeyed], self.interfaces, self.values)
             if draft.value is not None:

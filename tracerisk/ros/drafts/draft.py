@@ -16,13 +16,15 @@ from tracerisk.instrument.source.literals.compared_values import (
     source_tree,
     without_emergency,
 )
-from tracerisk.instrument.source.literals.filled_messages import listed_names
+from tracerisk.instrument.source.literals.filled_messages import largest_given, listed_names
 from tracerisk.instrument.source.literals.known_keys import known_keys
 from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
 from tracerisk.ros.drafts.asked_results import used_as
-from tracerisk.ros.drafts.drafted_driver import Asked, Guess, guessed_driver
+from tracerisk.ros.drafts.commanding_messages import commands_something
 from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter, parameter_key
 from tracerisk.ros.drafts.drafted_pictures import DEPTHS, PICTURES, picture, with_seen
+from tracerisk.ros.drafts.drivers.asked import Asked
+from tracerisk.ros.drafts.drivers.guessed_driver import Guess, guessed_driver
 from tracerisk.ros.drafts.known_answers import known_answers
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
@@ -81,6 +83,13 @@ _OF_DRIVERS = frozenset(
     }
 )
 """Types of ROS that drivers of arms and grippers take too."""
+COMMANDING = frozenset(
+    {
+        *("geometry_msgs/Pose", "geometry_msgs/PoseStamped"),
+        *("std_msgs/Float32MultiArray", "std_msgs/Float64MultiArray"),
+    }
+)
+"""Types of ROS that are no command unless the name of their topic says so."""
 _KINDS = {"services": "srv", "actions": "action", "subscribed_topics": "msg"}
 _ASKED_NUMBER = re.compile(r"\b([xyz]|roll|pitch|yaw|(joint|axis) ?\d|j\d|angle)\b")
 _ALARM = re.compile(
@@ -340,12 +349,17 @@ def _guess(asked: Asked, reply: Mapping[str, Any], lack: _Lack) -> Guess | None:
     """Return a driver for what the workspace has messages of its own for, or a gripper's switch."""
     interfaces, values = lack.interfaces, lack.values
     package = asked.type_name.partition("/")[0]
-    if package not in interfaces.workspace and asked.type_name not in _OF_DRIVERS:
+    if asked.type_name in COMMANDING:
+        if not commands_something(asked.name, asked.type_name, asked.request):
+            return None
+    elif package not in interfaces.workspace and asked.type_name not in _OF_DRIVERS:
         return None
     group = None if values.group is None else values.group[0]
-    elements, largest = listed_names(source_tree(lack.place)), ranges_said(lack.place)
+    tree = source_tree(lack.place)
+    largest = {name: (number, False) for name, number in largest_given(tree).items()}
+    largest |= ranges_said(lack.place)
     return guessed_driver(
-        replace(asked, elements=elements, largest=largest),
+        replace(asked, elements=listed_names(tree), largest=largest),
         reply,
         joints=len(values.joints),
         states=values.robot.named_states.get(group or "", {}),

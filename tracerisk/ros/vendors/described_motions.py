@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import one_of
+from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.robot.arm_motion import ArmMotion, TwistFrame
 from tracerisk.ros.robot.motion_profiles import Ramp, ramp_of_speed, ramped
@@ -352,6 +353,8 @@ class DescribedMotions:
             if name == self._driver.frame:
                 # What the maker's own base is called where this robot's is called otherwise.
                 return Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+            scheduler = self._runtime.scheduler
+            scheduler.needs.miss(Need("frame", name, parent=robot.base_link), scheduler.now_ns)
             raise PlanningError("bad_request", f"unknown frame '{name}'")
         return found
 

@@ -69,6 +69,29 @@ def listed_names(tree: ast.AST | None) -> dict[str, tuple[str, ...]]:
     return found
 
 
+def largest_given(tree: ast.AST | None) -> dict[str, float]:
+    """Return the largest number that a source gives each name, where it is above 1 and none is < 0.
+
+    `angle = 90.0`, `request.angle = 0.0` and `send(angle=45)` give `angle: 90.0`.
+    """
+    given: dict[str, list[float]] = {}
+    for node in () if tree is None else ast.walk(tree):
+        pairs: list[tuple[str, ast.expr]] = []
+        if isinstance(node, ast.Assign):
+            pairs = [(last_name(target), node.value) for target in node.targets]
+        elif isinstance(node, ast.Call):
+            pairs = [(keyword.arg, keyword.value) for keyword in node.keywords if keyword.arg]
+        for name, value in pairs:
+            number = _literal(value)
+            if name and isinstance(number, int | float) and not isinstance(number, bool):
+                given.setdefault(name, []).append(float(number))
+    return {
+        name: max(numbers)
+        for name, numbers in given.items()
+        if max(numbers) > 1.0 and min(numbers) >= 0.0
+    }
+
+
 def _literal(node: ast.expr) -> Any:
     try:
         return plain_value(ast.literal_eval(node))

@@ -6,41 +6,50 @@ gripper. What they leave open, often a unit, is assumed: whoever confirms the en
 
 from __future__ import annotations
 
-import dataclasses
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
-from tracerisk.ros.messages.fields import (
-    FLOATS,
-    INTEGER_BITS,
-    MessageField,
-    fields_of,
-    snake_case,
-    type_of,
+from tracerisk.ros.drafts.drivers.asked import (
+    Asked,
+    Found,
+    Part,
+    is_of_others,
+    is_percent,
+    parts_of,
 )
+from tracerisk.ros.drafts.drivers.grips import ends_of, grip_of
+from tracerisk.ros.messages.fields import FLOATS, snake_case, type_of
 
-Kind = Literal["services", "actions", "subscribed_topics"]
-
-_DEEP = 2  # levels of nested messages in which fields are looked for
 _MOVES = re.compile(
-    r"move|motion|traj|(^|_)(go|goto|ptp|p2p|lin|line(ar)?|circ|servo|jog|cmd|command|execute|reach"
-    r"|approach|target|goal|drive|control|cart(esian)?|set_(pos\w*|joint\w*|pose|angle\w*|axes))(_|$)"
+    r"move|motion|traj|manipulat"
+    r"|(^|_)(go|goto|ptp|p2p|lin|line(ar)?|circ|servo|jog|cmd|command|execute|reach|pick|place|grasp"
+    r"|approach|target|goal|drive|control|cart(esian)?"
+    r"|set_((arm|robot|ee|eef|end_effector|tcp|tool|target|goal|desired)_)?"
+    r"(pos\w*|joint\w*|pose|angle\w*|axes))(_|$)"
 )
-_ASKS = re.compile(
-    r"(^|_)(get|compute|solve|plan|ik|fk|i?kin\w*|inverse|forward|check|detect|find|is|query|read|convert"
-    r"|transform|list|generate|calc\w*|estimate|predict|save|load|record|teach|param\w*|config\w*|limits?"
-    r"|calib\w*|enable|disable|mode|state|status|register|io|payload|offset|zero|reset|clear)(_|$)"
+_TARGETS = re.compile(
+    r"(^|_)(target|goal|desired|ee|eef|end_effector|tcp|tool|gripper|grasp|pick|place)"
+    r"_(pose|point|position|joints?|joint_\w+)s?$"
 )
-_GRIPS = re.compile(r"grip|finger|(^|_)(hand|claw|jaws?|vacuum|suction|pump)(_|$)")
+"""Fields that are where to go, whatever the service or action is called."""
+_GRASPS = re.compile(r"(^|_)(pick|place|grasp|manipulat\w*)(_|$)")
+_STATE_OF_ARM = re.compile(r"(^|_)((group|named|goal|target)_?)?states?(_|$)")
+_STATE_FIELD = re.compile(
+    r"(^|_)(state|posture|preset|config(uration)?|named?|target|goal|pose|position|location)"
+    r"(_?(name|id))?$"
+)
+_NO_STATE = re.compile(
+    r"object|group|frame|arm|robot|planner|link|tool|joint|type|colou?r|file|program"
+)
+_FRAME_FIELD = re.compile(r"(^|_)frame(_?(id|name))?$")
+# RViz's button for where a mobile base shall go.
+_OF_A_BASE = re.compile(r"^(goal_pose|initialpose|move_base)")
 _LINE = re.compile(r"(^|_)(lin|line(ar)?|cart(esian)?|straight|l)(_|$)|move_?l(_|$)")
 _IN_JOINTS = re.compile(r"joint|angle|ax[ie]s|(^|_)(ptp|p2p|j)(_|$)|move_?j(_|$)")
 _IN_SPACE = re.compile(
-    r"(^|_)(tcp|xyz|pose|cart(esian)?|tool|lin|line(ar)?|point|l)(_|$)|move_?l(_|$)"
-)
-_BASE = re.compile(
-    r"(^|_)(base|nav\w*|wheels?|dock\w*|map|cmd_vel|camera|head|pan|tilt|lift|light)(_|$)"
+    r"(^|_)(tcp|eef?|xyz|pose|cart(esian)?|tool|lin|line(ar)?|point|l)(_|$)|move_?l(_|$)"
 )
 _RELATIVE = re.compile(r"(^|_)(rel|relative|delta|increment(al)?|jog)(_|$)")
 
@@ -74,13 +83,6 @@ _UNITS = {
     ),
 }
 
-_OPENS = re.compile(r"open|release|(^|_)off(_|$)")
-_CLOSES = re.compile(
-    r"clos|grasp|grip|hold|enable|activ|suck|suction|vacuum|(^|_)(on|data|state)(_|$)"
-)
-_WIDTH = re.compile(r"width|opening|aperture|distance|gap")
-_GRIP_PLACE = re.compile(r"(^|_)(pos|position|stroke|percent|value|data|target)")
-
 _SUCCESS = re.compile(r"succ|ok|done|res(ult)?$|(^|_)(ret|reached|finished|accepted)(_|$)")
 _CODE = re.compile(r"(^|_)(ret|res|result|code|err(or)?(_?(code|id|no))?|status)(_|$)")
 _TEXT = re.compile(r"mess|msg|text|reason|info|error")
@@ -92,48 +94,6 @@ class Guess:
 
     entry: dict[str, Any]
     words: str
-
-
-@dataclass(frozen=True, slots=True)
-class Asked:
-    """An interface that nobody serves: its kind, name and type, and the class of its request."""
-
-    kind: Kind
-    name: str
-    type_name: str
-    request: Any
-    elements: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
-    """What the source puts into lists, by the name of the field: `angle: (force, position)`."""
-    largest: Mapping[str, tuple[float, bool]] = dataclasses.field(default_factory=dict)
-    """The largest number that the source gives what is so called, and whether 0 is then open."""
-
-    @property
-    def called(self) -> str:
-        """The words of name and type: `arm_move_joint_move_joint`."""
-        short = self.type_name.rpartition("/")[2]
-        return snake_case(f"{self.name.strip('/').replace('/', '_')}_{short}")
-
-
-@dataclass(frozen=True, slots=True)
-class _Part:
-    """A field of a message: its path, and the comment beside it."""
-
-    path: str
-    field: MessageField
-    comment: str
-
-    @property
-    def name(self) -> str:
-        return self.field.name.lower()
-
-    @property
-    def words(self) -> str:
-        return f"{self.name} {self.comment.lower()}"
-
-    @property
-    def is_number(self) -> bool:
-        is_one = not self.field.is_array
-        return is_one and (self.field.base in FLOATS or self.field.base in INTEGER_BITS)
 
 
 def guessed_driver(
@@ -151,8 +111,13 @@ def guessed_driver(
     the number of the arm's joints, `states` are its named postures, `comments` those of the fields.
     `doubted` are the dimensions in which numbers were too large for SI units: angle, length.
     """
-    parts = tuple(_parts(asked.request, comments or {}))
-    found = _grip(asked, parts) or _named(asked, parts, states) or _motion(asked, parts, joints)
+    parts = tuple(parts_of(asked.request, comments or {}))
+    found = (
+        grip_of(asked, parts)
+        or _named(asked, parts, states)
+        or _motion(asked, parts, joints)
+        or _named_by_field(asked, parts, states)
+    )
     if found is None:
         return None
     effect, roles, what = found
@@ -177,90 +142,14 @@ def guessed_driver(
         entry["units"] = units
     if codes:
         entry["codes"] = codes
-    ends = _ends(asked, roles) if effect == "grip" else {}
+    ends = ends_of(asked, roles) if effect == "grip" else {}
     if ends:
         entry["gripper"] = ends
     entry[asked.kind] = {name: interface}
     return Guess(entry, f"{what}{assumed}{left_out}")
 
 
-def _parts(message: Any, comments: Mapping[str, str], path: str = "", deep: int = _DEEP) -> (
-    Iterator[_Part]
-):  # fmt: skip
-    for field in fields_of(message):
-        here = f"{path}{field.name}"
-        is_plain = field.message is None or field.is_array or _is_of_ros(field.message)
-        if is_plain or deep == 0:
-            yield _Part(here, field, comments.get(field.name, ""))
-        else:
-            yield from _parts(field.message, {}, f"{here}.", deep - 1)
-
-
-def _is_of_ros(message: Any) -> bool:
-    package = type_of(message).partition("/")[0]
-    return package in ("geometry_msgs", "sensor_msgs", "trajectory_msgs", "std_msgs")
-
-
-_Found = tuple[str, dict[str, Any], str]
-
-
-def _grip(asked: Asked, parts: tuple[_Part, ...]) -> _Found | None:
-    called = asked.called
-    if not _GRIPS.search(called) or _is_of_others(called):
-        return None
-    if not parts:
-        if bool(_OPENS.search(called)) == bool(re.search(r"clos|grasp|(^|_)on(_|$)", called)):
-            return None
-        is_open = bool(_OPENS.search(called))
-        return "grip", {"open": is_open}, "opens the gripper" if is_open else "closes the gripper"
-    for part in parts:
-        if part.field.base == "bool" and not part.field.is_array:
-            is_open = bool(_OPENS.search(part.name))
-            if not is_open and part.name == "data":
-                is_open = bool(_OPENS.search(called))
-            if is_open:
-                return "grip", {"open": part.path}, f"`{part.path}` opens the gripper"
-            if _CLOSES.search(part.name):
-                closes = {"field": part.path, "map": {"true": False, "false": True}}
-                return "grip", {"open": closes}, f"`{part.path}` closes the gripper"
-    for part in parts:
-        if part.is_number and _WIDTH.search(part.name):
-            return "grip", {"width": part.path}, f"`{part.path}` is the gripper's width"
-    for part in parts:
-        if part.is_number and _GRIP_PLACE.search(part.name):
-            role = {"field": part.path, "unit": "percent"} if _is_percent(part) else part.path
-            words = "in percent" if _is_percent(part) else _ends_words(asked, part.name)
-            return "grip", {"position": role}, f"`{part.path}` is the gripper's opening, {words}"
-    for part in parts:
-        names = asked.elements.get(part.field.name, ()) if part.field.is_array else ()
-        for index, name in enumerate(names):
-            if _GRIP_PLACE.search(name) or _WIDTH.search(name):
-                path, words = f"{part.path}[{index}]", _ends_words(asked, name)
-                return "grip", {"position": path}, f"`{path}` is the gripper's opening, {words}"
-    return None
-
-
-def _ends_words(asked: Asked, name: str) -> str:
-    largest, opens_at_0 = asked.largest.get(name, (1.0, False))
-    if opens_at_0:
-        return f"from 0, open, to {largest:g}"
-    return f"from 0, closed, to {largest:g}"
-
-
-def _ends(asked: Asked, roles: Mapping[str, Any]) -> dict[str, float]:
-    """Return the numbers of a gripper's ends where the source says them; {} for 0 and 1."""
-    path = roles.get("position")
-    if not isinstance(path, str):
-        return {}
-    list_name, _, index = path.rpartition(".")[2].partition("[")
-    name = asked.elements[list_name][int(index[:-1])] if index else list_name
-    if name not in asked.largest:
-        return {}
-    largest, opens_at_0 = asked.largest[name]
-    return {"closed": largest, "open": 0.0} if opens_at_0 else {"closed": 0.0, "open": largest}
-
-
-def _named(asked: Asked, parts: tuple[_Part, ...], states: Collection[str]) -> _Found | None:
+def _named(asked: Asked, parts: tuple[Part, ...], states: Collection[str]) -> Found | None:
     words = asked.called.split("_")
     for state in states if not parts and asked.kind == "services" else ():
         # `/ready` alone may be a question.
@@ -269,12 +158,28 @@ def _named(asked: Asked, parts: tuple[_Part, ...], states: Collection[str]) -> _
     return None
 
 
-def _motion(asked: Asked, parts: tuple[_Part, ...], joints: int) -> _Found | None:
+def _named_by_field(asked: Asked, parts: tuple[Part, ...], states: Collection[str]) -> Found | None:
+    """Return the motion to the state of the robot that a word of the request names."""
+    # The state of an arm is where it goes, not what it is asked about.
+    called = _STATE_OF_ARM.sub("_", asked.called)
+    is_motion = _MOVES.search(called) is not None and not _GRASPS.search(called)
+    if not states or not is_motion or is_of_others(called):
+        return None
+    for part in parts:
+        is_state = _STATE_FIELD.search(part.name) and not _NO_STATE.search(part.name)
+        if part.is_word and is_state:
+            return "move", {"named": {"field": part.path}}, f"`{part.path}` is a named state"
+    return None
+
+
+def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
     called = asked.called
-    if not _MOVES.search(called) or _is_of_others(called):
+    if is_of_others(called) or _OF_A_BASE.search(called):
+        return None
+    if not _MOVES.search(called) and not any(_TARGETS.search(part.name) for part in parts):
         return None
     in_space = bool(_IN_SPACE.search(called))
-    found = _of_messages(parts)
+    found = _of_whole(asked.request) or _of_messages(parts)
     if found is None:
         lists = _ANY_LIST if _IN_JOINTS.search(called) else _JOINT_LIST
         by_joints, in_pose = _of_joints(parts, joints, lists), _of_pose(parts)
@@ -287,6 +192,11 @@ def _motion(asked: Asked, parts: tuple[_Part, ...], joints: int) -> _Found | Non
     if found is None:
         return None
     roles, what = found
+    if _GRASPS.search(called):
+        what += "; nothing is gripped or let go"
+    frame = next((part.path for part in parts if _is_frame(part)), None)
+    if frame is not None and ("pose" in roles or "position" in roles):
+        roles.setdefault("frame", {"field": frame})
     if "trajectory" not in roles:
         if _LINE.search(called) and ("pose" in roles or "position" in roles):
             roles["line"] = True
@@ -295,11 +205,29 @@ def _motion(asked: Asked, parts: tuple[_Part, ...], joints: int) -> _Found | Non
     return "move", roles, what
 
 
-def _of_messages(parts: tuple[_Part, ...]) -> tuple[dict[str, Any], str] | None:
+def _of_whole(message: Any) -> tuple[dict[str, Any], str] | None:
+    """Return what a message of ROS's own asks for that is the whole request."""
+    kind = type_of(message)
+    if kind == "geometry_msgs/PoseStamped":
+        roles = {"pose": "pose", "frame": {"field": "header.frame_id"}}
+        return roles, "the pose is one of the tool"
+    if kind == "geometry_msgs/Pose":
+        roles = {"position": "position", "orientation": "orientation"}
+        return roles, "the pose is one of the tool"
+    if kind == "sensor_msgs/JointState":
+        return {"joints": "position", "joint_names": "name"}, "it has the joints"
+    return None
+
+
+def _of_messages(parts: tuple[Part, ...]) -> tuple[dict[str, Any], str] | None:
     for part in parts:
-        if part.field.message is None or part.field.is_array:
+        if part.field.message is None:
             continue
         kind = type_of(part.field.message)
+        if part.field.is_array:
+            if kind in ("geometry_msgs/Pose", "geometry_msgs/PoseStamped"):
+                return {"pose": part.path}, f"`{part.path}` are poses of the tool, in turn"
+            continue
         if kind == "trajectory_msgs/JointTrajectory":
             return {"trajectory": part.path}, f"`{part.path}` is carried out"
         if kind == "sensor_msgs/JointState":
@@ -314,7 +242,7 @@ def _of_messages(parts: tuple[_Part, ...]) -> tuple[dict[str, Any], str] | None:
 
 
 def _of_joints(
-    parts: tuple[_Part, ...], joints: int, lists: re.Pattern[str]
+    parts: tuple[Part, ...], joints: int, lists: re.Pattern[str]
 ) -> tuple[dict[str, Any], str] | None:
     numbered = {
         int(match[1]): part.path
@@ -331,7 +259,7 @@ def _of_joints(
     return None
 
 
-def _of_pose(parts: tuple[_Part, ...]) -> tuple[dict[str, Any], str] | None:
+def _of_pose(parts: tuple[Part, ...]) -> tuple[dict[str, Any], str] | None:
     place = _axes(parts)
     if place:
         numbers = {part.name: part.path for part in parts if part.is_number}
@@ -350,7 +278,7 @@ def _of_pose(parts: tuple[_Part, ...]) -> tuple[dict[str, Any], str] | None:
     return None
 
 
-def _axes(parts: tuple[_Part, ...]) -> list[str]:
+def _axes(parts: tuple[Part, ...]) -> list[str]:
     """Return the paths of x, y and z of a place: `x`, `position_x` or `goal_x_mm`; [] for none."""
     places: dict[tuple[str, str], dict[str, str]] = {}
     for part in parts:
@@ -369,7 +297,7 @@ def _ending(numbers: Mapping[str, str], name: str) -> str:
     return numbers.get(name) or next(behind, "")
 
 
-def _lists(parts: tuple[_Part, ...], names: re.Pattern[str]) -> list[_Part]:
+def _lists(parts: tuple[Part, ...], names: re.Pattern[str]) -> list[Part]:
     """Return the lists of numbers with such names, those that are called after joints first."""
     found = [
         part
@@ -380,22 +308,16 @@ def _lists(parts: tuple[_Part, ...], names: re.Pattern[str]) -> list[_Part]:
     return sorted(found, key=lambda part: not re.search(r"joint|ax[ie]s|angle|pose|tcp", part.name))
 
 
-def _is_of_others(called: str) -> bool:
-    """Return whether a name is of what is asked of a driver, or of another part of the robot."""
-    is_asked = _ASKS.search(called) is not None and "execute" not in called
-    return is_asked or _BASE.search(called) is not None
+def _is_frame(part: Part) -> bool:
+    return part.is_word and _FRAME_FIELD.search(part.name) is not None
 
 
-def _is_speed(part: _Part) -> bool:
+def _is_speed(part: Part) -> bool:
     return part.is_number and bool(_SPEED.search(part.name)) and "acc" not in part.name
 
 
-def _is_percent(part: _Part) -> bool:
-    return bool(re.search(r"percent|override|%|0\s*(-|to|\.\.)\s*100\b", part.words))
-
-
-def _speed_unit(part: _Part) -> str | None:
-    if _is_percent(part):
+def _speed_unit(part: Part) -> str | None:
+    if is_percent(part):
         return "percent"
     if re.search(r"scal|factor|ratio|fraction|0(\.0)?\s*(-|to|\.\.)\s*1(\.0)?\b", part.words):
         return "fraction"
@@ -403,7 +325,7 @@ def _speed_unit(part: _Part) -> str | None:
 
 
 def _units(
-    parts: tuple[_Part, ...], roles: Mapping[str, Any], effect: str, doubted: Collection[str]
+    parts: tuple[Part, ...], roles: Mapping[str, Any], effect: str, doubted: Collection[str]
 ) -> tuple[dict[str, str], str]:
     """Return the units of a description, and in words what of them is assumed."""
     keys = (key for key in ("joints", "pose", "position", "width") if key in roles)
@@ -450,4 +372,8 @@ def _answer(reply: Mapping[str, Any], codes: dict[str, Any]) -> dict[str, Any]:
             found[name] = "$message"
         elif isinstance(value, int | float):
             found[name] = value
+        elif isinstance(value, Mapping) and value.keys() == {"data"}:
+            # A message of ROS in the place of its only value.
+            inner = _answer({name: value["data"]}, codes)
+            found |= {f"{name}.data": output for output in inner.values()}
     return found

@@ -1,0 +1,1 @@
+"""The description of a driver that nobody has described, drafted from its messages."""
