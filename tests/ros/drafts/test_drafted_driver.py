@@ -159,6 +159,19 @@ MOTIONS = {
         {"pose": "at", "frame": {"field": "frame"}}, {},
     ),
     "poses in turn": ("/pick_all", "geometry_msgs/PoseStamped[] at", {"pose": "at"}, {}),
+    "a step of the tool in a time": (
+        "/kinova_action/se3_control",
+        "geometry_msgs/Pose target_pose\nfloat32 duration\nbool relative",
+        {"pose": "target_pose", "relative": "relative", "duration": "duration"},
+        {},
+    ),
+    "a list of poses with a header": (
+        "/follow_path", "geometry_msgs/PoseArray target_poses", {"pose": "target_poses.poses"}, {},
+    ),
+    "a pose of a motion of points": (
+        "/movep", "# in mm/deg\nfloat64[6] target", {"pose": "target"},
+        {"length": "mm", "angle": "deg"},
+    ),
     "a field that is a target": (
         "/cobra/request", "geometry_msgs/Pose target_pose", {"pose": "target_pose"}, {},
     ),

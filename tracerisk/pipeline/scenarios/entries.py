@@ -214,6 +214,21 @@ def without_one(entries: Entries) -> Iterator[tuple[EntryKey, Entries]]:
         yield key, fewer
 
 
+def answered_alone(entries: Entries) -> Entries | None:
+    """Return entries whose drafted drivers only answer; None where none is a driver.
+
+    A driver that hears a topic, and answers nobody, is left out.
+    """
+    answered = entries.copy()
+    for key, draft in entries.drafts.items():
+        if draft.is_driver and (draft.plain is not None or draft.need.kind == "command"):
+            del answered.drafts[key]
+            plain = draft.without_motion
+            if plain is not None:
+                answered.drafts[plain.section, plain.key] = plain
+    return None if answered.drafts.keys() == entries.drafts.keys() else answered
+
+
 def repeated(entries: Entries) -> Entries | None:
     """Return entries whose messages come once a second; None where none comes but once.
 

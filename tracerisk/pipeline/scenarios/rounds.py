@@ -28,6 +28,7 @@ from tracerisk.pipeline.scenarios.entries import (
     Entries,
     EntryKey,
     ScenarioDraft,
+    answered_alone,
     is_accompanied,
     is_given,
     merged,
@@ -49,7 +50,7 @@ from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import shifted
 from tracerisk.ros.scenario.lines import entry_lines
 from tracerisk.ros.scenario.scenario import Scenario, read_scenario
-from tracerisk.trace import UNUSED, Trace
+from tracerisk.trace import UNUSED, CommandEnd, Trace
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress
@@ -68,6 +69,9 @@ _MOST_PLACES = 2  # other poses for what a motion did not reach
 _MOST_SHIFTS = 4  # of the poses, by as much as brings the goals made of them within reach
 _UNREACHED = frozenset(
     {"planning-failed", "ik-failed", "path-cut", "command-aborted", "command-rejected"}
+)
+_CARRIED_OUT: frozenset[CommandEnd | None] = frozenset(
+    {"arrived", "replaced", "left_on", "cut_by_end", "cancelled"}
 )
 _OF_NODES = frozenset({"services", "actions", "drivers"})
 _CONTENT = {"topic": "message", "call": "request", "goal": "goal"}
@@ -254,6 +258,10 @@ class Rounds:
             wanted = self._with_wanted(attempt)
             if wanted is not None:
                 yield wanted
+            else:
+                answered = self._with_answers_alone(attempt)
+                if answered is not None:
+                    yield answered
         is_worse = before.is_traced and attempt.score < before.score
         if not self._singles and (is_worse or (wanted is None and attempt.has_raised)):
             # Of what was given together, what does no harm alone.
@@ -436,6 +444,24 @@ class Rounds:
             for draft in left:
                 self._give(entries, draft)
         return entries if is_new or left else None
+
+    def _with_answers_alone(self, attempt: Attempt) -> Entries | None:
+        """Return the entries with answers in the place of drafted drivers that moved nothing.
+
+        Where no motion that they were asked for came to its end, they are not what the author's
+        own nodes do: that fault is none of the controller's. None where there is nothing to change.
+        """
+        trace = attempt.trace
+        if trace is None or trace.verdict is None or trace.verdict.kind != "faulted":
+            return None
+        ends = {command.end for command in trace.commands}
+        if not ends or ends & _CARRIED_OUT:
+            return None
+        entries = answered_alone(attempt.entries)
+        if entries is not None:
+            self._dropped |= attempt.entries.drafts.keys() - entries.drafts.keys()
+            self.best = Attempt(entries)
+        return entries
 
     def _give(self, entries: Entries, draft: Draft) -> None:
         key = draft.section, draft.key

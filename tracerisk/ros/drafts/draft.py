@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -90,6 +90,11 @@ COMMANDING = frozenset(
     }
 )
 """Types of ROS that are no command unless the name of their topic says so."""
+_WELL: Mapping[NeedKind, str] = {
+    "service": "a reply that says it went well",
+    "action": "a goal that succeeds",
+}
+"""What an answer is in words that moves nothing."""
 _KINDS = {"services": "srv", "actions": "action", "subscribed_topics": "msg"}
 _ASKED_NUMBER = re.compile(r"\b([xyz]|roll|pitch|yaw|(joint|axis) ?\d|j\d|angle)\b")
 _ALARM = re.compile(
@@ -113,12 +118,26 @@ class Draft:
     location: Location | None = None
     others: tuple[Any, ...] = ()
     """Other entries that may be tried, with other poses."""
+    plain: Any = None
+    """Of a driver: the entry that answers that it went well and moves nothing; None for none."""
+
+    @property
+    def is_driver(self) -> bool:
+        """Whether it is a driver that carries out what it is asked for."""
+        return isinstance(self.value, Mapping) and "driver" in self.value
+
+    @property
+    def without_motion(self) -> Draft | None:
+        """The draft of the answer alone in the place of a driver; None where there is none."""
+        if self.plain is None:
+            return None
+        words = _WELL[self.need.kind]
+        return replace(self, value=self.plain, words=words, others=(), plain=None)
 
     @property
     def section(self) -> str:
         """The section of the scenario that it belongs to."""
-        is_driver = isinstance(self.value, Mapping) and "driver" in self.value
-        return "drivers" if is_driver else SECTIONS[self.need.kind]
+        return "drivers" if self.is_driver else SECTIONS[self.need.kind]
 
 
 def drafts(
@@ -223,14 +242,17 @@ def _is_last(need: Need) -> bool:
 
 def _draft(missed: Missed, interfaces: Any, values: UsableValues) -> Draft:
     need, place = missed.need, missed.location
+    lack, plain = _Lack(need, place, interfaces, values), None
     try:
-        value, words = _ENTRIES[need.kind](_Lack(need, place, interfaces, values))
+        value, words = _ENTRIES[need.kind](lack)
+        if isinstance(value, Mapping) and "driver" in value and need.kind in _PLAIN:
+            plain = _PLAIN[need.kind](lack)
     except InputError:
         name = {"topic": "topic", "frame": "frame", "call": "service", "goal": "action"}
         value = {name.get(need.kind, "name"): need.name}
         words = "its type is not known"
     key = parameter_key(need, place) if need.kind == "parameter" else need.name
-    return Draft(need, key, value, words, place)
+    return Draft(need, key, value, words, place, plain=plain)
 
 
 @dataclass(frozen=True, slots=True)
@@ -308,32 +330,39 @@ def _typed_text(type_name: str, compared: Any, values: UsableValues) -> str:
 
 
 def _service(lack: _Lack) -> _Made:
-    need, interfaces, values = lack.need, lack.interfaces, lack.values
+    need = lack.need
     if not need.type_name:
         return {"name": need.name, "reply": {}}, "its type is not known"
-    request, response = service_parts(interfaces, need.type_name)
-    compared = compared_in_file(lack.place)
-    reply = values.fields(response, compared)
+    request = service_parts(lack.interfaces, need.type_name)[0]
+    entry = _plain_service(lack)
     asked = Asked("services", need.name, need.type_name, request)
-    guess = _guess(asked, reply, lack)
-    if guess is not None:
-        return guess.entry, guess.words
-    entry = {"name": need.name, "type": need.type_name, "reply": reply}
-    return entry, "a reply that says it went well"
+    guess = _guess(asked, entry["reply"], lack)
+    return (entry, _WELL[need.kind]) if guess is None else (guess.entry, guess.words)
+
+
+def _plain_service(lack: _Lack) -> dict[str, Any]:
+    need, compared = lack.need, compared_in_file(lack.place)
+    response = service_parts(lack.interfaces, need.type_name)[1]
+    reply = lack.values.fields(response, compared)
+    return {"name": need.name, "type": need.type_name, "reply": reply}
 
 
 def _action(lack: _Lack) -> _Made:
-    need, interfaces, values = lack.need, lack.interfaces, lack.values
-    goal = goal_class(interfaces, need.type_name)
-    compared = compared_in_file(lack.place)
-    result = values.fields(action_parts(interfaces, need.type_name)[0], compared)
-    guess = _guess(Asked("actions", need.name, need.type_name, goal), result, lack)
+    need = lack.need
+    goal = goal_class(lack.interfaces, need.type_name)
+    entry = _plain_action(lack)
+    guess = _guess(Asked("actions", need.name, need.type_name, goal), entry["result"], lack)
     if guess is not None:
         return guess.entry, guess.words
     if _moves_robot(need, goal):
         return None, "moves the robot: a driver has to serve it, no scenario can"
-    entry = {"name": need.name, "type": need.type_name, "after": 1.0, "result": result}
-    return entry, "a goal that succeeds"
+    return entry, _WELL[need.kind]
+
+
+def _plain_action(lack: _Lack) -> dict[str, Any]:
+    need, compared = lack.need, compared_in_file(lack.place)
+    result = lack.values.fields(action_parts(lack.interfaces, need.type_name)[0], compared)
+    return {"name": need.name, "type": need.type_name, "after": 1.0, "result": result}
 
 
 def _command(lack: _Lack) -> _Made:
@@ -467,6 +496,10 @@ def _module(lack: _Lack) -> _Made:
     return {"module": lack.need.name}, f"{words}{remedy}"
 
 
+_PLAIN: Mapping[NeedKind, Callable[[_Lack], dict[str, Any]]] = {
+    "service": _plain_service,
+    "action": _plain_action,
+}
 _ENTRIES = {
     "topic": _topic,
     "service": _service,

@@ -23,7 +23,7 @@ Found = tuple[str, dict[str, Any], str]
 
 _DEEP = 2  # levels of nested messages in which fields are looked for
 _ASKS = re.compile(
-    r"(^|_)(get|compute|solve|plan|ik|fk|i?kin\w*|inverse|forward|check|detect|find|is|query|read|convert"
+    r"(^|_)(get|compute|solve|plan|ik|fk|i?kin(?!ova)\w*|inverse|forward|check|detect|find|is|query|read|convert"
     r"|transform|list|generate|calc\w*|estimate|predict|save|load|record|teach|param\w*|config\w*|limits?"
     r"|calib\w*|enable|disable|mode|state|status|register|io|payload|offset|zero|reset|clear)(_|$)"
 )

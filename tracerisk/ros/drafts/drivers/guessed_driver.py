@@ -49,9 +49,12 @@ _OF_A_BASE = re.compile(r"^(goal_pose|initialpose|move_base)")
 _LINE = re.compile(r"(^|_)(lin|line(ar)?|cart(esian)?|straight|l)(_|$)|move_?l(_|$)")
 _IN_JOINTS = re.compile(r"joint|angle|ax[ie]s|(^|_)(ptp|p2p|j)(_|$)|move_?j(_|$)")
 _IN_SPACE = re.compile(
-    r"(^|_)(tcp|eef?|xyz|pose|cart(esian)?|tool|lin|line(ar)?|point|l)(_|$)|move_?l(_|$)"
+    r"(^|_)(tcp|eef?|xyz|pose|cart(esian)?|tool|lin|line(ar)?|point|l)(_|$)|move_?(l|p|jp|c)(_|$)"
 )
 _RELATIVE = re.compile(r"(^|_)(rel|relative|delta|increment(al)?|jog)(_|$)")
+
+_RELATIVE_FIELD = re.compile(r"^(is_)?(rel|relative|incremental)$")
+_DURATION = re.compile(r"(^|_)duration$|^(move|motion|travel|execution)_time(_s|_sec)?$")
 
 _JOINT_LIST = re.compile(
     r"joint|ax[ie]s|(^|_)(q|j|jpos|angles?|pos|positions?|posture|values?|targets?|goals?|data)(_|$)"
@@ -202,6 +205,12 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
             roles["line"] = True
         if _RELATIVE.search(called):
             roles["relative"] = True
+        for part in parts:
+            is_flag = part.field.base == "bool" and not part.field.is_array
+            if is_flag and _RELATIVE_FIELD.search(part.name):
+                roles["relative"] = part.path
+            if part.is_number and part.field.base in FLOATS and _DURATION.search(part.name):
+                roles.setdefault("duration", part.path)
     return "move", roles, what
 
 
@@ -233,6 +242,9 @@ def _of_messages(parts: tuple[Part, ...]) -> tuple[dict[str, Any], str] | None:
         if kind == "sensor_msgs/JointState":
             roles = {"joints": f"{part.path}.position", "joint_names": f"{part.path}.name"}
             return roles, f"`{part.path}` has the joints"
+        if kind == "geometry_msgs/PoseArray":
+            path = f"{part.path}.poses"
+            return {"pose": path}, f"`{path}` are poses of the tool, in turn"
         if kind in ("geometry_msgs/Pose", "geometry_msgs/PoseStamped"):
             return {"pose": part.path}, f"`{part.path}` is a pose of the tool"
         if kind in ("geometry_msgs/Point", "geometry_msgs/PointStamped"):
