@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.common.hardware.binding import bind
@@ -26,6 +26,18 @@ _MOST_DURATIONS = 4  # simulated time of all attempts, in that which one run may
 OF_THE_MACHINE: frozenset[EndCause] = frozenset({"wall_limit", "memory_limit", "died"})
 """How a run may end by a limit of the machine: nothing is concluded from it."""
 _ROBOTS_TRIED = 3  # for the names that a run shows, of an arm and then of its gripper
+
+
+@dataclass(frozen=True, slots=True)
+class _Accompanied:
+    """What runs with companions came to."""
+
+    trace: Trace | None
+    """The run that counts, None where none does."""
+    companions: tuple[Companion, ...] = ()
+    """The nodes beside the controller in that run."""
+    has_helped: bool = False
+    """Whether one of them gave the controller what it lacked, though it lacked more then."""
 
 
 def trace_attempts(
@@ -73,11 +85,13 @@ def trace_attempts(
         found = _with_companions(
             controller, settings, done, lambda companions: run(choice, None, companions), may_go_on
         )
-        if found is None:
-            kept.in_vain.add(_lacks(done))
-        if found is None or keep is None or _is_cut_short(found[0]):
-            return done.trace if found is None else found[0]
-        return run(choice, keep, found[1]).trace
+        if found.trace is None:
+            if not found.has_helped:
+                kept.in_vain.add(_lacks(done))
+            return done.trace
+        if keep is None or _is_cut_short(found.trace):
+            return found.trace
+        return run(choice, keep, found.companions).trace
 
     choice = kept.launch(controller, settings)
     trace = attempt(choice, options.keep)
@@ -124,29 +138,31 @@ def _with_companions(
     done: ControllerRun,
     run: Callable[[tuple[Companion, ...]], ControllerRun],
     may_go_on: Callable[[], bool],
-) -> tuple[Trace, tuple[Companion, ...]] | None:
+) -> _Accompanied:
     """Run a controller with the nodes beside it that provide what a run lacked.
 
-    Return the trace and the companions; None where no run shows risk, or where a companion moved
-    the robot unasked: then it is a controller itself. A run that was cut short is returned.
+    No trace counts where no run shows risk, or where a companion moved the robot unasked: then it
+    is a controller itself. A run that was cut short counts.
     """
     companions: tuple[Companion, ...] = ()
+    has_helped = False
     while done.needs and len(companions) < _MOST_COMPANIONS and may_go_on():
         more = find_companions(controller, done.needs, settings, companions)
         if not more:
-            return None
+            break
         companions = (*companions, *more)[:_MOST_COMPANIONS]
         before, done = done, run(companions)
         if _is_cut_short(done.trace):
-            return done.trace, companions
+            return _Accompanied(done.trace, companions)
         if _shows_risk(done.trace):
             theirs = {each.told for each in companions}
             is_own = not any(each.ref.file in theirs for each in done.trace.functions)
-            return (done.trace, companions) if is_own else None
+            return _Accompanied(done.trace if is_own else None, companions)
         if _lacks(done) == _lacks(before):
             # Nor would another node that says it provides the same.
-            return None
-    return None
+            break
+        has_helped = True
+    return _Accompanied(None, companions, has_helped)
 
 
 def _with_robot(

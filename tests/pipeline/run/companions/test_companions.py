@@ -305,3 +305,65 @@ def test_what_a_sibling_provides_is_not_drafted_for_a_node_that_has_to_be_brough
     drafted = [each["object"] for each in reasons if each["code"] == "input-assumed"]
     assert drafted == ["/tender/change_state"] * len(drafted)
     assert any("angles.py" in line for line in ran.json["trace"]["assumptions"])
+
+
+FRONT = """\
+import sys
+import rospy
+from std_msgs.msg import String
+from std_srvs.srv import Trigger, TriggerResponse
+
+rospy.init_node("front")
+try:
+    rospy.wait_for_service("/turn", timeout=10)
+except rospy.ROSException:
+    sys.exit(1)
+turn = rospy.ServiceProxy("/turn", Trigger)
+"""
+ASKED = {
+    "by a message": """
+
+def on_word(message):
+    if message.data == "turn":
+        turn()
+
+
+rospy.Subscriber("/word", String, on_word)
+rospy.spin()
+""",
+    "by a call": """
+
+def on_call(request):
+    return TriggerResponse(turn().success, "")
+
+
+rospy.Service("/pick", Trigger, on_call)
+rospy.spin()
+""",
+    "by a person": """
+
+def on_answer():
+    if input("Turn? [y/n] ") == "y":
+        turn()
+
+
+on_answer()
+""",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("asked", ASKED.values(), ids=ASKED)
+def test_a_companion_is_started_again_beside_what_is_drafted(example, asked):
+    # Neither alone shows risk: the message moves nothing without the node, nor the node without it.
+    example.write("package.xml", PACKAGE.format("cell"))
+    example.write("scripts/front.py", FRONT + asked)
+    example.write("scripts/turner.py", TURNER)
+    outcome, found = trace(example, "scripts/front.py")
+    assert outcome.code == 0, outcome.err
+    assert len(found.functions) == 1
+    assert found.verdict.kind == "partial"
+    beside = "started beside: scripts/turner.py, which provides service /turn (std_srvs/Trigger)"
+    assert beside in found.assumptions
+    assumed = {each.object for each in found.verdict.reasons if each.code == "input-assumed"}
+    assert "/turn" not in assumed
