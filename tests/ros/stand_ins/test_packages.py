@@ -25,6 +25,19 @@ try:
 except rospkg.ResourceNotFound as error:
     assert "nope" in str(error) and "ROS path [0]=" in str(error)
 
+from roslaunch.substitution_args import ArgException, SubstitutionException, resolve_args
+assert resolve_args("a $(find parts)/config b") == f"a {pack.get_path('parts')}/config b"
+assert resolve_args("$(optenv NOPE a b)/$(arg x)", {"arg": {"x": "1"}}) == "a b/1"
+assert (resolve_args(None), resolve_args("$5 (x)")) == (None, "$5 (x)")
+for text, kind in (
+    ("$(arg x)", ArgException), ("$(env NOPE)", SubstitutionException),
+    ("$(nope x)", SubstitutionException), ("$(find nope)", rospkg.ResourceNotFound),
+):
+    try:
+        resolve_args(text); raise SystemExit(text)
+    except kind:
+        pass
+
 from ament_index_python.packages import *
 from ament_index_python import PackageNotFoundError, get_package_share_directory, get_package_share_path
 assert get_package_share_directory("parts") == pack.get_path("parts")
