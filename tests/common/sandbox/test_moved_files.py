@@ -164,3 +164,41 @@ def test_what_our_own_code_looks_for_is_no_file_of_the_program(started_elsewhere
     assert not found
     assert Path("package.xml").is_file()
     assert list(found) == ["package.xml"]
+
+
+@pytest.mark.parametrize("start", [0, 1, 2])
+@pytest.mark.parametrize("kept", ["data/gains.txt", "gains.txt", "homework/data/gains.txt"])
+def test_a_path_without_a_package_is_found_by_its_end(started_elsewhere, start, kept):
+    starts, found = started_elsewhere
+    path = "/home/ann-of-nowhere/disk/homework/data/gains.txt"
+    here = starts[start] / kept
+    here.parent.mkdir(parents=True, exist_ok=True)
+    here.write_text("1.5\n")
+    assert Path(path).read_text() == "1.5\n"
+    assert found == {path: str(here)}
+
+
+def test_the_longest_end_of_a_path_goes_before_what_is_nearer(started_elsewhere):
+    starts, _ = started_elsewhere
+    (starts[0] / "gains.txt").write_text("near")
+    (starts[2] / "data").mkdir()
+    (starts[2] / "data" / "gains.txt").write_text("alike")
+    assert Path("/home/ann-of-nowhere/data/gains.txt").read_text() == "alike"
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/tmp/of-no-program/gains.txt",
+        "/home/ann-of-nowhere/.config/gains.txt",
+        "/gains.txt",
+        "/home/ann-of-nowhere/gains.py",
+    ],
+)
+def test_what_may_be_of_this_machine_is_not_found_by_its_end(started_elsewhere, path):
+    starts, found = started_elsewhere
+    (starts[0] / "gains.txt").write_text("1.5\n")
+    (starts[0] / "gains.py").write_text("")
+    with pytest.raises(FileNotFoundError):
+        Path(path).read_text()
+    assert not found

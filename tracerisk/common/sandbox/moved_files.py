@@ -1,7 +1,9 @@
 """Files that a controller names by a path of its author's machine, found in the workspace here.
 
 Such a path ends with a package and what lies in it: `/home/ann/ws/src/arm_description/arm.urdf`.
-Where it leads to nothing, the package of that name in the workspace is looked into.
+Where it leads to nothing, the package of that name in the workspace is looked into. Where it names
+none, and its folder is not on this machine, its end is looked for where authors start a program:
+`data/path.txt`, else `path.txt`, of `/home/ann/homework/data/path.txt`.
 
 A relative path, or one below the working directory, that leads to nothing is looked for where
 authors start a program: beside it, and at the top of its package and project.
@@ -29,6 +31,8 @@ _LOOKED_AT = ("stat", "lstat", "access", "open")
 _OURS = f"{Path(__file__).parents[2]}/"
 _STAND_INS = f"{_OURS}ros/stand_ins/"
 _PYTHON = (f"{Path(os.__file__).parent}/", "<frozen ")
+_MODULES = (".py", ".pyc", ".so")
+_PASSING = ("/tmp/", "/var/", "/run/")
 _SYSTEM = ("/dev/", "/proc/", "/sys/", "/etc/", "/usr/", "/lib")
 
 
@@ -85,7 +89,7 @@ class MovedFiles:
     def _from_start(self, text: str) -> str:
         """Return a path from the working directory, if it is one below it; else empty."""
         # Modules are the import system's to find.
-        if not self._starts or text.endswith((".py", ".pyc", ".so")):
+        if not self._starts or text.endswith(_MODULES):
             return ""
         if not text.startswith("/"):
             return text
@@ -107,7 +111,12 @@ class MovedFiles:
             here = "/".join((folder or "", *parts[index + 1 :]))
             if folder and self._is_there(here, as_file=True):
                 return here
-        return None
+        # Settings of a library are hidden in a home; a folder that is here is no other machine's.
+        is_of_here = text.startswith(_PASSING) or "/." in text or text.endswith(_MODULES)
+        if is_of_here or not parts or self._is_there(f"/{'/'.join(parts[:-1])}"):
+            return None
+        ends = ("/".join(parts[index:]) for index in range(1, len(parts)))
+        return next((here for end in ends if (here := self._beside(end)) is not None), None)
 
     def active(self) -> AbstractContextManager[None]:
         """Look there while this is open."""
