@@ -116,7 +116,7 @@ class MovedFiles:
         if is_of_here or not parts or self._is_there(f"/{'/'.join(parts[:-1])}"):
             return None
         ends = ("/".join(parts[index:]) for index in range(1, len(parts)))
-        return next((here for end in ends if (here := self._beside(end)) is not None), None)
+        return next((place for end in ends if (place := self._beside(end)) is not None), None)
 
     def active(self) -> AbstractContextManager[None]:
         """Look there while this is open."""
