@@ -262,6 +262,19 @@ here = measured()["panda_joint4"]
     assert [each.elements for each in result.recording.commands] == [("panda_joint4",)]
 
 
+def test_a_robot_in_the_namespace_robot_hears_its_topics_though_it_is_no_baxter(ran):
+    result = ran("""
+def turn():
+    publisher.publish(-2.0)
+
+publisher = rospy.Publisher("/robot/joint4_position_controller/command", Float64, queue_size=1)
+turn()
+rospy.sleep(2.0)
+here = measured()["panda_joint4"]
+""")
+    assert result["here"] == pytest.approx(-2.0, abs=0.005)
+
+
 @pytest.mark.parametrize(
     ("topic", "message", "expected"),
     [

@@ -21,6 +21,8 @@ _MOST_BYTES = 200_000
 _MOVEIT = "moveit_simple_controller_manager"
 _VARIABLE = re.compile(r"^\$\((?:var|arg) \w+\)")
 _QUANTITIES = ("position", "velocity", "effort")
+_OF_ONE_JOINT = re.compile(r"/Joint(?:Position|Velocity|Effort)Controller$|ripper")
+"""The types whose parameter `joint` is what they command: `joint` is said of much else, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +79,7 @@ class DeclaredControllers:
     def _declared(self) -> Mapping[str, DeclaredController]:
         joints: dict[str, list[tuple[str, ...]]] = {}
         types: dict[str, str] = {}
-        grippers: set[str] = set()
+        of_one: set[str] = set()
         defaults: set[str] = set()
         settings: dict[str, dict[str, Any]] = {}
         for values in _settings(self._folders, b"joint"):
@@ -92,7 +94,7 @@ class DeclaredControllers:
                     defaults.add(name)
                 elif moved := _moved_joints(last, value):
                     joints.setdefault(name, []).append(moved)
-                    grippers |= {name} if last == "joint" else set()
+                    of_one |= {name} if last == "joint" else set()
                     if _MOVEIT not in above:
                         own = settings.setdefault(name, {})
                         for key, each in _below(values, above):
@@ -107,8 +109,7 @@ class DeclaredControllers:
                 name in defaults,
             )
             for name, (moved, *others) in joints.items()
-            # `joint` is said of much else than of grippers.
-            if len(moved) != 1 or name not in grippers or "ripper" in types.get(name, "")
+            if len(moved) != 1 or name not in of_one or _OF_ONE_JOINT.search(types.get(name, ""))
         }
         alone = {
             name: DeclaredController((), kind)
@@ -141,7 +142,7 @@ def _by_path(parameters: Iterable[Parameter]) -> dict[tuple[str, ...], Any]:
 
 
 def _moved_joints(key: str, value: Any) -> tuple[str, ...]:
-    """Return the joints that a parameter names: `joints`, or `joint` of a gripper.
+    """Return the joints that a parameter names: `joints`, or `joint` of one of a single joint.
 
     A variable of a launch file before a name is a prefix, by default an empty one.
     """

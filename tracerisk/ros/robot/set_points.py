@@ -248,12 +248,19 @@ class SetPoints(TrajectoryNode):
         )
 
     def _take_single(self, topic: str, message: Any) -> None:
-        joint = single_joint(self._twin.robot, topic)
+        joint = self._declared_joint(topic) or single_joint(self._twin.robot, topic)
         if joint is None:
             names = ", ".join(each.name for each in self._twin.robot.joints)
             self._refuse(topic, f"no joint of the robot is meant; it has {names}")
             return
         self._command(topic, (joint,), np.array([float(message.data)]), "joint_command")
+
+    def _declared_joint(self, topic: str) -> str | None:
+        """Return the robot's joint that a file gives the controller of a topic, if one does."""
+        declared = self._declared.of_robot(joint.name for joint in self._twin.robot.joints)
+        named = [part for part in topic.split("/")[:-1] if part in declared]
+        joints = declared[named[-1]].joints if named else ()
+        return joints[0] if len(joints) == 1 else None
 
     def _take_states(self, topic: str, message: Any) -> None:
         robot = self._twin.robot

@@ -62,3 +62,21 @@ def test_a_variable_of_a_launch_file_before_a_joint_is_an_empty_prefix(tmp_path,
     found = states(tmp_path, "{}", prefix)
     assert found.all["direct"].joints == ("a", "b")
     assert found.conflicts("direct", ["plain"]) == ["plain"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "joints"),
+    [
+        ("position_controllers/JointPositionController", ("lift",)),
+        ("effort_controllers/JointPositionController", ("lift",)),
+        ("velocity_controllers/JointVelocityController", ("lift",)),
+        ("effort_controllers/GripperActionController", ("lift",)),
+        ("transmission_interface/SimpleTransmission", None),
+    ],
+)
+def test_a_controller_of_one_joint_is_declared_by_its_type(tmp_path, kind, joints):
+    text = f"shoulder:\n  type: {kind}\n  joint: lift\n  pid: {{p: 100.0}}\n"
+    (tmp_path / "controllers.yaml").write_text(text)
+    declared = DeclaredControllers(SimpleNamespace(packages={"cell": tmp_path}))
+    found = declared.of_topic("/arm/shoulder/command")
+    assert (found and found.joints) == joints

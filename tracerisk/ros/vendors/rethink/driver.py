@@ -74,19 +74,22 @@ class BaxterDriver(TwinNode):
             f"{_CORE}/HeadState": self._head,
             "sensor_msgs/JointState": self._joint_states,
         }
-        for side in ("left", "right"):
-            if f"{side}_s0" in {joint.name for joint in self._twin.robot.joints}:
-                self._graph.serve(
-                    f"/ExternalTools/{side}/PositionKinematicsNode/IKService",
-                    f"{_CORE}/SolvePositionIK",
-                    partial(self._solve, f"{side}_arm"),
-                    node=self.node,
-                    is_callback=False,
-                )
+        joints = {joint.name for joint in self._twin.robot.joints}
+        sides = [side for side in ("left", "right") if f"{side}_s0" in joints]
+        self._is_there = bool(sides)
+        for side in sides:
+            self._graph.serve(
+                f"/ExternalTools/{side}/PositionKinematicsNode/IKService",
+                f"{_CORE}/SolvePositionIK",
+                partial(self._solve, f"{side}_arm"),
+                node=self.node,
+                is_callback=False,
+            )
         self._graph.watch(self._on_change)
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        if not name.startswith("/robot/"):
+        # Other robots, too, are in a namespace `robot`: only Baxter's own types are Baxter's there.
+        if not name.startswith("/robot/") or not (self._is_there or type_name.startswith(_CORE)):
             return
         if change == "advertised" and type_name in self._takers:
             take = self._takers[type_name]
