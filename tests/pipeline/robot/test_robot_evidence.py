@@ -568,6 +568,43 @@ def beside(tmp_path: Path, text: str, package: str) -> str:
 
 
 @pytest.mark.parametrize(
+    ("folder", "needed", "is_taken"),
+    [
+        ("other", "big_description", True),
+        ("other/more", "big_description", False),
+        ("third", "big_description", False),
+        ("other", "small_description", False),
+    ],
+)
+def test_with_a_description_beside_comes_its_own_configuration(tmp_path, folder, needed, is_taken):
+    mine = written(
+        tmp_path / "src/mine",
+        {
+            "go.py": 'PACKAGE = "big_description"\narm = MoveGroupCommander("reach")\n',
+            "package.xml": PACKAGE.format("mine"),
+        },
+    )
+    manifest = PACKAGE.format("big_moveit_config")
+    files = {
+        "other/big_description/package.xml": PACKAGE.format("big_description"),
+        "other/big_description/urdf/big.urdf": urdf("big", "swing", "lift"),
+        f"{folder}/big_moveit_config/package.xml": manifest.replace(
+            "</package>", f"<depend>{needed}</depend></package>"
+        ),
+        f"{folder}/big_moveit_config/config/big.srdf": (
+            '<robot name="big"><group name="reach"><joint name="swing"/><joint name="lift"/>'
+            "</group></robot>"
+        ),
+    }
+    for name, content in files.items():
+        path = tmp_path / "src" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content)
+    robot = choose_robot(api.load_controller(mine), Settings()).robot
+    assert ("reach" in robot.groups) is is_taken
+
+
+@pytest.mark.parametrize(
     "line",
     [
         "import intera_interface",

@@ -31,7 +31,8 @@ def installed_descriptions(
     `<name>_moveit_config` by the name alone, as MoveItConfigsBuilder does. Those that only lie
     beside its project it must name in its strings, and not in prose; there a name alone, which
     may be a group's, counts only if its `source` has that builder. Behind them are the packages on
-    which they depend, as far as these describe robots.
+    which they depend, as far as these describe robots. With one that lies beside the project comes
+    the configuration of MoveIt that lies next to it and is for it.
     """
     installed = workspace.installed
     if not installed:
@@ -59,6 +60,13 @@ def installed_descriptions(
             if need in installed and need not in seen:
                 seen.add(need)
                 waiting.append(need)
+    for name in sorted(installed.keys() - from_prefixes.keys() - found.keys()):
+        folder = installed[name]
+        if name.endswith(_OF_MOVEIT) and any(
+            need in found and found[need].parent == folder.parent
+            for need in (*declared_needs(folder), noted_package(folder))
+        ):
+            found[name] = folder
     return found
 
 
