@@ -447,7 +447,7 @@ class Node:
 @pytest.mark.parametrize(
     ("name", "type_name", "expected"),
     [
-        ("part", "std_msgs/Int32", [3]),
+        ("part", "std_msgs/Int32", [3, 2]),
         ("posture", "std_msgs/String", ["up", "down"]),
         ("task", "std_msgs/String", ["pick", "place"]),
         # What is given again has no one value to compare with.

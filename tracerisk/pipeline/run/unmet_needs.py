@@ -15,7 +15,7 @@ from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
 from tracerisk.pipeline.workspace.needs_in_source import reads_command_line
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.commanding_messages import commands_something
-from tracerisk.ros.drafts.draft import COMMANDING, drafts
+from tracerisk.ros.drafts.draft import COMMANDING, drafts, drafts_instead
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions
@@ -268,6 +268,8 @@ class UnmetNeeds:
         for need, dimensions in needs.doubts.items():
             doubting = self.values.doubting(sorted(dimensions))
             made += drafts([Missed(need, 0, 0, None)], self.interfaces, doubting)
+        if not shows_risk:
+            made += tuple(drafts_instead(needs.taken))
         placed = [replace(each, location=self.below_root(each.location)) for each in made]
         fields = [asdict(each) for each in placed]
         reach = asdict(self.values.reach) if reads_command_line(self.script) else None

@@ -98,6 +98,9 @@ def _may_need_draft(
         return False
     if trace.end.cause == "not_importable":
         return any(each.section == "modules" for run in runs for each in run.drafts)
+    if trace.end.cause != "raised" and any(each.is_instead for run in runs for each in run.drafts):
+        # It may do nothing for a mode or a switch of its own.
+        return True
     if any(run.needs and any(each.value is not None for each in run.drafts) for run in runs):
         return True
     if trace.end.cause == "raised" and _OF_NOTHING.search(trace.end.message):

@@ -229,6 +229,13 @@ def answered_alone(entries: Entries) -> Entries | None:
     return None if answered.drafts.keys() == entries.drafts.keys() else answered
 
 
+def without_instead(entries: Entries) -> Entries:
+    """Return entries without those that take the place of a default."""
+    fewer = entries.copy()
+    fewer.drafts = {key: draft for key, draft in fewer.drafts.items() if not draft.is_instead}
+    return fewer
+
+
 def repeated(entries: Entries) -> Entries | None:
     """Return entries whose messages come once a second; None where none comes but once.
 

@@ -6,6 +6,7 @@ it is left out.
 
 from __future__ import annotations
 
+import re
 import time
 from collections import Counter
 from collections.abc import Hashable, Iterator, Sequence
@@ -37,6 +38,7 @@ from tracerisk.pipeline.scenarios.entries import (
     repeated,
     set_down_above,
     useful_drafts,
+    without_instead,
     without_one,
     without_repeats,
 )
@@ -144,6 +146,7 @@ class Rounds:
         self._lines: list[CommandLine] | None = None
         self._reach: Reach | None = None
         self._left: set[Need] = set()
+        self._instead: dict[EntryKey, Draft] = {}
         self._dropped: set[EntryKey] = set()
         self._in_other_units: set[EntryKey] = set()
 
@@ -286,6 +289,8 @@ class Rounds:
             for key, fewer in without_one(self.best.entries):
                 self._dropped.add(key)
                 yield fewer
+        if not self.best.is_traced:
+            yield from self._with_other_defaults()
         if not self.best.is_traced and self._may_need_arguments(attempt):
             yield from self._with_arguments()
 
@@ -299,6 +304,15 @@ class Rounds:
             entries.arguments = self._lines.pop(0)
             yield entries
 
+    def _with_other_defaults(self) -> Iterator[Entries]:
+        """Yield the best entries with one parameter each that is not as its default is."""
+        for key, draft in self._instead.items():
+            for value in (draft.value, *draft.others):
+                entries = without_instead(self.best.entries)
+                if key not in entries.drafts:
+                    entries.drafts[key] = replace(draft, value=value)
+                    yield entries
+
     def _ends_for_arguments(self, attempt: Attempt) -> bool:
         """Return whether a run ended where the source reads its command line, and has none."""
         trace = attempt.trace
@@ -309,7 +323,8 @@ class Rounds:
     def _draft(self, best: Attempt) -> ScenarioDraft:
         entries = best.entries.copy()
         if not best.is_traced:
-            # Where the robot begins was no help.
+            # Where the robot begins was no help, nor was another value than a default.
+            entries = without_instead(entries)
             entries.drafts = {k: each for k, each in entries.drafts.items() if k[0] != "start"}
         given = tuple(entries.drafts.values())
         missing = tuple(self._cannot.values())
@@ -375,7 +390,19 @@ class Rounds:
             had = entries.drafts.keys() | self._cannot.keys()
             beside = next((run for run in reversed(runs) if is_accompanied(run)), chosen)
             chosen = beside if any((e.section, e.key) not in had for e in beside.drafts) else chosen
-        return Attempt(entries, trace, useful_drafts(chosen.drafts, runs), shift=chosen.shift)
+        drafts = useful_drafts(chosen.drafts, runs)
+        for draft in drafts:
+            if draft.is_instead and not self._is_set(draft):
+                self._instead.setdefault((draft.section, draft.key), draft)
+        wanted = tuple(draft for draft in drafts if not draft.is_instead)
+        return Attempt(entries, trace, wanted, shift=chosen.shift)
+
+    def _is_set(self, draft: Draft) -> bool:
+        """Return whether the user gives a parameter, in the scenario or on the command line."""
+        last = re.split(r"[/.~]", draft.key)[-1]
+        known = (re.split(r"[/.~]", each.name)[-1] for each in self._known.parameters)
+        words = (word for each in self._settings.args for word in re.findall(r"[^\W_]\w*", each))
+        return bool(self._settings.params) or last in {*known, *words}
 
     def _mended(self, attempt: Attempt) -> Entries | None:
         """Return the entries without what kept the controller from being run; None for nothing."""

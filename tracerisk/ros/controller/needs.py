@@ -85,6 +85,7 @@ class NeedLedger:
         self._asked: dict[tuple[NeedKind, str], int] = {}
         self._left_empty: dict[str, Missed] = {}
         self._left_off: dict[str, Missed] = {}
+        self._taken: dict[str, tuple[Missed, str | bool]] = {}
         self._sought: dict[tuple[NeedKind, str], Missed] = {}
         self._met: set[tuple[NeedKind, str]] = set()
         self._errors: list[str] = []
@@ -125,6 +126,18 @@ class NeedLedger:
             self._left_empty[need.name] = missed
         elif value is False and _SWITCH.search(need.name):
             self._left_off[need.name] = replace(missed, need=replace(need, type_name="bool"))
+        else:
+            self.take(need, value, now_ns)
+
+    def take(self, need: Need, value: object, now_ns: int) -> None:
+        """Note the value that a parameter has, with which a controller may do nothing."""
+        if isinstance(value, str | bool):
+            self._taken[need.name] = Missed(need, now_ns, now_ns, asking_place()), value
+
+    @property
+    def taken(self) -> tuple[tuple[Missed, str | bool], ...]:
+        """The parameters that are texts and switches, each with its value."""
+        return tuple(self._taken.values())
 
     @property
     def left_off(self) -> tuple[Missed, ...]:

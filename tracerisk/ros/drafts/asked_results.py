@@ -6,7 +6,8 @@ Read from the source alone, by the names that hold the result.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
 
 from tracerisk.errors import Location
@@ -49,20 +50,40 @@ def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
     A number comes first where the result is made one and no number is compared with it.
     """
     for tree, node in calls_of(place, call):
-        names, casts = held_by(tree, node)
-        refused = _refused(tree)
-        found = [
-            value
-            for each in ast.walk(tree)
-            if isinstance(each, ast.Compare | ast.Match)
-            for subject, value in comparisons(refused.get(id(each), each))
-            if subject is not None and is_held(subject, node, names)
-        ]
+        found, casts = _compared_with(tree, node)
         if {"int", "float"} & casts and not any(map(_is_number, found)):
             found.insert(0, 1 if "int" in casts else 0.5)
         if found:
             return tuple(dict.fromkeys(found))
     return ()
+
+
+def results_of_name(place: Location | None, name: str, calls: Collection[str]) -> tuple[Any, ...]:
+    """Return the literals with which a source compares what any of `calls` returns for a name."""
+    tree = source_tree(place)
+    found: list[Any] = []
+    for node in ast.walk(tree) if tree is not None else ():
+        is_read = isinstance(node, ast.Call) and last_name(node.func) in calls and node.args
+        first = node.args[0] if is_read and isinstance(node, ast.Call) else None
+        text = first.value if isinstance(first, ast.Constant) else None
+        is_of_name = isinstance(text, str) and re.split(r"[/.~]", text)[-1] == name
+        if tree is not None and isinstance(node, ast.Call) and is_of_name:
+            found += _compared_with(tree, node)[0]
+    return tuple(dict.fromkeys(found))
+
+
+def _compared_with(tree: ast.Module, call: ast.Call) -> tuple[list[Any], set[str]]:
+    """Return the literals with which the result of a call is compared, and its conversions."""
+    names, casts = held_by(tree, call)
+    refused = _refused(tree)
+    found = [
+        value
+        for each in ast.walk(tree)
+        if isinstance(each, ast.Compare | ast.Match)
+        for subject, value in comparisons(refused.get(id(each), each))
+        if subject is not None and is_held(subject, call, names)
+    ]
+    return found, casts
 
 
 def _is_number(value: Any) -> bool:

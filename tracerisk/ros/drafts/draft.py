@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.literals.compared_values import (
+    Compared,
     compared_in_callback,
     compared_in_file,
     ordered_answers,
@@ -21,7 +22,12 @@ from tracerisk.instrument.source.literals.known_keys import known_keys
 from tracerisk.ros.controller.needs import KEYS, Missed, Need, NeedKind
 from tracerisk.ros.drafts.asked_results import used_as
 from tracerisk.ros.drafts.commanding_messages import commands_something
-from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter, parameter_key
+from tracerisk.ros.drafts.drafted_parameter import (
+    ANY_NUMBER,
+    drafted_parameter,
+    other_values,
+    parameter_key,
+)
 from tracerisk.ros.drafts.drafted_pictures import DEPTHS, PICTURES, picture, with_seen
 from tracerisk.ros.drafts.drivers.asked import Asked
 from tracerisk.ros.drafts.drivers.guessed_driver import Guess, guessed_driver
@@ -101,7 +107,16 @@ _ALARM = re.compile(
     r"(^|[/_])(bumper|cliff|wheel_drop|e_?stop|emergency\w*|collisions?|alarms?|faults?)s?([/_]|$)",
     re.IGNORECASE,
 )
-_LAST_NAMES = re.compile(r"(^|[/_])(e?stop|shutdown|exit|quit|kill|cancel|abort)", re.IGNORECASE)
+_FIRST_NAMES = re.compile(
+    r"(^|[/_])(enable|activate|connect|init(ialize)?|unlock|power_?(on|up)|(servo|motors?)_?on"
+    r"|clear_\w*|reset_\w*(errors?|faults?|alarms?))([/_]|$)",
+    re.IGNORECASE,
+)
+_LAST_NAMES = re.compile(
+    r"(^|[/_])(e?stop|shutdown|exit|quit|kill|cancel|abort|disable|deactivate|disconnect|pause"
+    r"|power_?(off|down)|(servo|motors?)_?off)",
+    re.IGNORECASE,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,9 +132,11 @@ class Draft:
     words: str
     location: Location | None = None
     others: tuple[Any, ...] = ()
-    """Other entries that may be tried, with other poses."""
+    """Other entries that may be tried, with other poses; of a parameter other values."""
     plain: Any = None
     """Of a driver: the entry that answers that it went well and moves nothing; None for none."""
+    is_instead: bool = False
+    """Whether it takes the place of a value with which a run did nothing."""
 
     @property
     def is_driver(self) -> bool:
@@ -143,7 +160,8 @@ class Draft:
 def drafts(
     missed: Iterable[Missed], interfaces: Any, values: UsableValues, *, with_others: bool = False
 ) -> tuple[Draft, ...]:
-    """Return what would meet each need; what stops or ends a controller is called last.
+    """Return what would meet each need; what enables a controller is called first, what stops or
+    ends it last.
 
     `interfaces` makes the message classes; a type it does not know is written without fields.
     `with_others`: what holds a pose comes with entries that hold other ones.
@@ -162,7 +180,7 @@ def drafts(
     for each in found:
         once.setdefault((each.section, each.key), each)
     _set_apart(once.values())
-    return tuple(sorted(once.values(), key=lambda each: _is_last(each.need)))
+    return tuple(sorted(once.values(), key=_turn))
 
 
 def _set_apart(found: Iterable[Draft]) -> None:
@@ -236,8 +254,17 @@ def _seen_in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
         yield replace(draft, key=key, value=value, words=seen.words)
 
 
-def _is_last(need: Need) -> bool:
-    return need.kind in ("call", "goal") and bool(_LAST_NAMES.search(need.name))
+def _turn(draft: Draft) -> int:
+    """Return when a service or an action is called: before the others, among them or after."""
+    need, sent = draft.need, draft.value
+    if need.kind not in ("call", "goal"):
+        return 0
+    is_off = isinstance(sent, Mapping) and sent.get("request") == {"data": False}
+    if _LAST_NAMES.search(need.name):
+        return 1
+    if _FIRST_NAMES.search(need.name):
+        return 1 if is_off else -1
+    return 0
 
 
 def _draft(missed: Missed, interfaces: Any, values: UsableValues) -> Draft:
@@ -253,6 +280,18 @@ def _draft(missed: Missed, interfaces: Any, values: UsableValues) -> Draft:
         words = "its type is not known"
     key = parameter_key(need, place) if need.kind == "parameter" else need.name
     return Draft(need, key, value, words, place, plain=plain)
+
+
+def drafts_instead(taken: Iterable[tuple[Missed, str | bool]]) -> Iterator[Draft]:
+    """Yield the values beside its own with which a code compares a parameter."""
+    for missed, given in taken:
+        value, *others = other_values(missed.need, missed.location, given) or (None,)
+        if value is not None:
+            key = parameter_key(missed.need, missed.location)
+            words = f"as the code compares it, instead of {given}"
+            yield Draft(
+                missed.need, key, value, words, missed.location, tuple(others), is_instead=True
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,8 +334,9 @@ def _topic(lack: _Lack) -> _Made:
         timing = {"at": 1.0, "rate": 1 / _PRESSED_S, "count": len(held)}
         entry = {**entry, "messages": held, **timing}
         return entry, "the sticks moved, without a button and then with each"
-    if len(several) > 1:
-        commands = [{"data": each} for each in several]
+    field, in_turn = ("data", several) if several else _values_in_turn(need, message, compared)
+    if len(in_turn) > 1:
+        commands = [{**message, field: each} for each in in_turn]
         rate = 1 / (_EACH_S if len(commands) <= _FEW_WORDS else _SHORT_S)
         timing = {"at": 1.0, "rate": rate, "count": len(commands)}
         entry = {**entry, "messages": commands, **timing}
@@ -312,6 +352,23 @@ def _topic(lack: _Lack) -> _Made:
     after = 2.0 if _COMMAND.match(need.type_name) else 1.0
     entry = {**entry, "after": after, "message": message}
     return entry, _typed_text(need.type_name, compared.values, values)
+
+
+def _values_in_turn(
+    need: Need, message: Mapping[str, Any], compared: Compared
+) -> tuple[str, Sequence[str | int]]:
+    """Return the field of a command that has several known values, and these; none for sensors."""
+    if _SENSOR.match(need.type_name):
+        return "", ()
+    for name, now in message.items():
+        known: Sequence[str | int] = ()
+        if isinstance(now, str):
+            known = without_emergency(ordered_answers(compared.texts((name,))))
+        elif type(now) is int:
+            known = [each for each in compared.numbers((name,)) if isinstance(each, int)]
+        if len(known) > 1 and now in known:
+            return name, known[:_MOST_WORDS]
+    return "", ()
 
 
 def _comments(lack: _Lack, kind: str) -> Mapping[str, str]:

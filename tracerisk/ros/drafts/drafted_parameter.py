@@ -8,7 +8,12 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.drafts.asked_results import compared_results, used_as, written_name
+from tracerisk.ros.drafts.asked_results import (
+    compared_results,
+    results_of_name,
+    used_as,
+    written_name,
+)
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.posture_numbers import numbers_of
 from tracerisk.ros.drafts.said_around import said_of_name
@@ -29,6 +34,7 @@ ANY_NUMBER: Set[float] = frozenset({0.5, 1})
 _OF_NUMBERS = ("", "int", "float", "integer", "double")
 _READS = ("get_param", "get_param_cached", "get_parameter", "declare_parameter", "get_parameter_or")
 _ANONYMOUS = re.compile(r"^/(?:[\w/]*/)?\w+_\d+_\d{9,}/")
+_SIMULATED = re.compile(r"^use_sim_time$|verbose|debug|preview", re.IGNORECASE)
 _NUMBERS: tuple[tuple[str, Any], ...] = (
     (r"(^|_)(rate|hz|freq(uency)?)$", 10.0),
     (r"(^|_)(num|number|count|n|times|cycles|parts)(_|$)", 1),
@@ -45,6 +51,24 @@ def parameter_key(need: Need, place: Location | None) -> str:
         # Private to the node, whose own name may be another each time.
         key = f"~{_ANONYMOUS.sub('', key)}" if not written.startswith("~") else written
     return key
+
+
+def other_values(need: Need, place: Location | None, default: Any) -> tuple[str | bool, ...]:
+    """Return the values beside its default for which the code asks of a parameter, at most two.
+
+    A switch is put on, and off where its name says that nothing is to move: `dry_run`.
+    """
+    last = need.name.replace(".", "/").rpartition("/")[2].lstrip("~")
+    if isinstance(default, bool):
+        return (not default,) if default is not is_on(last) and not _SIMULATED.search(last) else ()
+    if not isinstance(default, str) or not default or "/" in default:
+        return ()
+    known = [text for text in results_of_name(place, last, _READS) if isinstance(text, str)]
+    if default.lower() not in {text.lower() for text in known} and len(known) != 1:
+        # What it is compared with is of another kind, as the end of a file's name.
+        return ()
+    others = (text for text in dict.fromkeys(known) if text.lower() != default.lower())
+    return tuple(text for text in others if is_on(text))[:2]
 
 
 def drafted_parameter(need: Need, place: Location | None, values: UsableValues) -> tuple[Any, str]:

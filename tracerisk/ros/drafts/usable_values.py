@@ -61,6 +61,7 @@ _FAILED = re.compile(r"fail|err|abort|reject|refus|invalid|timeout|cancel")
 _FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORECASE)
 _NUMBERS = re.compile(r"(^|_)ids?$", re.IGNORECASE)
 _SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK", "ADD")
+_LONGEST = 64  # as long as a list is drafted
 BOX = (0.04, 0.04, 0.1)
 """A thing that a gripper can hold [m]."""
 # Who sends a goal for the arm's joints leaves these out: the server's own count then.
@@ -354,11 +355,25 @@ class UsableValues:
                 or type_of(owner) == "std_msgs/MultiArrayLayout"
             ):
                 return []
-            count = 1 if field.length is None else field.length
+            count = field.length
+            if count is None:
+                least = max(1, place.compared.least(place.path))
+                count = min(place.compared.length(place.path) or least, field.longest or _LONGEST)
             return [self._scalar(owner, field, place) for _ in range(count)]
         return self._array(field, place)
 
     def _array(self, field: MessageField, place: _Place) -> list[Any]:
+        length, most = place.compared.length(place.path), field.longest or _LONGEST
+        if field.length is None and length is not None and length <= most:
+            field = replace(field, length=length)
+        numbers = self._numbers(field, place)
+        least = min(place.compared.least(place.path), most)
+        if field.length is None and field.base not in ("string", "wstring"):
+            zero = type(numbers[0])() if numbers else 0.0 if field.base in FLOATS else 0
+            numbers += [zero] * (least - len(numbers))
+        return numbers
+
+    def _numbers(self, field: MessageField, place: _Place) -> list[Any]:
         if field.base in ("string", "wstring"):
             if _JOINTS.match(field.name):
                 return [joint.name for joint in self.joints]

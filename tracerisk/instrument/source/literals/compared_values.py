@@ -15,6 +15,15 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, imported_names, last_name
+from tracerisk.instrument.source.literals.bounds import (
+    LEAST,
+    LENGTH,
+    bounds,
+    lengths,
+    refused_tests,
+    turns_away,
+    within,
+)
 from tracerisk.instrument.source.literals.named_literals import with_named_literals
 from tracerisk.instrument.source.literals.package_settings import package_settings
 
@@ -30,6 +39,8 @@ _EMERGENCY = frozenset({"estop", "e_stop", "e-stop", "emergency_stop", "emergenc
 _ANY_FIELD = frozenset({"data", "name", "id", "frame_id", "child_frame_id", "type"})
 """Fields that many messages have, each with another meaning."""
 _THROUGH = frozenset({"enumerate", "list", "reversed", "sorted"})
+_ARRAYS = frozenset({"array", "asarray", "list", "tuple"})
+_RESHAPES = frozenset({"reshape", "flatten", "ravel", "copy", "astype"})
 _OF_GOAL = frozenset({"request", "goal"})
 
 
@@ -49,6 +60,14 @@ class Compared:
     def numbers(self, path: tuple[str, ...]) -> tuple[float, ...]:
         """Return the numbers with which a field is compared."""
         return tuple(each for each in self._of(path) if _is_number(each))
+
+    def length(self, path: tuple[str, ...]) -> int | None:
+        """Return the length that the code asks of a list; None where it asks none."""
+        return next(iter(self.values.get((*path, LENGTH), ())), None)
+
+    def least(self, path: tuple[str, ...]) -> int:
+        """Return how long the code asks a list to be at least."""
+        return max(self.values.get((*path, LEAST), ()), default=0)
 
     def truths(self, path: tuple[str, ...]) -> tuple[bool, ...]:
         """Return the truth values for each of which the code has a branch for a field."""
@@ -203,7 +222,7 @@ def _flow(
     kept: dict[str, tuple[str, ...]] = {}
     for node in ast.walk(function):
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
-            path = _path(node.value, known)
+            path = _path(_made_of(node.value), known)
             if path is None:
                 path = _read_out(node.value, known, functions)
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
@@ -216,6 +235,7 @@ def _flow(
             item, path = _item(node.target, node.iter), _path(_listed(node.iter), known)
             if path is not None and item:
                 known[item] = path
+    _bound(function, known, found)
     refused = set(_refused(function))
     for node in ast.walk(function):
         if node not in refused:
@@ -273,11 +293,22 @@ def _read_out(
 def _refused(function: _Function) -> Iterator[ast.AST]:
     """Yield the comparisons that hold for what a function refuses: `if mode == 9: return False`."""
     for node in ast.walk(function):
-        if not isinstance(node, ast.If) or node.orelse or not _is_refusal(node.body):
+        if not isinstance(node, ast.If) or node.orelse:
+            continue
+        if turns_away(node.body):
+            # On which side of a number it goes on is said by the bounds.
+            yield from (inner for inner in ast.walk(node.test) if _is_unequal(inner))
+        if not _is_refusal(node.body):
             continue
         for inner in ast.walk(node.test):
             if isinstance(inner, ast.Compare) and isinstance(inner.ops[0], ast.Eq | ast.In):
                 yield inner
+
+
+def _is_unequal(node: ast.AST) -> bool:
+    return isinstance(node, ast.Compare) and isinstance(
+        node.ops[0], ast.Lt | ast.LtE | ast.Gt | ast.GtE
+    )
 
 
 def _is_refusal(body: list[ast.stmt]) -> bool:
@@ -309,6 +340,33 @@ def _compare(node: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found)
         path = None if subject is None else _path(subject, known)
         if path is not None:
             found.setdefault(path, []).append(value)
+
+
+def _bound(function: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found) -> None:
+    """Add the middle of the bounds within which the code goes on, and the lengths of lists."""
+    for test, is_refused in refused_tests(function):
+        for subject, low, high in bounds(test, is_refused=is_refused):
+            path, value = _path(subject, known), within(low, high)
+            if value is None and is_refused:
+                value = _beyond(low, +1) if low is not None else _beyond(high, -1)
+            if path is not None and value is not None:
+                found.setdefault(path, []).append(value)
+        for counted, kind, length in lengths(test, is_refused=is_refused):
+            path = _path(_made_of(counted), known)
+            if path is not None:
+                found.setdefault((*path, kind), []).append(length)
+
+
+def _made_of(node: ast.expr) -> ast.expr:
+    """Return the list of which an array is made: `msg.data` of `np.asarray(msg.data).ravel()`."""
+    while isinstance(node, ast.Call):
+        if last_name(node.func) in _ARRAYS and node.args:
+            node = node.args[0]
+        elif isinstance(node.func, ast.Attribute) and node.func.attr in _RESHAPES:
+            node = node.func.value
+        else:
+            break
+    return node
 
 
 def _words_of_fields(tree: ast.AST, but: _Found) -> _Found:

@@ -72,12 +72,13 @@ class NodeParameters:
         for index, entry in enumerate(parameters):
             name, value, descriptor = self._declaration(namespace, index, entry)
             run().runtime.graph.parameters.ask(name)
+            kind = Parameter.Type(descriptor.type).name.lower() if descriptor.type else ""
+            scheduler, need = run().scheduler, Need("parameter", name, kind)
             if not ignore_override and name in self._parameter_overrides:
                 value = self._parameter_overrides[name].value
+                scheduler.needs.take(need, value, scheduler.now_ns)
             else:
-                kind = Parameter.Type(descriptor.type).name.lower() if descriptor.type else ""
-                scheduler = run().scheduler
-                scheduler.needs.take_default(Need("parameter", name, kind), value, scheduler.now_ns)
+                scheduler.needs.take_default(need, value, scheduler.now_ns)
             found.append(Parameter(name, value=value))
             descriptors[name] = descriptor
         known = [parameter.name for parameter in found if parameter.name in self._parameters]

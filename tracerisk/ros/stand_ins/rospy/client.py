@@ -186,7 +186,10 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
         KeyError: it is not set and no default is given.
     """
     try:
-        return get_master()[param_name]
+        value = get_master()[param_name]
+        scheduler, need = node().scheduler, Need("parameter", names.resolve_name(param_name))
+        scheduler.needs.take(need, value, scheduler.now_ns)
+        return value
     except KeyError:
         if default is _UNSPECIFIED:
             value = node().graph.parameters.beyond(names.resolve_name(param_name))

@@ -1,0 +1,147 @@
+"""Numbers within the bounds that a source checks, and the lengths of lists that it asks for.
+
+Of `if not 0.1 < width < 0.5: return` the width that goes on is 0.3; of `if len(poses) < 2: return`
+the list has 2 items.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+
+LENGTH = "len()"
+"""The last part of the path of a list's length."""
+LEAST = "least len()"
+"""The last part of the path of the length that a list must have at least."""
+_SIDES: dict[type[ast.cmpop], int] = {ast.Lt: -1, ast.LtE: -1, ast.Gt: +1, ast.GtE: +1}
+_SAYS = re.compile(
+    r"log|info|warn|error|debug|print|fatal|abort|cancel|succeed|reject", re.IGNORECASE
+)
+_REPLIES = frozenset({"success", "message", "msg", "result", "status", "error", "error_code"})
+
+
+def turns_away(body: Sequence[ast.stmt]) -> bool:
+    """Return whether a branch only says something and leaves: what it is for goes no further."""
+    *others, last = body
+    return isinstance(last, ast.Return | ast.Raise | ast.Continue) and all(map(_says, others))
+
+
+def _says(line: ast.stmt) -> bool:
+    if isinstance(line, ast.Assign):
+        names = [dotted_name(target).rpartition(".")[2] for target in line.targets]
+        return set(names) <= _REPLIES
+    call = line.value if isinstance(line, ast.Expr) else None
+    return isinstance(call, ast.Call) and _SAYS.search(last_name(call.func)) is not None
+
+
+def refused_tests(tree: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
+    """Yield each test of a tree and whether the source goes on where it does not hold."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If):
+            yield node.test, not node.orelse and turns_away(node.body)
+        elif isinstance(node, ast.Assert | ast.IfExp | ast.While):
+            yield node.test, False
+
+
+def bounds(test: ast.expr, *, is_refused: bool) -> Iterator[tuple[ast.expr, float | None, Any]]:
+    """Yield what a test keeps within bounds [low, high] where it goes on; None for no bound.
+
+    Of several comparisons only those are joined that hold together.
+    """
+    found: dict[str, tuple[ast.expr, float | None, float | None]] = {}
+    for subject, side, value in _sides(test, is_refused):
+        key = ast.dump(subject)
+        _, low, high = found.get(key, (subject, None, None))
+        if side > 0:
+            low = value if low is None else max(low, value)
+        else:
+            high = value if high is None else min(high, value)
+        found[key] = subject, low, high
+    yield from found.values()
+
+
+def _sides(test: ast.expr, is_refused: bool) -> Iterator[tuple[ast.expr, int, float]]:
+    """Yield each subject, +1 where it is above and -1 where it is below, and the number."""
+    if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
+        yield from _sides(test.operand, not is_refused)
+    elif isinstance(test, ast.BoolOp):
+        # All of `a and b` hold; none of `a or b` where that is refused.
+        if isinstance(test.op, ast.Or) is is_refused:
+            for part in test.values:
+                yield from _sides(part, is_refused)
+    elif isinstance(test, ast.Compare) and (len(test.ops) == 1 or not is_refused):
+        terms = [test.left, *test.comparators]
+        for left, operator, right in zip(terms, test.ops, terms[1:], strict=False):
+            side = _SIDES.get(type(operator), 0) * (-1 if is_refused else 1)
+            if side and (value := _number(right)) is not None:
+                yield left, side, value
+            elif side and (value := _number(left)) is not None:
+                yield right, -side, value
+
+
+def within(low: float | None, high: float | None) -> float | None:
+    """Return the middle of two bounds, whole where both are; None where one is not known."""
+    if low is None or high is None or low > high:
+        return None
+    if type(low) is int and type(high) is int:
+        return (low + high) // 2
+    return round((low + high) / 2, 6)
+
+
+def lengths(test: ast.expr, *, is_refused: bool) -> Iterator[tuple[ast.expr, str, int]]:
+    """Yield each list of which a test asks something, with `LENGTH` or `LEAST` and the length."""
+    if isinstance(test, ast.BoolOp):
+        for part in test.values:
+            yield from lengths(part, is_refused=is_refused)
+    elif isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
+        yield from lengths(test.operand, is_refused=not is_refused)
+    elif isinstance(test, ast.Compare) and len(test.ops) == 1:
+        counted, operator = _counted(test.left), test.ops[0]
+        value = _asked(test.comparators[0])
+        if counted is not None and value is not None:
+            length = _length(operator, value, is_refused)
+            if length is not None and length > 0:
+                is_exact = isinstance(operator, ast.NotEq if is_refused else ast.Eq)
+                yield counted, LENGTH if is_exact else LEAST, length
+    elif not is_refused and isinstance(test, ast.Name | ast.Attribute):
+        yield test, LEAST, 1
+
+
+def _counted(node: ast.expr) -> ast.expr | None:
+    if isinstance(node, ast.Call) and last_name(node.func) == "len" and len(node.args) == 1:
+        return node.args[0]
+    is_shape = isinstance(node, ast.Attribute) and node.attr in ("shape", "size")
+    return node.value if is_shape and isinstance(node, ast.Attribute) else None
+
+
+def _length(operator: ast.cmpop, value: int, is_refused: bool) -> int | None:
+    if is_refused:
+        other: dict[type[ast.cmpop], int | None] = {
+            ast.NotEq: value, ast.Lt: value, ast.LtE: value + 1, ast.Gt: value, ast.GtE: value - 1,
+            ast.Eq: 1 if value == 0 else None,
+        }  # fmt: skip
+        return other.get(type(operator))
+    held: dict[type[ast.cmpop], int | None] = {
+        ast.Eq: value, ast.GtE: value, ast.Gt: value + 1, ast.NotEq: 1 if value == 0 else None,
+    }  # fmt: skip
+    return held.get(type(operator))
+
+
+def _number(node: ast.expr) -> float | None:
+    try:
+        value = ast.literal_eval(node)
+    except (ValueError, TypeError, SyntaxError, RecursionError):
+        return None
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return value if is_number else None
+
+
+def _asked(node: ast.expr) -> int | None:
+    """Return the length with which one is compared, or that of a shape of one dimension."""
+    is_shape = isinstance(node, ast.Tuple | ast.List) and len(node.elts) == 1
+    value = _number(node.elts[0] if is_shape else node)  # type: ignore[attr-defined]
+    return int(value) if value is not None and value == int(value) else None
