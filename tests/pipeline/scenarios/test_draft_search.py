@@ -10,8 +10,11 @@ from tracerisk.config import Settings
 from tracerisk.pipeline.robot import kept_choices
 from tracerisk.pipeline.run import attempts
 from tracerisk.pipeline.scenarios import rounds
+from tracerisk.pipeline.scenarios.entries import Attempt, Entries
 from tracerisk.pipeline.scenarios.rounds import draft_scenario
 from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.ros.controller.needs import Need
+from tracerisk.ros.drafts.draft import Draft
 
 HEAD = """\
 import sys
@@ -199,3 +202,36 @@ def test_a_run_says_which_frame_is_likely_meant(example):
     assert ran.code == 4
     assert "frame pand_link8 is likely a mistake for panda_link8 (c.py:19)" in ran.err
     assert b"RiskAnnotation" not in example.read("c.py")
+
+
+def test_a_parameter_has_another_value_only_where_that_makes_the_run_show_risk(tmp_path):
+    (tmp_path / "c.py").write_text(HEAD)
+    search = rounds.Rounds(
+        load_controller(tmp_path / "c.py"), Settings(), None, None, kept_choices.KeptChoices()
+    )
+    need = Need("parameter", "mode", "string")
+    mode = Draft(need, "mode", "topic", "as the code compares it", None, ("sine",), True)
+    go = Draft(Need("topic", "/go", "std_msgs/Bool"), "/go", {"topic": "/go"}, "a value")
+    search._instead[mode.section, mode.key] = mode
+    search.best = Attempt(Entries({(go.section, go.key): go}))
+    tried = list(search._with_other_defaults())
+    assert [[each.value for each in entries.drafts.values()] for entries in tried] == [
+        [{"topic": "/go"}, "topic"],
+        [{"topic": "/go"}, "sine"],
+    ]
+    assert search._draft(Attempt(tried[0])).given == (go,)
+
+
+def test_a_parameter_that_the_user_gives_stays(tmp_path):
+    (tmp_path / "c.py").write_text(HEAD)
+    (tmp_path / "s.yaml").write_text("parameters:\n  mode: zero\n")
+    controller, kept = load_controller(tmp_path / "c.py"), kept_choices.KeptChoices()
+    mode = Draft(Need("parameter", "/cell/mode"), "/cell/mode", "topic", "", None, (), True)
+    base = tmp_path / "s.yaml"
+    for settings, given, is_set in (
+        (Settings(), base, True),
+        (Settings(args=("_mode:=zero",)), None, True),
+        (Settings(params=("p.yaml",)), None, True),
+        (Settings(), None, False),
+    ):
+        assert rounds.Rounds(controller, settings, given, None, kept)._is_set(mode) is is_set

@@ -1,5 +1,7 @@
 """Drafts pass the checks before what moves the robot: modes, fields, lengths, ranges, order."""
 
+import math
+
 import pytest
 
 from tracerisk.errors import Location
@@ -10,7 +12,7 @@ from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.robots.robot import load_robot
 
-NODE = """\
+NODE = '''\
 class Cell(Node):
     def __init__(self):
         self.declare_parameter("mode", "zero")
@@ -24,6 +26,9 @@ class Cell(Node):
         self.create_subscription(Float64, "/width", self.on_width, 10)
         self.create_subscription(Int32, "/step", self.on_step, 10)
         self.create_subscription(Order, "/order", self.on_order, 10)
+        self.create_subscription(JointState, "/servos", self.on_servos, 10)
+        self.create_subscription(JointTrajectory, "/path", self.on_path, 10)
+        self.create_subscription(JointState, "/radians", self.on_radians, 10)
         if self.get_parameter("frame").value.endswith(".urdf"):
             load()
 
@@ -56,7 +61,17 @@ class Cell(Node):
             self.state = "ready"
         elif self.state == "ready" and msg.command == "execute":
             self.move(self.goal)
-"""
+
+    def on_servos(self, msg):
+        self.move([servo_degrees_to_position(each) for each in msg.position])
+
+    def on_path(self, msg):
+        """Take a path whose positions are in degrees."""
+        self.move(msg.points[0].positions)
+
+    def on_radians(self, msg):
+        self.move(msg.position)
+'''
 
 
 @pytest.fixture(scope="module")
@@ -127,6 +142,23 @@ def test_each_value_that_a_state_machine_knows_comes_in_turn(
 ):
     sent = topic(node, values, name, type_name)
     assert [message[field] for message in sent["messages"]] == known
+
+
+@pytest.mark.parametrize(
+    ("name", "type_name", "is_degrees"),
+    [
+        ("/servos", "sensor_msgs/JointState", True),
+        ("/path", "trajectory_msgs/JointTrajectory", True),
+        ("/radians", "sensor_msgs/JointState", False),
+    ],
+)
+def test_joints_are_in_the_units_that_the_callback_says(node, values, name, type_name, is_degrees):
+    sent = topic(node, values, name, type_name)["message"]
+    drafted = sent["position"] if "position" in sent else sent["points"][0]["positions"]
+    wanted = values.posture
+    if is_degrees:
+        wanted = [round(math.degrees(each), 1) for each in wanted]
+    assert drafted[: len(wanted)] == list(wanted)
 
 
 @pytest.mark.parametrize(

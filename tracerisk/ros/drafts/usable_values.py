@@ -178,6 +178,10 @@ class UsableValues:
         towards = now + math.copysign(step, (joint.lower + joint.upper) / 2 - now)
         return round(min(max(towards, joint.lower), joint.upper), 3)
 
+    def _in_units(self, joint: Joint, units: Units) -> float:
+        moved = self._moved(joint)
+        return units.length(moved) if joint.type == "prismatic" else units.angle(moved)
+
     @property
     def pose(self) -> Pose:
         """A pose in the base link's frame that the tool reaches, and from above too."""
@@ -333,14 +337,15 @@ class UsableValues:
         if kind == "sensor_msgs/JointState":
             # Those of the gripper too, as the robot itself reports them.
             names = [joint.name for joint in self.robot.joints]
-            posture = [self._moved(joint) for joint in self.robot.joints]
+            posture = [self._in_units(joint, place.units) for joint in self.robot.joints]
             zeros = [0.0 for _ in names]
             return {
                 "header": {**header, "frame_id": ""},
                 "name": names, "position": posture, "velocity": zeros, "effort": zeros,
             }  # fmt: skip
         if kind == "trajectory_msgs/JointTrajectory":
-            point = {"positions": list(self.posture), "time_from_start": 2.0}
+            positions = [self._in_units(joint, place.units) for joint in self.joints]
+            point = {"positions": positions, "time_from_start": 2.0}
             return {"joint_names": [joint.name for joint in self.joints], "points": [point]}
         return plain.get(kind)
 
