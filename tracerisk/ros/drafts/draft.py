@@ -160,8 +160,9 @@ class Draft:
 def drafts(
     missed: Iterable[Missed], interfaces: Any, values: UsableValues, *, with_others: bool = False
 ) -> tuple[Draft, ...]:
-    """Return what would meet each need; what enables a controller is called first, what stops or
-    ends it last.
+    """Return what would meet each need.
+
+    What enables a controller is called first, what stops or ends it last.
 
     `interfaces` makes the message classes; a type it does not know is written without fields.
     `with_others`: what holds a pose comes with entries that hold other ones.

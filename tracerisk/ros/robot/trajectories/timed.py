@@ -92,7 +92,7 @@ def _first_point(asked: Asked) -> int:
 
 
 def left_out(asked: Asked, twin: Twin, what: str) -> str:
-    """Say which points move nothing though they are not where the joints are; "" for none.
+    """Return words on points that move nothing though the joints are elsewhere; "" for none.
 
     A controller of ROS 1 drops past points; one of ROS 2 would step to a start point at time 0,
     which the twin passes over. `what` carries the trajectory, for example "a goal of action /a".
