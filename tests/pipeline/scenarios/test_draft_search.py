@@ -210,7 +210,7 @@ def test_a_parameter_has_another_value_only_where_that_makes_the_run_show_risk(t
         load_controller(tmp_path / "c.py"), Settings(), None, None, kept_choices.KeptChoices()
     )
     need = Need("parameter", "mode", "string")
-    mode = Draft(need, "mode", "topic", "as the code compares it", None, ("sine",), True)
+    mode = Draft(need, "mode", "topic", "as the code compares it", None, ("sine",), is_instead=True)
     go = Draft(Need("topic", "/go", "std_msgs/Bool"), "/go", {"topic": "/go"}, "a value")
     search._instead[mode.section, mode.key] = mode
     search.best = Attempt(Entries({(go.section, go.key): go}))
@@ -226,7 +226,7 @@ def test_a_parameter_that_the_user_gives_stays(tmp_path):
     (tmp_path / "c.py").write_text(HEAD)
     (tmp_path / "s.yaml").write_text("parameters:\n  mode: zero\n")
     controller, kept = load_controller(tmp_path / "c.py"), kept_choices.KeptChoices()
-    mode = Draft(Need("parameter", "/cell/mode"), "/cell/mode", "topic", "", None, (), True)
+    mode = Draft(Need("parameter", "/cell/mode"), "/cell/mode", "topic", "", None, is_instead=True)
     base = tmp_path / "s.yaml"
     for settings, given, is_set in (
         (Settings(), base, True),

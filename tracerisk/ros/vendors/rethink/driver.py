@@ -76,7 +76,7 @@ class BaxterDriver(TwinNode):
         }
         joints = {joint.name for joint in self._twin.robot.joints}
         sides = [side for side in ("left", "right") if f"{side}_s0" in joints]
-        self._is_there = bool(sides)
+        self._is_there = bool(sides) or "right_j0" in joints  # a Baxter, or a Sawyer
         for side in sides:
             self._graph.serve(
                 f"/ExternalTools/{side}/PositionKinematicsNode/IKService",
@@ -88,7 +88,7 @@ class BaxterDriver(TwinNode):
         self._graph.watch(self._on_change)
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        # Other robots, too, are in a namespace `robot`: only Baxter's own types are Baxter's there.
+        # Other robots, too, are in a namespace `robot`: only the maker's own types are his there.
         if not name.startswith("/robot/") or not (self._is_there or type_name.startswith(_CORE)):
             return
         if change == "advertised" and type_name in self._takers:
