@@ -111,7 +111,7 @@ SUB_ROOMS = {
             "geometry",
             "limits",
         ),
-        *("strong_components", "text", "campaign", "records"),
+        *("strong_components", "text", "campaign"),
     ),
     "twin": (
         *("workspace", "simulation", "recording", "motion", "faults", "physics"),

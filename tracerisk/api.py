@@ -8,9 +8,10 @@ stage.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 from tracerisk.common.campaign import DEFAULT_CAMPAIGN
 from tracerisk.common.campaign import CampaignOptions as CampaignOptions
-from tracerisk.common.records import dataclass, replace
 from tracerisk.errors import ControllerFailedError, InputError, Location, TraceRiskError
 
 TYPE_CHECKING = False

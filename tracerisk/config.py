@@ -10,11 +10,11 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal, NoReturn, get_args
 
 from tracerisk.common.limits import Limit, Limits, Sandbox, SandboxMode
-from tracerisk.common.records import dataclass, fields, replace
 from tracerisk.errors import InputError, Location, SettingsError, one_of
 from tracerisk.trace import Acceptance
 

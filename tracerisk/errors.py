@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable
-
-from tracerisk.common.records import dataclass
+from dataclasses import dataclass
 
 
 class ExitCode(enum.IntEnum):

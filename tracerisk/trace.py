@@ -7,10 +7,10 @@ description: probabilities are computed from it without running anything again.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NewType, get_args
 
 from tracerisk.common.outcome.outcome import Outcome
-from tracerisk.common.records import dataclass, field, replace
 from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import Location
 

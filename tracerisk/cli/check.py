@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -14,7 +15,7 @@ from tracerisk.cli.shared.output import (
     show,
     write_sarif,
 )
-from tracerisk.common.records import picked, replace
+from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.trace import GAPS, verdict_line

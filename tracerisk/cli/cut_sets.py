@@ -11,7 +11,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import format_of, read_model
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, paper, print_json, print_text
-from tracerisk.common.records import picked
+from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import InputError, ModelError, one_of
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text
 from tracerisk.cli.shared.output import print_json, show
-from tracerisk.common.records import picked
+from tracerisk.common.text.plain_data import picked
 
 if TYPE_CHECKING:
     from tracerisk.ros.vendors.description import Driver

@@ -12,7 +12,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text, write
 from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
-from tracerisk.common.records import picked
+from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:

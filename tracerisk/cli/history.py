@@ -15,7 +15,7 @@ from tracerisk.cli.shared.output import (
     show,
     write_file,
 )
-from tracerisk.common.records import picked
+from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
-from tracerisk.common.records import picked
+from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:

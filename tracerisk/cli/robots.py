@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
-from tracerisk.common.records import picked
+from tracerisk.common.text.plain_data import picked
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.index import RobotNames

@@ -12,7 +12,7 @@ from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import failure_code, print_failure, trace_as_typed
 from tracerisk.cli.shared.verdict import verdict_json
-from tracerisk.common.records import picked
+from tracerisk.common.text.plain_data import picked
 from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
 

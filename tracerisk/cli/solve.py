@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import OWN, format_of
 from tracerisk.cli.shared.model_format import ModelFormat
@@ -9,7 +11,6 @@ from tracerisk.cli.shared.output import paper, print_json, print_text, risk_exit
 from tracerisk.cli.shared.sources import model_of_files
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.cli.solving.hardware_spread import notes_data, print_spreads, spreads_of_files
-from tracerisk.common.records import asdict
 from tracerisk.errors import InputError
 
 TYPE_CHECKING = False

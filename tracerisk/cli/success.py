@@ -13,7 +13,7 @@ from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
 from tracerisk.cli.shared.verdict import print_verdict, verdict_exit, verdict_json
-from tracerisk.common.records import picked
+from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:

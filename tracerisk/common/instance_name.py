@@ -7,16 +7,16 @@ method where several of its methods command, and the label of the instance.
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Iterable
 from typing import TypeVar
 
-from tracerisk.common.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
-_INSTANCE = pattern(r"(?P<of>\S+) \((?P<label>[^\s()]+(?: [^\s()]+)*)\)")
+_INSTANCE = re.compile(r"(?P<of>\S+) \((?P<label>[^\s()]+(?: [^\s()]+)*)\)")
 # What separates names and values in blocks and on the command line.
-_SEPARATORS = pattern(r"[\s!{}(),;:=/@#]+")
+_SEPARATORS = re.compile(r"[\s!{}(),;:=/@#]+")
 _LONGEST_LABEL = 40
 
 Name = TypeVar("Name", bound=str)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Literal
-
-from tracerisk.common.records import dataclass, field
 
 SandboxMode = Literal["auto", "require", "off"]
 """Whether strangers' code is contained: where that works, always, or never."""

@@ -8,10 +8,10 @@ import sys
 import types
 import typing
 from collections.abc import Mapping
+from dataclasses import MISSING, asdict, fields, is_dataclass
 from typing import Any, cast
 
 from tracerisk import trace as trace_module
-from tracerisk.common.records import MISSING, asdict, fields, is_dataclass
 from tracerisk.errors import Location, LogError, one_of
 from tracerisk.trace import Trace, Verdict
 

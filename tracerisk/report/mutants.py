@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from tracerisk.common.records import dataclass
 from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.report.tables import Column, render_table, share_text
 

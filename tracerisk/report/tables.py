@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 
-from tracerisk.common.records import dataclass
 from tracerisk.common.text.paper import PAPER, Paper
-from tracerisk.common.text.patterns import pattern
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ MEASURES = {
 _BAR_WIDTH = 12
 _GAP = "  "
 
-_UNIT = pattern(r"(?<=\d) (?=(?:%|s|m|mm|N|Nm)(?![\w/]))")
+_UNIT = re.compile(r"(?<=\d) (?=(?:%|s|m|mm|N|Nm)(?![\w/]))")
 
 
 def rendered(write: Callable[[Console], None], paper: Paper = PAPER) -> str:

@@ -2,6 +2,7 @@
 
 import random
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
@@ -15,7 +16,6 @@ from tracerisk.adder.blocks.values import (
     computed_redundancy,
 )
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.common.records import replace
 
 Key = tuple[str, str]
 """A function: its file and its qualified name there."""

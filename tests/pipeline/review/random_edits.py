@@ -11,7 +11,7 @@ import random
 import re
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tests.conftest import RepositoryExample
@@ -33,7 +33,6 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.cli.boundary import guarded
 from tracerisk.cli.parser import parse
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.common.records import replace
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.function_definitions import MODULE, definitions
 from tracerisk.trace import FunctionRef, QualifiedName

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Generic, TypeVar
 
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.common.records import dataclass, field
 from tracerisk.errors import Location
 
 T = TypeVar("T")

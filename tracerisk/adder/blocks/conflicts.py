@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Literal
 
-from tracerisk.common.text.patterns import pattern
-
-_MARKER = pattern(r"(<{7}|>{7}|\|{7})( .*)?|={7}")
-_ANY_MARK = pattern(rb"(?:^|[\r\n])(?:<{7}|>{7}|={7}|\|{7})")
+_MARKER = re.compile(r"(<{7}|>{7}|\|{7})( .*)?|={7}")
+_ANY_MARK = re.compile(rb"(?:^|[\r\n])(?:<{7}|>{7}|={7}|\|{7})")
 _AFTER_MARK: Mapping[str, Literal["both", "ours", "base", "theirs"]] = {
     "<": "ours",
     "|": "base",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
@@ -23,8 +24,6 @@ from tracerisk.adder.blocks.values import (
     is_function_name,
 )
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.common.records import dataclass
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location, one_of
 
 GUTTER = "# | "
@@ -42,10 +41,10 @@ WITH_EVIDENCE = "with evidence"
 HEADER_LINE = rf"{HEADER}(?:[ \t]+(?P<digest>{DIGEST}))?(?P<evidence>[ \t]+{WITH_EVIDENCE})?"
 """The line with which a block begins, as a regular expression."""
 
-_HEADER = pattern(HEADER_LINE)
-_SECTION = pattern(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<rest>.*)")
-_ASSIGNMENT = pattern(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
-_IS_WORDS = pattern(r"[^\W\d]")
+_HEADER = re.compile(HEADER_LINE)
+_SECTION = re.compile(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<rest>.*)")
+_ASSIGNMENT = re.compile(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
+_IS_WORDS = re.compile(r"[^\W\d]")
 _FUNCTION_KEYS = ("name", "callSequence", "next")
 _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
 

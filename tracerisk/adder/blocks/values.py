@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any, TypeAlias
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.common.hardware.redundancy import Detection, Redundancy
-from tracerisk.common.records import dataclass
-from tracerisk.common.text.patterns import pattern
 
 NOTHING_COMPUTED = "none"
 """What stands after `computed` where the tool has no value for a pinned field."""
@@ -27,9 +26,9 @@ DONE = "done"
 Transitions: TypeAlias = tuple[Transition, ...]
 
 _KEPT = 4096  # texts whose value is kept: blocks and lock state most values several times
-_DECIMAL = pattern(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _SHARE = r"(?:\d{1,9}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][+-]?\d{1,3})?"
-_REDUNDANCY = pattern(
+_REDUNDANCY = re.compile(
     r"(?:true|false|required (?P<required>\d{1,9}))"
     rf"(?:, spare (?:(?P<spare>cold|hot)|warm (?P<dormancy>{_SHARE})))?"
     rf"(?:, switch (?P<switch>{_SHARE}))?"
@@ -37,10 +36,10 @@ _REDUNDANCY = pattern(
     r"(?:, detected (?P<detected>\w+))?",
     re.ASCII,
 )
-_WHOLE = pattern(r"\d+", re.ASCII)
-_WEIGHT = pattern(r"\d+/\d+|\d+(\.\d*)?|\.\d+", re.ASCII)
-_TARGET = pattern(r"[^\s!{},;/]+(?: \([^\s!{}(),;:=/]+(?: [^\s!{}(),;:=/]+)*\))?")
-_COMPONENT_NAME = pattern(r"[^\s!{}]+( [^\s!{}]+)*")
+_WHOLE = re.compile(r"\d+", re.ASCII)
+_WEIGHT = re.compile(r"\d+/\d+|\d+(\.\d*)?|\.\d+", re.ASCII)
+_TARGET = re.compile(r"[^\s!{},;/]+(?: \([^\s!{}(),;:=/]+(?: [^\s!{}(),;:=/]+)*\))?")
+_COMPONENT_NAME = re.compile(r"[^\s!{}]+( [^\s!{}]+)*")
 
 
 @lru_cache(maxsize=_KEPT)

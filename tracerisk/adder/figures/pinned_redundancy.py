@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import NOTHING_COMPUTED, read_redundancy
 from tracerisk.adder.figures.instance_values import InstanceValues, are_alike
-from tracerisk.common.records import dataclass
 from tracerisk.errors import BlockError, Location
 
 _MOST_SHOWN = 8

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import string
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 from zlib import crc32
@@ -28,7 +29,6 @@ from tracerisk.adder.blocks.values import (
     computed_redundancy,
 )
 from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent, written_block
-from tracerisk.common.records import replace
 
 _SIGNS = string.digits + string.ascii_uppercase + string.ascii_lowercase
 # How many characters of a group are the checksum of what: of the function, of a component.

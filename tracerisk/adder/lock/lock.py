@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -22,7 +23,6 @@ from tracerisk.adder.blocks.values import (
     FieldKind,
     component_fields,
 )
-from tracerisk.common.records import dataclass, field, replace
 from tracerisk.common.text.digests import blake2b
 from tracerisk.errors import InputError, Location
 

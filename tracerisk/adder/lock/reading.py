@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,6 @@ from tracerisk.adder.lock.lock import (
     check_relative,
     data_digest,
 )
-from tracerisk.common.records import replace
 from tracerisk.common.text.bounded import loads_json
 from tracerisk.errors import Location, one_of
 

@@ -8,6 +8,7 @@ author is unknown.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
@@ -21,7 +22,6 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.digest import DigestReading, digest_of
 from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent
-from tracerisk.common.records import dataclass, field
 
 Author = Literal["tool", "user", "unknown"]
 

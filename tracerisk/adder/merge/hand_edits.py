@@ -7,11 +7,11 @@ a function that there is.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
 from tracerisk.adder.blocks.values import DONE, NEXT, computed_count
 from tracerisk.adder.lock.lock import Written
-from tracerisk.common.records import replace
 from tracerisk.errors import BlockError, one_of
 from tracerisk.trace import FunctionRef
 

@@ -8,6 +8,7 @@ branch, is refreshed; where it is unknown which of the two it is, it is left alo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
@@ -22,7 +23,6 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.merge.authors import Author, Evidence, KnownBlock
-from tracerisk.common.records import dataclass, field, replace
 from tracerisk.errors import EditInTheWayError, Location
 
 NOISE = 0.01

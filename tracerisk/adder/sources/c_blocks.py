@@ -16,7 +16,9 @@ so that nothing else is compiled. Each result is checked before it is handed out
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import GUTTER, print_block, width_behind
@@ -31,12 +33,10 @@ from tracerisk.adder.sources.placed import (
 )
 from tracerisk.adder.sources.published import CComment, c_comments
 from tracerisk.common.instance_name import is_name_at
-from tracerisk.common.records import replace
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
 from tracerisk.trace import QualifiedName
 
-_BLANK = pattern(rb"\s*")
+_BLANK = re.compile(rb"\s*")
 
 
 def scan_c_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:

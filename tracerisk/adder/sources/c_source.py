@@ -9,12 +9,11 @@ from __future__ import annotations
 import bisect
 import re
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
 from tracerisk.common.dependencies import require_cpp
-from tracerisk.common.records import dataclass
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import Location, SourceError
 from tracerisk.instrument.source.c_tokens import tokens
 from tracerisk.instrument.source.language import C_SUFFIXES, CPP_SUFFIXES, is_c
@@ -33,7 +32,7 @@ _SCOPES = frozenset(
 _AROUND = frozenset({"template_declaration"})
 _REACH = 256
 """How far back it is looked for what continues a line: behind its sign there are spaces alone."""
-_CONTINUED = pattern(rb"(?:\\|\?\?/)[ \t]*\r?\n\Z")
+_CONTINUED = re.compile(rb"(?:\\|\?\?/)[ \t]*\r?\n\Z")
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from tracerisk.adder.sources.python_lines import BYTE_ORDER_MARK, PythonSource
-from tracerisk.common.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

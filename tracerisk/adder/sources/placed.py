@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import print_block
 from tracerisk.common.instance_name import name_at, places
-from tracerisk.common.records import dataclass
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError, one_of
 from tracerisk.trace import QualifiedName
 

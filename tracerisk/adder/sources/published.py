@@ -18,24 +18,24 @@ blocks where they do not say when a failure is detected, and no digest says that
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.grammar import HEADER, HEADER_LINE, BlockLine, is_header, parse_block
 from tracerisk.adder.sources.python_lines import comment_lines, parse_python
-from tracerisk.common.records import dataclass, replace
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location
 from tracerisk.instrument.source.c_tokens import tokens
 from tracerisk.instrument.source.language import is_c
 
-_C_LEAD = pattern(r"[ \t]*\*+[ \t]?|[ \t]+")
+_C_LEAD = re.compile(r"[ \t]*\*+[ \t]?|[ \t]+")
 # A frame on the right; the star of `operator*` is none.
-_C_TRAIL = pattern(r"(?:(?:\A|(?<=[ \t]))\*+)?[ \t]*\Z")
-_PLAIN = pattern(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
+_C_TRAIL = re.compile(r"(?:(?:\A|(?<=[ \t]))\*+)?[ \t]*\Z")
+_PLAIN = re.compile(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
 # Decided by the bytes: most sources have blocks behind the gutter only, and are not read twice.
-_PLAIN_BLOCK = pattern(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
-_BEGINS = pattern(rf"\s*(?:{HEADER_LINE}|@(?:Function|Component)\b.*)\s*")
+_PLAIN_BLOCK = re.compile(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
+_BEGINS = re.compile(rf"\s*(?:{HEADER_LINE}|@(?:Function|Component)\b.*)\s*")
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import ast
 import io
+import re
 import warnings
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
-from tracerisk.common.records import dataclass
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location, SourceError
 from tracerisk.instrument.source.function_definitions import Definition, first_line
 
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 # A header of one line without strings, comments or brackets that could go on over others.
-_PLAIN_HEADER = pattern(rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:")
-_CODING = pattern(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")
+_PLAIN_HEADER = re.compile(rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:")
+_CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")
 
 
 @dataclass(frozen=True, slots=True)

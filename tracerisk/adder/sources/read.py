@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from tracerisk.adder.blocks.grammar import GUTTER, HEADER, HEADER_LINE, BlockLine, parse_block
 from tracerisk.adder.sources.placed import MisplacedBlockError, Place, PlacedBlock, only_one_each
@@ -15,8 +17,6 @@ from tracerisk.adder.sources.python_lines import (
     parse_python,
 )
 from tracerisk.common.instance_name import is_name_at
-from tracerisk.common.records import dataclass
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import BlockError, Location
 from tracerisk.instrument.source.function_definitions import (
     MODULE,
@@ -28,11 +28,11 @@ from tracerisk.instrument.source.function_definitions import (
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.trace import QualifiedName
 
-_GUTTER = pattern(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
-_SECTION = pattern(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
-_HEADER = pattern(rb"[ \t\f]*#[ \t]?\|[ \t]+" + HEADER_LINE.encode() + rb"[ \t]*")
+_GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
+_SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
+_HEADER = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+" + HEADER_LINE.encode() + rb"[ \t]*")
 _HEADER_WORD = HEADER.encode()
-_ANY_BLOCK = pattern(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
+_ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
 
 
 @dataclass(frozen=True, slots=True)

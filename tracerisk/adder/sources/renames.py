@@ -10,21 +10,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 
 from tracerisk.adder.blocks.values import NEXT
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.common.records import dataclass, replace
-from tracerisk.common.text.patterns import pattern
 from tracerisk.trace import QualifiedName
 
 # Behind the gutter of Python, or in a comment of C.
 _GUTTER = rb"([ \t\f]*(?:#[ \t]?\||\*)[ \t]+"
 _WORDS = rb"\S+(?: \([^()\r\n]+\))?"
-_NAME = pattern(_GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)")
-_NEXT = pattern(_GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)", re.DOTALL)
+_NAME = re.compile(_GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)")
+_NEXT = re.compile(_GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)

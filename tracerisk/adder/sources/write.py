@@ -5,15 +5,15 @@ from __future__ import annotations
 import contextlib
 import itertools
 import os
+import re
 import stat
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk.common.records import dataclass
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import InputError, Location
 
-_LEFTOVER = pattern(r"\.(?P<of>.+)\.(?P<process>\d+)-\d+\.tmp")
+_LEFTOVER = re.compile(r"\.(?P<of>.+)\.(?P<process>\d+)-\d+\.tmp")
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import enum
 import os
-
-from tracerisk.common.text.patterns import pattern
+import re
 
 
 class ModelFormat(enum.Enum):
@@ -33,21 +32,21 @@ SUFFIXES = {
 """What the endings of names stand for."""
 
 _HEAD = 65_536
-_SCHEMA = pattern(rb'"schema"\s*:\s*"tracerisk-(hybrid|linked)-model"')
-_OPENPRA = pattern(rb'"(?:faultTrees|eventTrees|ccfGroups)"\s*:')
-_SKIPPED = pattern(rb"(?s)(?:\s|//[^\n]*(?:\n|\Z)|/\*.*?\*/)*")
+_SCHEMA = re.compile(rb'"schema"\s*:\s*"tracerisk-(hybrid|linked)-model"')
+_OPENPRA = re.compile(rb'"(?:faultTrees|eventTrees|ccfGroups)"\s*:')
+_SKIPPED = re.compile(rb"(?s)(?:\s|//[^\n]*(?:\n|\Z)|/\*.*?\*/)*")
 _TEXTS = (
-    (pattern(rb"toplevel\s[^;=]*;"), ModelFormat.GALILEO),
+    (re.compile(rb"toplevel\s[^;=]*;"), ModelFormat.GALILEO),
     (
-        pattern(
+        re.compile(
             rb'"[^"\n]+"\s+(?:(?:and|or|\d+of\d+|[whc]sp|pand)(?:\s+"[^"\n]+")+\s*;|(?:prob|lambda)\s*=)'
         ),
         ModelFormat.GALILEO,
     ),
-    (pattern(rb"(?:dtmc|ctmc)\s+\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
-    (pattern(rb"\d+[ \t]+\d+[ \t]*\r?\n\s*\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
+    (re.compile(rb"(?:dtmc|ctmc)\s+\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
+    (re.compile(rb"\d+[ \t]+\d+[ \t]*\r?\n\s*\d+[ \t]+\d+[ \t]+[\d.]"), ModelFormat.EXPLICIT),
     (
-        pattern(
+        re.compile(
             rb"(?:dtmc|ctmc|mdp|probabilistic|stochastic|nondeterministic)\s+"
             rb"(?:const|module|formula|global|label|rewards|init|//|/\*)"
         ),

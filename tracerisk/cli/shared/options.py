@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
+
 from tracerisk.common.campaign import CampaignOptions
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import InputError
 
 TYPE_CHECKING = False
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
 
     from tracerisk.adder.merge.merge import MergePolicy
 
-_WEIGHT = pattern(r"\d{1,40}(?:/0*[1-9]\d{0,39}|\.\d{1,40})?|\.\d{1,40}")
-_COLON = pattern(r"(?<!:):(?!:)")
+_WEIGHT = re.compile(r"\d{1,40}(?:/0*[1-9]\d{0,39}|\.\d{1,40})?|\.\d{1,40}")
+_COLON = re.compile(r"(?<!:):(?!:)")
 
 ProfileText = dict[str, dict[str, str]]
 

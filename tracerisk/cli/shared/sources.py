@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import InputError, Location, Readable, TooLargeError
 
 TYPE_CHECKING = False
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
 
 
-_HAS_EVIDENCE = pattern(rb"RiskAnnotation [^\n]*with evidence")
+_HAS_EVIDENCE = re.compile(rb"RiskAnnotation [^\n]*with evidence")
 
 
 MOST_BYTES = 2**28

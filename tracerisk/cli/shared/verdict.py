@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from tracerisk.cli.shared.output import show
 from tracerisk.cli.shared.sources import read_file
-from tracerisk.common.records import dataclass
 from tracerisk.common.trace_json import plain_data
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode

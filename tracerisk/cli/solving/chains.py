@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.solving.solved import Render, Solved, chosen
-from tracerisk.common.records import picked
+from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import InputError
 from tracerisk.prm.other_models.formats.explicit_chain import ChainKind, ExplicitChain
 from tracerisk.prm.other_models.markov.solver import SMALL

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import paper, print_text
 from tracerisk.cli.solving.hardware_spread import SAMPLES, add_hardware_spread
-from tracerisk.common.records import asdict
 from tracerisk.errors import InputError, one_of
 
 TYPE_CHECKING = False

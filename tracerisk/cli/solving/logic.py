@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
 
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
-from tracerisk.common.records import asdict, dataclass, replace
 from tracerisk.errors import InputError
 from tracerisk.prm.other_models.logic.model import LogicModel
 

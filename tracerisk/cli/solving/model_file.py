@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 
 from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, paper, print_json, print_text, risk_exit
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.cli.solving.solved import Render, Solvable, Solved
-from tracerisk.common.records import asdict
 from tracerisk.errors import ExitCode, InputError, one_of
 
 TYPE_CHECKING = False

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 
-from tracerisk.common.records import dataclass
 from tracerisk.errors import InputError, one_of
 
 TYPE_CHECKING = False

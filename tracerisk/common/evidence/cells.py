@@ -7,10 +7,10 @@ what became of each run in `tracerisk.evidence`, committed like a lock. See docs
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 from tracerisk.common.evidence.share_interval import clopper_pearson
-from tracerisk.common.records import dataclass, field, replace
 from tracerisk.trace import Exposure
 
 Effect = Literal[

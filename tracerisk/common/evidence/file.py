@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any, get_args
 
 from tracerisk.common.evidence.cells import EFFECTS, Cell, Edited, Evidence, Stratum, Use
-from tracerisk.common.records import asdict, fields, replace
 from tracerisk.common.text.digests import sha256
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.trace import WEAR_EXPONENTS, Exposure

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
-
-from tracerisk.common.records import dataclass
 
 Detection = Literal["mission_start", "each_visit"]
 """When the failed units of a redundant group are found, and the group is whole again."""

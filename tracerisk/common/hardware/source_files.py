@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import HardwareError, Location
 
-_PACKAGE = pattern(rb"\bpackage\s+(?:<[^>]*>\s*)?(?:'((?:[^'\\\n]|\\.)+)'|(\w+))")
+_PACKAGE = re.compile(rb"\bpackage\s+(?:<[^>]*>\s*)?(?:'((?:[^'\\\n]|\\.)+)'|(\w+))")
 
 
 def source_files(path: Path) -> tuple[Path, ...]:

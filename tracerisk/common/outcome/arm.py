@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from tracerisk.common.geometry.rotation import Quaternion, product, quaternion_of, rotated
-from tracerisk.common.records import dataclass
 
 Position = tuple[float, float, float]
 

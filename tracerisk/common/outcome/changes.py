@@ -11,6 +11,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.common.outcome.alignment import aligned
@@ -25,7 +26,6 @@ from tracerisk.common.outcome.outcome import (
     Step,
 )
 from tracerisk.common.outcome.ways import ways_apart
-from tracerisk.common.records import dataclass
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings

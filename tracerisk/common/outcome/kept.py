@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
 from typing import Any
 
 from tracerisk.common.outcome.arm import Arm, ArmFrame, Position
@@ -23,7 +24,6 @@ from tracerisk.common.outcome.outcome import (
     rounded,
 )
 from tracerisk.common.outcome.ways import corners
-from tracerisk.common.records import asdict, replace
 
 OUTCOME = "outcome"
 MOST_BYTES = 3900

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Literal
 
 from tracerisk.common.geometry.rotation import Quaternion
 from tracerisk.common.outcome.arm import Arm, Position, tool_pose
-from tracerisk.common.records import dataclass
 
 CellUseKind = Literal["call", "message", "goal"]
 CORNER_M = 0.003

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from tracerisk.common.text.patterns import pattern
+import re
 
 MOST_CHARACTERS = 20_000
 """The length up to which a message is printed: an exception of a controller may be endless."""
 
 # Control characters but line feed and tab, and those that turn the direction of writing.
-_UNSAFE = pattern(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
-_COMMAND = pattern(r"(?m)^(?=\s*(?:::|##\[))")
+_UNSAFE = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+_COMMAND = re.compile(r"(?m)^(?=\s*(?:::|##\[))")
 
 
 def printable(text: str) -> str:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal, TypeVar
 
-from tracerisk.common.records import dataclass
 from tracerisk.common.text.digests import sha256
 from tracerisk.errors import InputError, one_of
 

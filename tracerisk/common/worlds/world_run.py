@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
-from tracerisk.common.records import dataclass, replace
 from tracerisk.common.worlds.world import WORLDS
 from tracerisk.errors import Location
 

@@ -6,11 +6,9 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from tracerisk.common.text.patterns import pattern
-
 # What goes on over lines is only begun here: its end is looked for, which takes no time that
 # grows with the square of a source. A literal that is not closed ends with its line.
-_TOKEN = pattern(
+_TOKEN = re.compile(
     rb'(?<![A-Za-z0-9_])(?:u8|u|U|L)?R"(?P<mark>[^()\\\s"]{0,16})\('
     rb'|(?P<block>""")'
     rb'|"(?:\\.|[^"\\\n])*"?'
@@ -20,7 +18,7 @@ _TOKEN = pattern(
     rb"|(?P<comment>/\*)",
     re.DOTALL,
 )
-_SPACES = pattern(rb"[ \t\f\v\r]+")
+_SPACES = re.compile(rb"[ \t\f\v\r]+")
 
 
 class Token(NamedTuple):

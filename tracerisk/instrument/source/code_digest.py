@@ -9,14 +9,13 @@ from __future__ import annotations
 import re
 
 from tracerisk.common.text.digests import sha256
-from tracerisk.common.text.patterns import pattern
 from tracerisk.instrument.source.language import is_c
 
 # A comment behind an f-string is kept: since Python 3.12 quotes may nest in one, and what looks
 # like a comment there may be text.
 # The letters before a string are plain text here, where no space is squeezed out of them: each
 # part begins with a quote or a hash, which the search finds fast.
-_PART = pattern(
+_PART = re.compile(
     rb"(?P<string>"
     rb'"""(?:\\.|[^\\])*?"""|'
     rb"'''(?:\\.|[^\\])*?'''|"
@@ -25,9 +24,9 @@ _PART = pattern(
     rb"|(?P<comment>\#[^\n]*)",
     re.DOTALL,
 )
-_SPACES = pattern(rb"(?<=[^ \t\f\n])[ \t\f]+")
-_BLANK = pattern(rb"(?:[ \t\f]*\n)+")
-_F_STRING = pattern(rb"[rR]?[fF][rR]?['\"]")
+_SPACES = re.compile(rb"(?<=[^ \t\f\n])[ \t\f]+")
+_BLANK = re.compile(rb"(?:[ \t\f]*\n)+")
+_F_STRING = re.compile(rb"[rR]?[fF][rR]?['\"]")
 
 
 def code_digest(source: bytes, file: str) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
-from tracerisk.common.records import dataclass
 from tracerisk.trace import QualifiedName
 
 MODULE = QualifiedName("<module>")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
@@ -20,7 +21,6 @@ from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.renames import base_with_names
 from tracerisk.common.instance_name import places
-from tracerisk.common.records import dataclass
 from tracerisk.errors import Location
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.workspace.controller import Controller

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.common.records import dataclass
 from tracerisk.errors import ExitCode, Location
 from tracerisk.trace import Verdict
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.common.instance_name import places
-from tracerisk.common.records import dataclass
 from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind

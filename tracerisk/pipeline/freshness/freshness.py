@@ -9,10 +9,10 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.records import asdict, dataclass, field, fields, replace
 from tracerisk.common.text.digests import sha256
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location

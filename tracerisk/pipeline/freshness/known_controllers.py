@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock, LockError, lock_key
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.common.records import replace
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.language import is_c

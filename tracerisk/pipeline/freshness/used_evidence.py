@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.common.records import replace
 from tracerisk.common.text.digests import sha256
 from tracerisk.errors import InputError
 

@@ -6,8 +6,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
-from tracerisk.common.records import replace
 from tracerisk.pipeline.launch_files.records import LaunchParameter
 
 _OF_ROBOTS = ("robot_name", "robot_model", "robot_type", "arm_model", "arm_name")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 from tracerisk.adder.sources.edits import Edit, apply_edits
-from tracerisk.common.records import dataclass
 from tracerisk.errors import InputError, Location
 
 ChangeKind = Literal[

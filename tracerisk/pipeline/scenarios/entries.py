@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from tracerisk.common.text.patterns import pattern
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.scenarios.command_lines import CommandLine
@@ -21,7 +21,7 @@ _ABOVE_M = 0.02  # a thing that is set down comes from above [m]
 _BEGINS_S = 1.0  # when messages that are repeated begin
 _REPEATED_HZ = 1.0
 _REPEATED_S = 60.0  # until when [s]
-_OF_COMMANDS = pattern(r"std_msgs/|sensor_msgs/Joy|trajectory_msgs/")
+_OF_COMMANDS = re.compile(r"std_msgs/|sensor_msgs/Joy|trajectory_msgs/")
 _QUATERNION = frozenset("xyzw")
 
 EntryKey = tuple[str, str]

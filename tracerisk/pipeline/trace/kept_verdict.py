@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from tracerisk.adder.lock.lock import ControllerLock
-from tracerisk.common.records import replace
 from tracerisk.trace import Verdict
 
 _VERDICT = "verdict"

@@ -7,9 +7,9 @@ the times and forces that vary with every change.
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.common.records import dataclass
 from tracerisk.trace import Contact, FunctionRef, QualifiedName, Trace, Visit
 
 _UNCOVERED, _CONTACTS = "uncovered", "unexpected_contacts"

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk.common.records import dataclass
-from tracerisk.common.text.patterns import pattern
 from tracerisk.config import loads_toml
 
 # Bounded throughout, so that no text takes long.
 # "talker = my_package.talker:main"; the package may be a variable, as in f"{package}.talker:main".
-_ENTRY = pattern(
+_ENTRY = re.compile(
     r"(?P<name>(?<![\w.-])[\w.-]{0,200})\s{0,20}=\s{0,20}"
     r"[\w.{}'\"+ ]{0,200}?\b(?P<module>\w{1,200})\s{0,20}:\s{0,20}"
     r"(?P<function>[A-Za-z_]\w{0,200})\s{0,20}(?:['\"\n\]]|$)"

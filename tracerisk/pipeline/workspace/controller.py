@@ -6,10 +6,9 @@ import ast
 import os
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from tracerisk.common.records import dataclass, field, replace
-from tracerisk.common.text.patterns import pattern
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, Readable
 from tracerisk.instrument.source.language import is_c
@@ -24,17 +23,17 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.workspace import Workspace
 
 # What catkin writes for a script of a `devel` space: ros/catkin cmake/templates/script.py.in.
-_RELAY = pattern(
+_RELAY = re.compile(
     rb"^# generated from catkin/cmake/template/script\.py\.in$[^\0]*?"
     rb"^python_script = '([^'\n]+)'$",
     re.MULTILINE,
 )
 # What setuptools writes for an entry point of a package that colcon builds:
 # pypa/setuptools setuptools/command/easy_install.py (`ScriptWriter.template`).
-_ENTRY = pattern(
+_ENTRY = re.compile(
     rb"^# EASY-INSTALL-(?:ENTRY-)?SCRIPT: '([^'\n]+)','console_scripts','([^'\n]+)'$", re.MULTILINE
 )
-_PYTHON_LINE = pattern(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
+_PYTHON_LINE = re.compile(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
 
 
 def from_root(root: Path, path: Path) -> str:

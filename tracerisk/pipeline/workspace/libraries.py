@@ -25,7 +25,6 @@ from pathlib import Path
 
 from tracerisk.adder.sources.python_lines import parse_python
 from tracerisk.common.limits import is_secret
-from tracerisk.common.text.patterns import pattern
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.function_definitions import definitions
@@ -39,13 +38,13 @@ _OF_OTHERS = frozenset(
     {"3rdparty", "_vendor", "extern", "external", "third_party", "thirdparty", "vendor", "vendored"}
 )
 _MOST_FILES = 3000
-_FROM = pattern(
+_FROM = re.compile(
     r"^[ \t]*from[ \t]+(\.*)([\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n#;]*)", re.MULTILINE
 )
-_IMPORT = pattern(r"^[ \t]*import[ \t]+([^\n#;]+)", re.MULTILINE)
-_NAMED = pattern(r"([\w.]+)(?:\s+as\s+\w+)?")
-_STARTS = pattern(r"\A#!.*python|^if[ (]+__name__\s*==|^main\(", re.MULTILINE)
-_TEST_FILE = pattern(r"test_.*|.*_test|conftest|setup")
+_IMPORT = re.compile(r"^[ \t]*import[ \t]+([^\n#;]+)", re.MULTILINE)
+_NAMED = re.compile(r"([\w.]+)(?:\s+as\s+\w+)?")
+_STARTS = re.compile(r"\A#!.*python|^if[ (]+__name__\s*==|^main\(", re.MULTILINE)
+_TEST_FILE = re.compile(r"test_.*|.*_test|conftest|setup")
 
 
 class Libraries:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from tracerisk.common.records import replace
 from tracerisk.instrument.source.python_source import decoded
 from tracerisk.pipeline.workspace.controller import Controller
 

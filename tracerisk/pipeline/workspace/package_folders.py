@@ -14,10 +14,9 @@ import stat
 import time
 from collections import deque
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk.common.records import dataclass
-from tracerisk.common.text.patterns import pattern
 from tracerisk.instrument.source.ros_version import RosVersion, build_tools
 
 PACKAGE_FILE = "package.xml"
@@ -39,12 +38,12 @@ _MOST_BESIDE = 100
 _DEEPEST_BESIDE = 4  # repository, stack, family, package
 _MOST_SEEN_BESIDE = 20_000
 _MOST_MODULES = 300
-_IMPORT = pattern(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
+_IMPORT = re.compile(r"^[ \t]*(?:from|import)[ \t]+(\w+)", re.MULTILINE)
 _IGNORED_MARKS = ("COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE")
 _MOST_BYTES = 256 * 1024
-_NAME = pattern(r"<name>\s*([\w.-]+)\s*</name>")
-_NEED = pattern(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
-_COMMENT = pattern(r"<!--.*?-->", re.DOTALL)
+_NAME = re.compile(r"<name>\s*([\w.-]+)\s*</name>")
+_NEED = re.compile(r"<(?:\w+_)?depend\b[^>]*>\s*([\w.-]+)\s*<")
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 def packages_below(

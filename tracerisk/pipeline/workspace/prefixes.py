@@ -17,9 +17,9 @@ import os
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from tracerisk.common.records import dataclass, replace
 from tracerisk.common.sandbox.ros_prefix import (
     AMENT_INDEX,
     CATKIN_MARK,
@@ -28,7 +28,6 @@ from tracerisk.common.sandbox.ros_prefix import (
     is_prefix,
     prefix_folders,
 )
-from tracerisk.common.text.patterns import pattern
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.package_folders import (
     PACKAGE_FILE,
@@ -54,7 +53,7 @@ _UPWARDS = 6
 _MOST_PREFIXES = 5000
 _MOST_PACKAGES = 20_000
 _MOST_BYTES = 64 * 1024
-_PACKAGE = pattern(r"[A-Za-z][\w-]*")
+_PACKAGE = re.compile(r"[A-Za-z][\w-]*")
 _PYTHON = re.compile(r"python3(?:\.(\d+))?")
 _KINDS = ("msg", "srv", "action")
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk.common.text.patterns import pattern
 from tracerisk.config import RosDistro, Settings
 from tracerisk.errors import SettingsError
 from tracerisk.instrument.source.ros_version import RosVersion
@@ -34,9 +34,9 @@ _MOST_BYTES = 200_000
 _SHOWN = 3
 
 _NAMES = "|".join(name for names in _SERVED.values() for name in names)
-_WORD = pattern(rf"(?<![a-z])({_NAMES})(?![a-z])")
+_WORD = re.compile(rf"(?<![a-z])({_NAMES})(?![a-z])")
 # Prose has `rolling`, `iron` and `humble` as words of its own.
-_IN_PROSE = pattern(
+_IN_PROSE = re.compile(
     rf"(?:\bros(?:[ _-]?[12])?[ _:/-]{{1,2}}|/opt/ros/|ros_?distro\W{{1,6}}|moveit/moveit2?:)"
     rf"({_NAMES})(?![a-z])"
 )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
-from tracerisk.common.records import dataclass
-from tracerisk.common.text.patterns import pattern
 from tracerisk.config import RosDistro, Settings
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
@@ -38,7 +38,7 @@ _TOP_MARKS = frozenset(
 )  # fmt: skip
 _MOST_MODULES = 300
 _MOST_FOLDERS = 5000
-_WORD = pattern(r"[\w.-]+")
+_WORD = re.compile(r"[\w.-]+")
 DISTROS: Mapping[RosVersion, tuple[RosDistro, ...]] = {1: ("noetic",), 2: ("humble", "jazzy")}
 """The distributions of each ROS that are served."""
 _LAUNCH_ENDINGS = (".launch", ".py", ".xml", ".yaml")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from tracerisk.common.records import dataclass, fields
 from tracerisk.errors import ModelError, one_of
 
 if TYPE_CHECKING:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum
 
-from tracerisk.common.records import dataclass
 from tracerisk.prm.numbers.probability import Probability
 
 TYPE_CHECKING = False

@@ -7,9 +7,9 @@ gate by gate; any other goes to `tracerisk.prm.trees.bdd`, which is imported onl
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from operator import mul
 
-from tracerisk.common.records import dataclass, field
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.numbers.gc_pause import collection_paused

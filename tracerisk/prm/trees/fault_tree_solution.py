@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
-from tracerisk.common.records import dataclass, replace
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of, worth
 from tracerisk.prm.numbers.quantities import check_parameters

@@ -11,9 +11,9 @@ from __future__ import annotations
 import enum
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import accumulate
 
-from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.probability import Probability, at_least, counted, deciding
 

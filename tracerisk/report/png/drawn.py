@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.common.limits import Limit, Limits
-from tracerisk.common.records import picked
 from tracerisk.common.sandbox.limited_process import run_limited
+from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import RenderError
 from tracerisk.report.png.pictures import Picture
 

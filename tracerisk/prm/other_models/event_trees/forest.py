@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
-from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.trees.events import BasicEvent, HouseEvent
 from tracerisk.prm.trees.fault_tree import FaultTree

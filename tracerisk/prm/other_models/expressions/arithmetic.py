@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import reduce
 
-from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.other_models.expressions.node import Expression
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
-from tracerisk.common.records import dataclass, field
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.other_models.expressions.node import Expression, MissionTime, Reference

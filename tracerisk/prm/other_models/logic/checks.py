@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields, is_dataclass
 
-from tracerisk.common.records import fields, is_dataclass
 from tracerisk.common.strong_components import upwards
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.other_models.expressions import (

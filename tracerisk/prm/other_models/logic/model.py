@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
-from tracerisk.common.records import dataclass, field, replace
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.other_models.expressions import Definitions, Expression
 from tracerisk.prm.other_models.logic.checks import ALWAYS as ALWAYS

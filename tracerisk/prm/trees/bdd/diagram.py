@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import chain
 
-from tracerisk.common.records import dataclass
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.compiled.library import no_library
 from tracerisk.prm.trees.bdd.kernel import OUT_OF_NODES

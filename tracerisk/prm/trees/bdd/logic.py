@@ -9,9 +9,9 @@ An OR is the complement of an AND of complements, so that the graph needs one ki
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from operator import neg
 
-from tracerisk.common.records import dataclass
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 TYPE_CHECKING = False

@@ -8,8 +8,8 @@ IEEE Transactions on Reliability 45 (1996).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from tracerisk.common.records import dataclass
 from tracerisk.prm.trees.bdd.logic import LogicBuilder, LogicGraph, renamed
 
 _MOST_MASK_BITS = 2_000_000_000

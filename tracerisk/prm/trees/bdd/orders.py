@@ -10,9 +10,9 @@ fast and easy-to-implement variable-ordering heuristic", GLSVLSI 2003.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from itertools import accumulate, chain
 
-from tracerisk.common.records import dataclass
 from tracerisk.prm.trees.bdd.logic import LogicGraph
 from tracerisk.prm.trees.bdd.modules import Module
 from tracerisk.prm.trees.bdd.speed import Loops

@@ -6,9 +6,9 @@ Both give the same numbers to the last bit.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 
-from tracerisk.common.records import dataclass
 from tracerisk.prm.compiled import library
 
 TYPE_CHECKING = False

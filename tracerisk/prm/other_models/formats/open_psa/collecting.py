@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
-from tracerisk.common.records import dataclass, replace
 from tracerisk.errors import one_of
 from tracerisk.prm.other_models.expressions import Expression
 from tracerisk.prm.other_models.formats.open_psa.formulas import Unresolved, read_formula

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
-from tracerisk.common.records import dataclass
 from tracerisk.errors import ModelError
 from tracerisk.prm.other_models.formats.open_psa.stochastic import read_bool, read_int
 from tracerisk.prm.other_models.formats.open_psa.xml_elements import Element

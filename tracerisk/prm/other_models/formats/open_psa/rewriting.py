@@ -6,10 +6,10 @@ A mark counts only as far as it still fits what it stands at: the formula has th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
-from tracerisk.common.records import dataclass, replace
-from tracerisk.common.text.patterns import pattern
 from tracerisk.prm.other_models.logic.model import ALWAYS, NEVER, Attribute, Place
 from tracerisk.prm.trees.gates import Gate, GateKind
 
@@ -30,17 +30,17 @@ END_STATE_MARK = "tracerisk-end-state"
 NO_HOME = "#"
 """The fault tree of gates that are in none: Open-PSA has no gates elsewhere."""
 
-_ESCAPE = pattern(r"_x([0-9A-F]{4,6})_")
+_ESCAPE = re.compile(r"_x([0-9A-F]{4,6})_")
 # A space between two words is `-_`, `[2]` at the end `__2`.
-_FORBIDDEN = pattern(
+_FORBIDDEN = re.compile(
     r"(?s)(?P<space>(?<=[0-9A-Za-z_]) (?=[0-9A-Za-z_]))"
     r"|_(?=x[0-9A-F])"  # Would be read as an escape.
     r"|(?<!.)[^A-Za-z_\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF]"
     r"|[^-0-9A-Za-z_\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF]"
     r"|-(?![0-9A-Za-z\u00C0-\u00D6\u00D8-\u00F6\u00F8-\u02AF])"
 )
-_INDEX = pattern(r"(?<=[0-9A-Za-z_])\[([0-9A-Za-z]+)\]\Z")
-_WRITTEN_INDEX = pattern(r"__([0-9A-Za-z]+)\Z")
+_INDEX = re.compile(r"(?<=[0-9A-Za-z_])\[([0-9A-Za-z]+)\]\Z")
+_WRITTEN_INDEX = re.compile(r"__([0-9A-Za-z]+)\Z")
 
 
 def written_name(name: str) -> str:
