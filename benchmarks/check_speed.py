@@ -40,11 +40,11 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock
 from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.config import ProjectSettings
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.freshness import RunInputs, settings_data
-from tracerisk.trace import QualifiedName
 
 SAMPLE = Path(__file__).parents[1] / "sample_controllers" / "pick_and_place.py"
 STEPS = ("init", "pick_position", "pick", "place_position", "place")

@@ -33,9 +33,9 @@ import quick
 from tracerisk.common.outcome.changes import outcome_changes
 from tracerisk.common.outcome.kept import kept_outcome
 from tracerisk.common.outcome.outcome import Outcome
-from tracerisk.common.trace_json import verdict_of_data
+from tracerisk.common.verdict import Verdict
+from tracerisk.pipeline.trace.kept_verdict import verdict_of_data
 from tracerisk.prm.review.risk_change import RunVerdicts
-from tracerisk.trace import Verdict
 
 SETS = Path(__file__).parent / "missions"
 RANKS = ("complete", "partial", "faulted", "stuck")

@@ -41,11 +41,11 @@ from tracerisk.adder.sources.c_source import parse_c
 from tracerisk.adder.sources.insert import insert_at, strip_blocks
 from tracerisk.adder.sources.python_lines import module_line, parse_python
 from tracerisk.adder.sources.read import scan_blocks
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.function_definitions import MODULE, definitions
 from tracerisk.instrument.source.language import is_c, is_c_like
-from tracerisk.trace import QualifiedName
 
 QUICK_SOURCES = {
     "plain.py": "def one():\n    return 1\n\n\nclass Two:\n    def three(self): return 3\n"

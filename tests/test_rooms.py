@@ -111,7 +111,7 @@ SUB_ROOMS = {
             "geometry",
             "limits",
         ),
-        *("strong_components", "text", "campaign"),
+        *("strong_components", "text", "campaign", "verdict", "function_ref"),
     ),
     "twin": (
         *("workspace", "simulation", "recording", "motion", "faults", "physics"),

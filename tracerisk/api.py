@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from tracerisk.adder.merge.merge import MergePolicy
     from tracerisk.common.evidence.cells import Evidence
     from tracerisk.common.hardware.model import Hardware
-    from tracerisk.common.limits import SandboxMode
-    from tracerisk.config import Settings
+    from tracerisk.config import SandboxMode, Settings
     from tracerisk.pipeline.annotate import Annotated
     from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.check.refresh import Refreshed

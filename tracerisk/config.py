@@ -12,11 +12,13 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
-from typing import Any, Literal, NoReturn, get_args
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
 
-from tracerisk.common.limits import Limit, Limits, Sandbox, SandboxMode
+from tracerisk.common.verdict import Acceptance
 from tracerisk.errors import InputError, Location, SettingsError, one_of
-from tracerisk.trace import Acceptance
+
+if TYPE_CHECKING:
+    from tracerisk.common.limits import Limits
 
 ActiveMode = Literal["moving", "moving+holding"]
 """Which time counts as exposure: moving only, or moving, holding and grasping."""
@@ -26,6 +28,9 @@ FailOn = Literal["finding", "unexpected_contact", "planning_failure", "execution
 
 RosDistro = Literal["noetic", "humble", "jazzy"]
 """The distributions of ROS whose rules are served."""
+
+SandboxMode = Literal["auto", "require", "off"]
+"""Whether strangers' code is contained: where that works, always, or never."""
 
 DEFAULT_DURATION_S = 300.0
 """The simulated time after which a run is over where nobody says otherwise [s]."""
@@ -133,6 +138,8 @@ class Settings:
     @property
     def limits(self) -> Limits:
         """What a process may take that reads a file for a run."""
+        from tracerisk.common.limits import Limit, Limits, Sandbox
+
         return Limits(
             own=Limit("stall_limit_s", self.stall_limit_s),
             wall=Limit("wall_limit_s", self.wall_limit_s),
@@ -143,7 +150,9 @@ class Settings:
     @property
     def drawing_limits(self) -> Limits:
         """What the process may take that draws the pictures of a run."""
-        return replace(self.limits, own=Limit("cpu_limit_s", self.cpu_limit_s))
+        limits = self.limits
+        own = replace(limits.own, setting="cpu_limit_s", value=self.cpu_limit_s)
+        return replace(limits, own=own)
 
     def with_options(self, options: Mapping[str, Any]) -> Settings:
         """Return the settings with those options of the command line that were given.

@@ -6,8 +6,9 @@ Anything else that escapes is an internal error (exit code 5).
 
 from __future__ import annotations
 
+import contextlib
 import enum
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 
@@ -35,6 +36,18 @@ class Location:
         return ":".join(
             str(part) for part in (self.file, self.line, self.column) if part is not None
         )
+
+
+def with_file(place: Location | None, file_of: Callable[[str], str]) -> Location | None:
+    """Return a place with another name of its file; `file_of` takes a file."""
+    return None if place is None else Location(file_of(place.file), place.line, place.column)
+
+
+def with_line(place: Location | None, line_of: Callable[[str, int], int]) -> Location | None:
+    """Return a place on another line of its file; `line_of` takes a file and a line of it."""
+    if place is None or place.line is None:
+        return place
+    return Location(place.file, line_of(place.file, place.line), place.column)
 
 
 class TraceRiskError(Exception):
@@ -215,20 +228,13 @@ class MachineError(LimitError):
     code = "machine"
 
 
-@dataclass(frozen=True, slots=True)
-class Readable:
-    """Raises an error of this kind where a file cannot be read within."""
-
-    path: object
-    kind: type[InputError] = InputError
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, _: object, error: object, trace: object) -> None:
-        if isinstance(error, OSError):
-            place = Location(str(self.path))
-            raise self.kind(f"cannot be read: {error.strerror}", place) from error
+@contextlib.contextmanager
+def readable(path: object, kind: type[InputError] = InputError) -> Iterator[None]:
+    """Raise an error of this kind where a file cannot be read within."""
+    try:
+        yield
+    except OSError as error:
+        raise kind(f"cannot be read: {error.strerror}", Location(str(path))) from error
 
 
 def interruption(error: BaseException) -> KeyboardInterrupt | SystemExit | None:

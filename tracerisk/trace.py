@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, NewType, get_args
+from typing import Any, Literal
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.outcome.outcome import Outcome
+from tracerisk.common.verdict import Uncovered, Verdict
 from tracerisk.common.worlds.world_run import WorldRun
-from tracerisk.errors import Location
-
-QualifiedName = NewType("QualifiedName", str)
-"""A function's qualified name within its module: `place`, `PickNode.place`, `<module>`."""
+from tracerisk.errors import Location, with_file, with_line
 
 ElementKind = Literal["joint", "gripper", "sensor", "contact", "component"]
 SensorKind = Literal["encoder", "torque", "wrench", "camera"]
@@ -85,14 +84,6 @@ NOTES: frozenset[str] = frozenset(
 """The kinds of findings by which nothing went wrong: what was assumed, is not simulated, or did
 nothing, and what may be meant otherwise."""
 GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idle", "duration"})
-
-
-@dataclass(frozen=True, slots=True, order=True)
-class FunctionRef:
-    """A function of the controller: its file, relative to the controller's root, and name."""
-
-    file: str
-    name: QualifiedName
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -233,16 +224,6 @@ class TracedCommand:
 
 
 @dataclass(frozen=True, slots=True)
-class Uncovered:
-    """A function that can reach a motion command and never ran: no risk data, not no risk."""
-
-    ref: FunctionRef
-    line: int
-    is_spare: bool = False
-    """Whether only `except` clauses lead to it, for exceptions that did not occur."""
-
-
-@dataclass(frozen=True, slots=True)
 class Finding:
     """Something the run showed that a user should know; not an error."""
 
@@ -258,207 +239,6 @@ class Finding:
     """The goal of what failed: joint positions [rad or m], or a position [m]."""
     recovered_s: float | None = None
     """When a retry of what failed succeeded [s]; `None` where none did."""
-
-
-VerdictKind = Literal["complete", "partial", "faulted", "stuck"]
-"""How far the run can be taken for the mission, from best to worst; docs/verdict.md."""
-VERDICTS: tuple[VerdictKind, ...] = get_args(VerdictKind)
-
-
-@dataclass(frozen=True, slots=True)
-class Coverage:
-    """How many of the functions that can command hardware ran, of how many."""
-
-    ran: int
-    all: int
-    never_ran: tuple[Uncovered, ...] = ()
-    """Those that did not run, with the line of each."""
-
-    @property
-    def never_ran_words(self) -> str:
-        """The first of those that did not run, in words; empty where all ran."""
-        if not self.never_ran:
-            return ""
-        first = self.never_ran[0]
-        more = len(self.never_ran) - 1
-        others = f" and {more} more function{'' if more == 1 else 's'}" if more else ""
-        place = f"{first.ref.name} ({first.ref.file}:{first.line})"
-        return f"{place}{others} can command hardware and never ran"
-
-
-@dataclass(frozen=True, slots=True)
-class Acceptance:
-    """A reason that the user accepts, by code, function and object, with words why."""
-
-    code: str
-    function: str
-    object: str
-    words: str
-
-    @property
-    def key(self) -> tuple[str, str, str]:
-        """What it accepts, whatever the words."""
-        return self.code, self.function, self.object
-
-    def __str__(self) -> str:
-        of = f" of '{self.object}'" if self.object else ""
-        where = f" in {self.function}" if self.function else ""
-        return f"{self.code}{of}{where}: {self.words}"
-
-
-@dataclass(frozen=True, slots=True)
-class Reason:
-    """Why a run is not complete."""
-
-    code: str
-    """What kind of reason it is: docs/verdict.md lists all."""
-    verdict: VerdictKind
-    """What it makes of the run where it is not accepted."""
-    words: str
-    """What happened, without place and time."""
-    function: str = ""
-    """The qualified name of the function in which it happened; empty where none is known."""
-    object: str = ""
-    """The frame, service, joint, gripper or other thing; empty where there is none."""
-    time_s: float | None = None
-    """When it happened, in simulated time [s]."""
-    location: Location | None = None
-    """The file, from the controller's root, and the line."""
-    accepted: str = ""
-    """The words with which the user accepts it; empty where nobody does."""
-    by: Location | None = None
-    """The file and the line that brought it about, where that is another: what replaced it."""
-
-    @property
-    def key(self) -> tuple[str, str, str]:
-        """What an acceptance must name: code, function and object."""
-        return self.code, self.function, self.object
-
-    @property
-    def message(self) -> str:
-        """What happened and what brought it about, without place and time."""
-        if self.by is None:
-            return self.words
-        is_here = self.location is not None and self.location.file == self.by.file
-        return f"{self.words}, by line {self.by.line}" + ("" if is_here else f" of {self.by.file}")
-
-    def __str__(self) -> str:
-        place = self.location
-        where = [] if place is None else [str(Location(place.file, place.line))]
-        where += [f"in {self.function}"] if self.function else []
-        where += [f"at {self.time_s:.1f} s"] if self.time_s is not None else []
-        return self.message + (f" ({', '.join(where)})" if where else "")
-
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """How far a run can be taken for the mission."""
-
-    kind: VerdictKind
-    reasons: tuple[Reason, ...] = ()
-    """Every reason, the worst first, then by time; accepted ones last."""
-    coverage: Coverage = Coverage(0, 0)
-    acceptances: tuple[Acceptance, ...] = ()
-    """What the settings and the scenario of the run accept."""
-
-    @property
-    def open_reasons(self) -> tuple[Reason, ...]:
-        """The reasons that are not accepted."""
-        return tuple(each for each in self.reasons if not each.accepted)
-
-    def with_lines(self, line_of: Callable[[str, int], int]) -> Verdict:
-        """Return the verdict with other lines; `line_of` takes a file and a line of it."""
-
-        never = (replace(u, line=line_of(u.ref.file, u.line)) for u in self.coverage.never_ran)
-        return replace(
-            self,
-            reasons=tuple(
-                replace(
-                    reason,
-                    location=_moved(reason.location, line_of),
-                    by=_moved(reason.by, line_of),
-                )
-                for reason in self.reasons
-            ),
-            coverage=replace(self.coverage, never_ran=tuple(never)),
-        )
-
-    def with_files(self, file_of: Callable[[str], str]) -> Verdict:
-        """Return the verdict with other names of files; `file_of` takes a file."""
-        never = (_with_file(each, file_of) for each in self.coverage.never_ran)
-        return replace(
-            self,
-            reasons=tuple(
-                replace(
-                    reason,
-                    location=_placed(reason.location, file_of),
-                    by=_placed(reason.by, file_of),
-                )
-                for reason in self.reasons
-            ),
-            coverage=replace(self.coverage, never_ran=tuple(never)),
-        )
-
-    @property
-    def unused_acceptances(self) -> tuple[Acceptance, ...]:
-        """The acceptances of which nothing occurred."""
-        occurred = {each.key for each in self.reasons}
-        return tuple(each for each in self.acceptances if each.key not in occurred)
-
-    def __str__(self) -> str:
-        """Return the verdict as one line: `partial: ...; 4 of 6 functions with commands ran`."""
-        return verdict_line(self)
-
-
-def _placed(place: Location | None, file_of: Callable[[str], str]) -> Location | None:
-    return None if place is None else Location(file_of(place.file), place.line, place.column)
-
-
-def _moved(place: Location | None, line_of: Callable[[str, int], int]) -> Location | None:
-    if place is None or place.line is None:
-        return place
-    return Location(place.file, line_of(place.file, place.line), place.column)
-
-
-def _with_file(never: Uncovered, file_of: Callable[[str], str]) -> Uncovered:
-    return replace(never, ref=FunctionRef(file_of(never.ref.file), never.ref.name))
-
-
-UNKNOWN_VERDICT = "verdict unknown"
-"""The line of a run of which no verdict is kept."""
-
-
-def kind_of(verdict: Verdict | None) -> str:
-    """Return how far a run can be taken, in a word; `None` is an unknown verdict."""
-    return UNKNOWN_VERDICT if verdict is None else verdict.kind
-
-
-def verdict_line(verdict: Verdict | None) -> str:
-    """Return a verdict in one line, its coverage included; `None` is an unknown one."""
-    if verdict is None:
-        return UNKNOWN_VERDICT
-    ran, number = verdict.coverage.ran, verdict.coverage.all
-    covered = f"{ran} of {number} function{'' if number == 1 else 's'} with commands ran"
-    # Functions that never ran are counted by the coverage.
-    reported = [each for each in verdict.open_reasons if each.code != NEVER_RAN]
-    if not reported:
-        return f"{verdict.kind}, {covered}"
-    more = f" (and {len(reported) - 1} more)" if len(reported) > 1 else ""
-    return f"{verdict.kind}: {reported[0]}{more}; {covered}"
-
-
-NEVER_RAN = "never-ran"
-"""The code of a function that can command hardware and did not run."""
-MISSED_CALL = "missed-call"
-"""The code of a call that was executed and led to no command, although it did elsewhere."""
-NEVER_CALLED = "never-called"
-"""The code of a call that was not executed, in a function that ran; elsewhere it commanded."""
-MISSION_MISSED = "mission-missed"
-"""The code of a condition of `success` that a run did not meet."""
-UNUSED_INPUT = "unused-input"
-"""The code of an entry of the scenario of which nobody made use."""
-GAPS = frozenset({NEVER_RAN, NEVER_CALLED, MISSED_CALL, UNUSED_INPUT})
-"""The codes of what a run left out, which `check` counts against the base alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -581,11 +361,11 @@ class Trace:
 
         return replace(
             self,
-            end=replace(self.end, location=_moved(self.end.location, line_of)),
+            end=replace(self.end, location=with_line(self.end.location, line_of)),
             functions=tuple(replace(f, line=line(f.ref, f.line)) for f in self.functions),
             uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in self.uncovered),
             findings=tuple(
-                replace(each, location=_moved(each.location, line_of)) for each in self.findings
+                replace(each, location=with_line(each.location, line_of)) for each in self.findings
             ),
             verdict=None if self.verdict is None else self.verdict.with_lines(line_of),
             commands=tuple(
@@ -597,27 +377,30 @@ class Trace:
 
     def with_files(self, file_of: Callable[[str], str]) -> Trace:
         """Return the trace with other names of files; `file_of` takes a file, differing ones."""
-
-        def named(ref: FunctionRef) -> FunctionRef:
-            return FunctionRef(file_of(ref.file), ref.name)
-
         return replace(
             self,
             controller=file_of(self.controller) if self.controller else "",
-            end=replace(self.end, location=_placed(self.end.location, file_of)),
-            functions=tuple(replace(each, ref=named(each.ref)) for each in self.functions),
-            visits=tuple(replace(each, function=named(each.function)) for each in self.visits),
-            uncovered=tuple(_with_file(each, file_of) for each in self.uncovered),
+            end=replace(self.end, location=with_file(self.end.location, file_of)),
+            functions=tuple(
+                replace(each, ref=each.ref.with_file(file_of)) for each in self.functions
+            ),
+            visits=tuple(
+                replace(each, function=each.function.with_file(file_of)) for each in self.visits
+            ),
+            uncovered=tuple(
+                replace(each, ref=each.ref.with_file(file_of)) for each in self.uncovered
+            ),
             findings=tuple(
-                replace(each, location=_placed(each.location, file_of)) for each in self.findings
+                replace(each, location=with_file(each.location, file_of)) for each in self.findings
             ),
             files=tuple(map(file_of, self.files)),
             verdict=None if self.verdict is None else self.verdict.with_files(file_of),
             commands=tuple(
-                replace(command, function=named(command.function)) for command in self.commands
+                replace(command, function=command.function.with_file(file_of))
+                for command in self.commands
             ),
             worlds=tuple(
-                replace(run, location=_placed(run.location, file_of)) for run in self.worlds
+                replace(run, location=with_file(run.location, file_of)) for run in self.worlds
             ),
         )
 

@@ -8,8 +8,9 @@ import pytest
 from tracerisk.adder.blocks.values import DONE
 from tracerisk.common import trace_json
 from tracerisk.common.field.file import dump_field, read_field
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.pipeline.recordings.field_profile import gather_field
-from tracerisk.trace import Element, Exposure, FunctionRef, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
 
 PICK, PLACE = (FunctionRef("cell.py", name) for name in ("pick", "place"))
 LOG = """\

@@ -2,9 +2,9 @@
 
 import pytest
 
+from tracerisk.common.verdict import Acceptance
 from tracerisk.config import ProjectSettings
 from tracerisk.errors import SettingsError
-from tracerisk.trace import Acceptance
 
 
 def settings(folder, entry: str):

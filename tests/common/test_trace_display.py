@@ -7,16 +7,8 @@ from dataclasses import replace
 import pytest
 from lxml import html
 
-from tracerisk.trace import (
-    Element,
-    Exposure,
-    FunctionRef,
-    QualifiedName,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
 
 
 def trace_of(*visits, elements=("joint1", "hand"), end_s=10.0):

@@ -3,21 +3,20 @@ import json
 import pytest
 
 from tracerisk.common import trace_json
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.trace_log import read_log, write_log
+from tracerisk.common.verdict import Uncovered
 from tracerisk.errors import Location, LogError
 from tracerisk.trace import (
     Contact,
     Element,
     Exposure,
     Finding,
-    FunctionRef,
     ObjectOffset,
     Payload,
-    QualifiedName,
     RunEnd,
     Trace,
     TracedFunction,
-    Uncovered,
     Visit,
 )
 

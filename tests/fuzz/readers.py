@@ -22,6 +22,7 @@ from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell as EvidenceCell
 from tracerisk.common.evidence.cells import Evidence
 from tracerisk.common.evidence.file import dump_evidence, loads_evidence
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.instrument.recording import read_recording
@@ -37,16 +38,7 @@ from tracerisk.prm.other_models.properties import ask, parse_properties
 from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.ros.vendors.description_reader import read_driver
-from tracerisk.trace import (
-    Element,
-    Exposure,
-    FunctionRef,
-    QualifiedName,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
 from tracerisk.twin.robots.robot_reader import read_robot
 from tracerisk.twin.urdf.srdf import read_srdf
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import InputError
 from tracerisk.instrument.helper_rule import helper_rule
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import FunctionRef, QualifiedName
 
 Run = Callable[[str], Any]
 

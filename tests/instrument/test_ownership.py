@@ -9,12 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import CommandEnd, FunctionRef, QualifiedName, TracedFunction
+from tracerisk.trace import CommandEnd, TracedFunction
 
 MS = 1_000_000
 STEP = 2 * MS

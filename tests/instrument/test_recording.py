@@ -3,12 +3,13 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location, LogError
 from tracerisk.instrument.commands import Command, traced_commands
 from tracerisk.instrument.recording import Recorder, Recording, read_recording
 from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import Finding, FunctionRef, QualifiedName
+from tracerisk.trace import Finding
 
 MODULE = FunctionRef("c.py", QualifiedName("<module>"))
 PICK = FunctionRef("c.py", QualifiedName("Node.pïck"))

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.errors import Location
 from tracerisk.instrument.tracer import Frame, Tracer
-from tracerisk.trace import FunctionRef
 
 Run = Callable[[str], Any]
 

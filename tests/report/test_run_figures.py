@@ -7,6 +7,7 @@ import pytest
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import computed_count, computed_probability, computed_redundancy
 from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.common.hardware.redundancy import ALL_NEEDED
 from tracerisk.common.hardware.sources import assumed_sources
@@ -16,16 +17,7 @@ from tracerisk.prm import solve
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.report.run_figures import run_figures
 from tracerisk.report.tables import render_parts
-from tracerisk.trace import (
-    Element,
-    Exposure,
-    FunctionRef,
-    QualifiedName,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))
 

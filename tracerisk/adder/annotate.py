@@ -22,8 +22,8 @@ from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.adder.sources.write import FileWrite
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import EditInTheWayError
-from tracerisk.trace import FunctionRef, QualifiedName
 
 
 @dataclass(frozen=True, slots=True)

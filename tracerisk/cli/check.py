@@ -16,16 +16,16 @@ from tracerisk.cli.shared.output import (
     write_sarif,
 )
 from tracerisk.common.text.plain_data import picked
+from tracerisk.common.verdict import GAPS, verdict_line
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.source.language import is_c
-from tracerisk.trace import GAPS, verdict_line
 
 if TYPE_CHECKING:
     import argparse
 
+    from tracerisk.common.verdict import Verdict
     from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.workspace.project import Projects
-    from tracerisk.trace import Verdict
 
 
 _OPTIONS = """\

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, terminal_width, write_sarif
+from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import ExitCode, InputError
-from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.prm.review.risk_change import Review, RiskDiff

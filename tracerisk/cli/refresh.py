@@ -17,9 +17,9 @@ from tracerisk.cli.shared.output import (
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import note_draft
 from tracerisk.cli.shared.verdict import as_typed, verdict_exit, verdict_json
+from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
-from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.check.refresh import Refreshed

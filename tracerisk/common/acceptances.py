@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
+from tracerisk.common.verdict import Acceptance
 from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.errors import one_of
-from tracerisk.trace import Acceptance
 
 _KEYS = ("code", "function", "object", "words")
 

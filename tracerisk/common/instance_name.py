@@ -12,7 +12,7 @@ import unicodedata
 from collections.abc import Iterable
 from typing import TypeVar
 
-from tracerisk.trace import QualifiedName
+from tracerisk.common.function_ref import QualifiedName
 
 _INSTANCE = re.compile(r"(?P<of>\S+) \((?P<label>[^\s()]+(?: [^\s()]+)*)\)")
 # What separates names and values in blocks and on the command line.

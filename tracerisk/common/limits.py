@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING
 
-SandboxMode = Literal["auto", "require", "off"]
-"""Whether strangers' code is contained: where that works, always, or never."""
+if TYPE_CHECKING:
+    from tracerisk.config import SandboxMode
 
 _MB = 1024 * 1024
 # What people keep beside their sources and no controller needs.

@@ -15,16 +15,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location, LogError, one_of
-from tracerisk.trace import (
-    Element,
-    FunctionRef,
-    QualifiedName,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import Element, RunEnd, Trace, TracedFunction, Visit
 
 _FUNCTION = "Function:"
 _COMPONENTS = "ActiveComponents:"

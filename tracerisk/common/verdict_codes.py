@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracerisk.trace import (
+from tracerisk.common.verdict import (
     MISSED_CALL,
     MISSION_MISSED,
     NEVER_CALLED,

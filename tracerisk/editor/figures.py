@@ -11,6 +11,8 @@ from typing import Any
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.lock.lock import ControllerLock
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.verdict import Verdict
 from tracerisk.editor.outline import Outline
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.known_controllers import with_moved
@@ -20,7 +22,6 @@ from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.prm.hybrid.assessment import Assessment, ComponentImportance, StateAssessment
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.hybrid.solve import solve
-from tracerisk.trace import FunctionRef, QualifiedName, Verdict
 
 _KEPT = 32
 _ONE_AT_A_TIME = Lock()

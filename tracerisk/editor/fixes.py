@@ -9,6 +9,7 @@ from pathlib import Path
 from lsprotocol import types as lsp
 
 from tracerisk.adder.lock.lock import WrittenBlock, lock_key
+from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.config import controller_root, loads_toml
 from tracerisk.editor.diagnostics import finding_diagnostic
@@ -16,7 +17,6 @@ from tracerisk.editor.pins import pinning, value_line, written_value
 from tracerisk.editor.session import Analysis, Document, Session
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding
-from tracerisk.trace import Reason, Verdict
 
 SETTINGS = "pyproject.toml"
 REFRESH = "tracerisk.refresh"

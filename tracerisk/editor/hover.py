@@ -8,12 +8,13 @@ from collections.abc import Iterator, Sequence
 from tracerisk.adder.blocks.block import ComponentEntry, Field
 from tracerisk.adder.blocks.values import component_fields
 from tracerisk.adder.sources.placed import PlacedBlock
+from tracerisk.common.function_ref import QualifiedName
+from tracerisk.common.verdict import verdict_line
 from tracerisk.editor.figures import ControllerFigures, UnitUse
 from tracerisk.editor.outline import Outline
 from tracerisk.prm.hybrid.assessment import StateAssessment
 from tracerisk.report.functions_table import units_needed
 from tracerisk.report.tables import counted, share_text
-from tracerisk.trace import QualifiedName, verdict_line
 
 MOST_COMPONENTS = 6
 """How many components of a function are shown, those that matter most first."""

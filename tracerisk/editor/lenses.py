@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.verdict import verdict_line
 from tracerisk.editor.figures import ControllerFigures
 from tracerisk.editor.outline import Outline
 from tracerisk.report.tables import counted, share_text
-from tracerisk.trace import FunctionRef, verdict_line
 
 
 @dataclass(frozen=True, slots=True)

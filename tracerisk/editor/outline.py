@@ -11,9 +11,9 @@ from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.renames import follow_renames
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.errors import BlockError, Location, TraceRiskError
 from tracerisk.instrument.source.language import is_c
-from tracerisk.trace import QualifiedName
 
 _KEPT = 64
 _ONE_AT_A_TIME = Lock()

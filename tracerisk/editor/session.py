@@ -16,6 +16,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from tracerisk.adder.lock.lock import lock_key
+from tracerisk.common.verdict import Verdict
 from tracerisk.editor.figures import ControllerFigures, figures_of
 from tracerisk.editor.lines import Lines
 from tracerisk.editor.outline import Outline, outline_of
@@ -26,7 +27,6 @@ from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.pipeline.workspace.project import Projects
-from tracerisk.trace import Verdict
 
 _MARK = b"\xef\xbb\xbf"
 _SAVED_AS = ("utf-8", "latin-1", "cp1252")

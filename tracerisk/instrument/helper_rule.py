@@ -32,11 +32,11 @@ import itertools
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.strong_components import strong_components
 from tracerisk.errors import InputError
 from tracerisk.instrument.marks.call_log import Site
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import FunctionRef
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,12 @@ from collections import Counter
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.instrument.code_positions import call_position
 from tracerisk.instrument.marks.call_log import Calls, Place, Site, Turn
 from tracerisk.instrument.marks.calls import MarkedCall, marked_calls
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 from tracerisk.instrument.source.python_source import parsed
-from tracerisk.trace import FunctionRef
 
 MOTION_CALLS = frozenset(
     {"go", "execute", "execute_and_wait", "pick", "place"}

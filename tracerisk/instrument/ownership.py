@@ -8,13 +8,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.instance_name import instance_name
 from tracerisk.errors import Location
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.helper_rule import helper_rule
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import CommandEnd, Finding, FunctionRef, TracedFunction, VisitOutcome
+from tracerisk.trace import CommandEnd, Finding, TracedFunction, VisitOutcome
 
 _SECOND_NS = 1_000_000_000
 _MOST_INSTANCES = 50  # of one function that are distinguished: more are named as they are made

@@ -16,12 +16,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, BinaryIO, Protocol, cast, get_args
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.text.bounded import loads_json
 from tracerisk.errors import Location, LogError, one_of
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import CommandEnd, EndCause, Finding, FunctionRef, QualifiedName
+from tracerisk.trace import CommandEnd, EndCause, Finding
 
 _SECOND_NS = 1_000_000_000
 _FIGURE = re.compile(r"(?<![\w.])-?\d+\.\d+")

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from types import CodeType, FrameType
 from typing import Any, Literal
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
@@ -24,7 +25,6 @@ from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.state_instances import StateEntries
 from tracerisk.instrument.wrappers import AnyFunction, wrap
-from tracerisk.trace import FunctionRef, QualifiedName
 
 RootKind = Literal["main", "thread", "callback", "done_callback", "timer", "service"]
 """How controller code comes to run when no controller code calls it."""

@@ -11,9 +11,9 @@ from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import InputError
 from tracerisk.instrument.source.language import is_c_like
-from tracerisk.trace import FunctionRef, QualifiedName
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.hybrid import HybridModel

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.figures.instances import ComponentInstances, Instance
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.tables import (
     ROOMY,
@@ -17,7 +18,6 @@ from tracerisk.report.tables import (
     share_text,
     table_of,
 )
-from tracerisk.trace import FunctionRef
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

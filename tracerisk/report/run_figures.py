@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.figures.instances import ComponentInstances
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.assumed import AssumedFigure, assumed_figures, assumed_table
@@ -17,7 +18,6 @@ from tracerisk.report.instances import (
     instances_data,
     instances_table,
 )
-from tracerisk.trace import FunctionRef
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -1,7 +1,7 @@
 """Functions of one name in several files keep apart in the model."""
 
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.trace import FunctionRef, QualifiedName
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 
 
 def names(*functions: tuple[str, str]) -> list[str]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError
 from tracerisk.trace import (
@@ -13,8 +14,6 @@ from tracerisk.trace import (
     Cycle,
     Element,
     Exposure,
-    FunctionRef,
-    QualifiedName,
     RunEnd,
     Trace,
     TracedFunction,

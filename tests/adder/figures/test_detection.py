@@ -5,9 +5,10 @@ import math
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError
-from tracerisk.trace import Cycle, FunctionRef, QualifiedName, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import Cycle, RunEnd, Trace, TracedFunction, Visit
 
 PLACE = FunctionRef("cell.py", QualifiedName("place"))
 

@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tracerisk.adder.quantify.mission import component_use, mission_time, visits_of_mission
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, FailureMode, LoadLaw
 from tracerisk.common.hardware.use import UnknownUseError
@@ -22,8 +23,6 @@ from tracerisk.trace import (
     Cycle,
     Element,
     Exposure,
-    FunctionRef,
-    QualifiedName,
     RunEnd,
     Trace,
     TracedFunction,

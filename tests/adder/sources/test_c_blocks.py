@@ -10,9 +10,9 @@ from tracerisk.adder.blocks.values import computed_count
 from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.adder.sources.placed import MisplacedBlockError
 from tracerisk.adder.sources.read import block_lines, read_blocks
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.errors import BlockError, InputError, SourceError, UnsafeRewriteError
 from tracerisk.instrument.source.c_tokens import code_of
-from tracerisk.trace import QualifiedName
 
 pytest.importorskip("tree_sitter_cpp", reason="the extra cpp is not installed")
 

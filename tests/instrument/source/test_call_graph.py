@@ -2,9 +2,9 @@ import textwrap
 
 import pytest
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import SourceError
 from tracerisk.instrument.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
-from tracerisk.trace import FunctionRef, QualifiedName
 
 MOTION = {"go", "execute", "publish"}
 

@@ -20,11 +20,11 @@ from tracerisk.adder.lock.lock import Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.config import ProjectSettings
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.freshness import RunInputs, settings_data
-from tracerisk.trace import QualifiedName
 
 SOURCE = b"""\
 def turn(arm):

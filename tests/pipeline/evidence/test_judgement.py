@@ -5,20 +5,11 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.common.evidence.cells import Cell
+from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun
-from tracerisk.trace import (
-    Contact,
-    Finding,
-    FunctionRef,
-    ObjectOffset,
-    Reason,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Verdict,
-    Visit,
-)
+from tracerisk.trace import Contact, Finding, ObjectOffset, RunEnd, Trace, TracedFunction, Visit
 
 PICK, PLACE = FunctionRef("cell.py", "pick"), FunctionRef("cell.py", "place")
 CELL = Cell(

@@ -11,6 +11,7 @@ from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 from tracerisk.adder.quantify.mission import component_use
 from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.common.evidence.share_interval import clopper_pearson
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.model import (
     Basis,
@@ -21,7 +22,7 @@ from tracerisk.common.hardware.model import (
     TwinBinding,
 )
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.trace import Element, Exposure, FunctionRef, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
 
 
 @pytest.fixture(autouse=True)

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.geometry.rotation import quaternion_of
 from tracerisk.pipeline.mission.asked_calls import AskedCall
 from tracerisk.pipeline.mission.facts import MissionFacts, Track
-from tracerisk.trace import FunctionRef, Visit
+from tracerisk.trace import Visit
 from tracerisk.twin.physics.scene import Fixture, Goal, GraspableObject, Scene
 from tracerisk.twin.recording.contact_log import ROW, ContactLog, LoggedBody
 from tracerisk.twin.recording.contact_pairs import Hold

@@ -7,12 +7,13 @@ import pytest
 
 from tests.commands import ForkedWorkers
 from tracerisk import api
+from tracerisk.common.verdict import MISSION_MISSED, Reason
 from tracerisk.errors import ControllerFailedError, InputError
 from tracerisk.pipeline.evidence import workers
 from tracerisk.pipeline.mutation import campaign
 from tracerisk.pipeline.mutation.campaign import plan_mutation
 from tracerisk.pipeline.mutation.mutant_run import MutantJob, compared, run_mutant
-from tracerisk.trace import MISSION_MISSED, Location, Reason
+from tracerisk.trace import Location
 
 TURNING = """\
 import moveit_commander, rospy

@@ -32,10 +32,10 @@ from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.cli.boundary import guarded
 from tracerisk.cli.parser import parse
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.function_definitions import MODULE, definitions
-from tracerisk.trace import FunctionRef, QualifiedName
 
 FORMS = (
     ("--format", "text"),

@@ -10,9 +10,9 @@ from tracerisk.common.outcome.arm import Arm, ArmFrame
 from tracerisk.common.outcome.changes import Tolerances
 from tracerisk.common.outcome.kept import outcome_summary
 from tracerisk.common.outcome.outcome import ObjectOutcome, Outcome, rest_of
-from tracerisk.common.trace_json import plain_data
+from tracerisk.common.text.plain_data import plain_data
+from tracerisk.common.verdict import Coverage, Verdict
 from tracerisk.pipeline.review.review import review
-from tracerisk.trace import Coverage, Verdict
 
 ARM = Arm(
     ("joint1",), (ArmFrame((0.3, 0.0, 0.5), (0.0, 0.0, 0.0), "joint1", (0.0, 1.0, 0.0), True),)

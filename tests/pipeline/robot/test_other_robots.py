@@ -6,9 +6,9 @@ import pytest
 
 from tests.twin.urdf.test_urdf import RATED
 from tracerisk import api
+from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.pipeline.robot.elsewhere import not_blamed
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import Reason, Verdict
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.urdf.urdf import read_urdf
 

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.verdict import Acceptance, Coverage, Uncovered, verdict_line
 from tracerisk.common.verdict_codes import ACCEPTABLE, CODES
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.judge import judge, with_acceptances
@@ -14,16 +16,7 @@ from tracerisk.pipeline.trace.recorded_run import (
     RecordedRun,
     UnmetNeed,
 )
-from tracerisk.trace import (
-    Acceptance,
-    Coverage,
-    Finding,
-    FunctionRef,
-    QualifiedName,
-    RunEnd,
-    Uncovered,
-    verdict_line,
-)
+from tracerisk.trace import Finding, RunEnd
 
 GOOD = RunEnd("ended", "the controller ended", 10.0)
 HERE = Location("cell.py", 12)

@@ -5,13 +5,15 @@ import random
 
 import pytest
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.verdict import Uncovered
 from tracerisk.pipeline.trace.last_run import (
     UnexpectedContact,
     kept_contacts,
     kept_uncovered,
     last_run_summary,
 )
-from tracerisk.trace import Contact, FunctionRef, QualifiedName, RunEnd, Trace, Uncovered, Visit
+from tracerisk.trace import Contact, RunEnd, Trace, Visit
 
 
 def ref(name, file="arm.py"):

@@ -7,10 +7,11 @@ import pytest
 from tracerisk.common.outcome.arm import Arm, ArmFrame
 from tracerisk.common.outcome.changes import TOLERANCES
 from tracerisk.common.outcome.outcome import CellUse, GripperUse, Outcome, rest_of
+from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.common.worlds.world import world_named
 from tracerisk.errors import Location
 from tracerisk.pipeline.worlds.comparison import compared
-from tracerisk.trace import Reason, RunEnd, Trace, Verdict
+from tracerisk.trace import RunEnd, Trace
 
 ARM = Arm(
     ("pan", "lift"),

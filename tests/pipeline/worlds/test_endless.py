@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from tests.pipeline.worlds.test_comparison import depends, run
-from tracerisk.trace import Reason, Verdict
+from tracerisk.common.verdict import Reason, Verdict
 
 CYCLE = ((0.0, 0.0), (0.5, 0.2))
 

@@ -3,11 +3,11 @@ from dataclasses import replace
 import pytest
 
 import tracerisk
+from tracerisk.common.verdict import Coverage, Reason, Verdict
 from tracerisk.prm import FIGURE_STATEMENT
 from tracerisk.prm.review.risk_change import RunVerdicts
 from tracerisk.report.diff.markdown import render_diff_markdown
 from tracerisk.report.diff.text import render_diff
-from tracerisk.trace import Coverage, Reason, Verdict
 
 
 def one_step(component):

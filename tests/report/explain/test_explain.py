@@ -12,6 +12,7 @@ from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.adder.figures.derivation_json import derivation_data
 from tracerisk.adder.figures.derive import derive_function, function_named
 from tracerisk.common import trace_json
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import InputError
 from tracerisk.report.explain.function import render_derivation
@@ -20,8 +21,6 @@ from tracerisk.trace import (
     Cycle,
     Element,
     Exposure,
-    FunctionRef,
-    QualifiedName,
     RunEnd,
     Trace,
     TracedFunction,

@@ -8,7 +8,9 @@ import pytest
 from lxml import html as lxml_html
 
 from tracerisk.adder.blocks.override import Override
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
+from tracerisk.common.verdict import Uncovered
 from tracerisk.errors import Location
 from tracerisk.prm import BasicEvent, FaultTree, HybridModel, solve
 from tracerisk.prm.review.risk_change import Review, RiskDiff
@@ -18,13 +20,10 @@ from tracerisk.trace import (
     Contact,
     Element,
     Exposure,
-    FunctionRef,
     Payload,
-    QualifiedName,
     RunEnd,
     Trace,
     TracedFunction,
-    Uncovered,
     Visit,
 )
 

@@ -3,11 +3,11 @@ import json
 
 import pytest
 
+from tracerisk.common.verdict import Coverage, Verdict
 from tracerisk.report.html.page import page
 from tracerisk.report.html.repository.history import history_section
 from tracerisk.report.html.repository.overview import OverviewRow, overview_lead, overview_section
 from tracerisk.report.series.history import HistoryPoint
-from tracerisk.trace import Coverage, Verdict
 
 WIDTHS = (360, 768, 1280, 1920)
 

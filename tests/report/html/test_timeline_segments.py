@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.report.html.run.timeline_segments import (
     BORDERLINE,
     GRASPING,
@@ -20,16 +21,7 @@ from tracerisk.report.html.run.timeline_segments import (
     timeline_rows,
     visit_spans,
 )
-from tracerisk.trace import (
-    Element,
-    Exposure,
-    FunctionRef,
-    QualifiedName,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
 from tracerisk.twin.recording.activity import ElementActivity
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))

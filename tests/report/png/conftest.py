@@ -3,17 +3,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.report.html.run.replay import RecordedRun
-from tracerisk.trace import (
-    Element,
-    Exposure,
-    FunctionRef,
-    QualifiedName,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
 from tracerisk.twin.robots.robot import load_robot

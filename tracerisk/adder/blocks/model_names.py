@@ -13,7 +13,7 @@ from os.path import commonpath
 from pathlib import Path
 
 from tracerisk.adder.blocks.values import DONE
-from tracerisk.trace import FunctionRef
+from tracerisk.common.function_ref import FunctionRef
 
 _INIT = "__init__"
 

@@ -34,12 +34,13 @@ from tracerisk.adder.quantify.mission import (
 )
 from tracerisk.adder.quantify.probability import failure_probability
 from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.binding import BoundComponent, bind
 from tracerisk.common.hardware.model import Component, Hardware, is_assumed
 from tracerisk.common.hardware.use import UnknownUseError
 from tracerisk.config import ActiveMode
 from tracerisk.errors import HardwareError, InputError, Location, one_of
-from tracerisk.trace import Cycle, FunctionRef, Trace
+from tracerisk.trace import Cycle, Trace
 
 ProfileText = Mapping[str, Mapping[str, str]]
 """An operational profile: for each function the share of each target, as a user wrote it."""

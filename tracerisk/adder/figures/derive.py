@@ -36,12 +36,13 @@ from tracerisk.adder.quantify.mission import (
 )
 from tracerisk.adder.quantify.outcome import Outcome, at_least
 from tracerisk.adder.quantify.probability import Term, failure_probability, hazard_of, survival_log
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.load import wear_s
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.config import ActiveMode
 from tracerisk.errors import InputError, one_of
-from tracerisk.trace import FunctionRef, Trace
+from tracerisk.trace import Trace
 
 
 def function_named(trace: Trace, name: str) -> FunctionRef:

@@ -10,8 +10,8 @@ from tracerisk.adder.quantify.figure_shares import EndingShare
 from tracerisk.adder.quantify.function_use import FunctionUse, mean_probability, mission_probability
 from tracerisk.adder.quantify.instance_shares import InstanceShare, instance_shares
 from tracerisk.adder.quantify.mission import ComponentUse
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.model import Component
-from tracerisk.trace import FunctionRef
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock
-from tracerisk.trace import QualifiedName
+from tracerisk.common.function_ref import QualifiedName
 
 if TYPE_CHECKING:
     from tracerisk.adder.merge.authors import Evidence

@@ -12,8 +12,8 @@ from dataclasses import replace
 from tracerisk.adder.blocks.block import Field, RiskBlock
 from tracerisk.adder.blocks.values import DONE, NEXT, computed_count
 from tracerisk.adder.lock.lock import Written
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.errors import BlockError, one_of
-from tracerisk.trace import FunctionRef
 
 Blocks = Mapping[FunctionRef, RiskBlock]
 

@@ -10,6 +10,7 @@ from fractions import Fraction
 
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 from tracerisk.adder.quantify.probability import Term, UnitMission, terms_of, unit_hazard
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.hardware.load import UnitLoad, mean_speed, wear_s
 from tracerisk.common.hardware.model import Component, LoadLaw
@@ -22,7 +23,7 @@ from tracerisk.common.hardware.use import (
     time_in_use,
 )
 from tracerisk.config import ActiveMode
-from tracerisk.trace import ElementKind, Exposure, FunctionRef, Trace, Visit
+from tracerisk.trace import ElementKind, Exposure, Trace, Visit
 
 SHORTEST_ACTIVITY_S = 0.05
 """A component counts as active in a function if a state lasted this long [s]."""

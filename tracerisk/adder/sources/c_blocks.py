@@ -32,9 +32,9 @@ from tracerisk.adder.sources.placed import (
     targets_of,
 )
 from tracerisk.adder.sources.published import CComment, c_comments
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import is_name_at
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
-from tracerisk.trace import QualifiedName
 
 _BLANK = re.compile(rb"\s*")
 

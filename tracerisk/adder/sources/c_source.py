@@ -14,10 +14,10 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from tracerisk.common.dependencies import require_cpp
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.errors import Location, SourceError
 from tracerisk.instrument.source.c_tokens import tokens
 from tracerisk.instrument.source.language import C_SUFFIXES, CPP_SUFFIXES, is_c
-from tracerisk.trace import QualifiedName
 
 if TYPE_CHECKING:
     from tree_sitter import Node, Parser, Tree

@@ -9,6 +9,16 @@ from tracerisk.adder.sources.python_lines import BYTE_ORDER_MARK, PythonSource
 
 
 @dataclass(frozen=True, slots=True)
+class Site:
+    """Where the block of a function goes."""
+
+    line: int
+    """The line that it goes before, from 1."""
+    indent_line: int
+    """The line that it is indented as."""
+
+
+@dataclass(frozen=True, slots=True)
 class Edit:
     """Replace the bytes from `start` up to `end` of a source by `text`."""
 

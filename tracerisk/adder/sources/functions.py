@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from tracerisk.adder.sources.python_lines import parse_python
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.instrument.source.function_definitions import MODULE, definitions
 from tracerisk.instrument.source.language import is_c
-from tracerisk.trace import QualifiedName
 
 
 def functions_in(source: bytes, file: str) -> list[tuple[QualifiedName, int]]:

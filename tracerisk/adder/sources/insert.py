@@ -27,11 +27,11 @@ from tracerisk.adder.sources.python_lines import (
 )
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.adder.sources.safety import check_rewrite, check_same_program, without_blocks
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import is_name_at
 from tracerisk.errors import InputError, Location, UnsafeRewriteError
 from tracerisk.instrument.source.function_definitions import MODULE, definitions, normal_name
 from tracerisk.instrument.source.language import is_c_like
-from tracerisk.trace import QualifiedName
 
 
 def strip_blocks(source: bytes, file: str) -> bytes:

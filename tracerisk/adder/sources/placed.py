@@ -8,9 +8,9 @@ from typing import Literal
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import print_block
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import name_at, places
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError, one_of
-from tracerisk.trace import QualifiedName
 
 Place = Literal["body", "above", "module"]
 """Where a block stands: in a function's body, above a function whose body is on the line where

@@ -10,9 +10,9 @@ import libcst as cst
 from libcst.metadata import CodeRange, MetadataWrapper, PositionProvider
 
 from tracerisk.adder.sources.python_lines import Site
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.errors import interruption
 from tracerisk.instrument.source.function_definitions import normal_name
-from tracerisk.trace import QualifiedName
 
 
 @lru_cache(maxsize=8)

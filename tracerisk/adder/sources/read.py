@@ -16,6 +16,7 @@ from tracerisk.adder.sources.python_lines import (
     header_end,
     parse_python,
 )
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import is_name_at
 from tracerisk.errors import BlockError, Location
 from tracerisk.instrument.source.function_definitions import (
@@ -26,7 +27,6 @@ from tracerisk.instrument.source.function_definitions import (
     normal_name,
 )
 from tracerisk.instrument.source.language import is_c_like
-from tracerisk.trace import QualifiedName
 
 _GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
 _SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")

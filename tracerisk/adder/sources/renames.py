@@ -17,7 +17,7 @@ from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.trace import QualifiedName
+from tracerisk.common.function_ref import QualifiedName
 
 # Behind the gutter of Python, or in a comment of C.
 _GUTTER = rb"([ \t\f]*(?:#[ \t]?\||\*)[ \t]+"

@@ -18,8 +18,9 @@ from tracerisk.cli.shared.run_report import (
     trace_as_typed,
 )
 from tracerisk.cli.shared.verdict import verdict_json
+from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import InputError
-from tracerisk.trace import Trace, verdict_line
+from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.fault_run import FaultRun

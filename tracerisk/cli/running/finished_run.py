@@ -16,13 +16,13 @@ from tracerisk.cli.shared.run_report import recording_folder, write_outputs, wri
 from tracerisk.cli.shared.verdict import as_typed, verdict_details
 from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
 from tracerisk.common import trace_json
+from tracerisk.common.verdict import verdict_line
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
 from tracerisk.pipeline.review.alerts import run_alerts
 from tracerisk.prm.formats import model_json
 from tracerisk.report.run_figures import run_figures, set_by_hand
-from tracerisk.trace import verdict_line
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation

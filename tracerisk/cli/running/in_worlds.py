@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from tracerisk.cli.shared.output import note, paper, print_text
-from tracerisk.common.trace_json import plain_data
+from tracerisk.common.text.plain_data import plain_data
 from tracerisk.common.worlds.world_run import WorldRun, dependence_line, depending
 from tracerisk.errors import ExitCode
 from tracerisk.report.worlds import render_worlds, worlds_line

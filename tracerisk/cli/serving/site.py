@@ -22,6 +22,7 @@ from tracerisk.cli.shared.watching import State, state_of
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import Hardware
+from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
 from tracerisk.pipeline.freshness.known_controllers import lock_folders
@@ -36,7 +37,6 @@ from tracerisk.report.html.repository.history import history_section
 from tracerisk.report.html.repository.overview import overview_lead, overview_section, report_links
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.summary import lead
-from tracerisk.trace import verdict_line
 
 HTML, JSON = "text/html; charset=utf-8", "application/json"
 _MOST_BYTES = 64 * 1024**2

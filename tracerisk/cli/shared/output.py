@@ -7,7 +7,6 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from tracerisk.common.text.columns import columns_of
-from tracerisk.common.text.paper import Paper
 from tracerisk.common.text.printable import printable
 from tracerisk.errors import ExitCode, InputError, Location
 
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from typing import Any, TextIO
 
     from tracerisk.common.hardware.model import Hardware
+    from tracerisk.common.text.paper import Paper
     from tracerisk.pipeline.annotate import Annotated
     from tracerisk.pipeline.workspace.project import Projects
     from tracerisk.report.sarif import Alert
@@ -175,6 +175,8 @@ def terminal_width() -> int:
 
 def paper() -> Paper:
     """Return what tables on standard output are written for."""
+    from tracerisk.common.text.paper import Paper
+
     return Paper(terminal_width(), use_color())
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
-from tracerisk.errors import InputError, Location, Readable, TooLargeError
+from tracerisk.errors import InputError, Location, TooLargeError, readable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ MOST_BYTES = 2**28
 
 def read_file(name: str) -> bytes:
     """Return the bytes of a file; raise InputError when it cannot be read or holds too many."""
-    with Readable(name), open(name, "rb") as file:  # noqa: PTH123 - no start needs pathlib
+    with readable(name), open(name, "rb") as file:  # noqa: PTH123 - no start needs pathlib
         # Its size before its bytes; a device has none, and may have no end.
         size = os.fstat(file.fileno()).st_size
         data = file.read(MOST_BYTES + 1) if size <= MOST_BYTES else b""

@@ -10,10 +10,10 @@ from typing import Any
 
 from tracerisk.cli.shared.output import show
 from tracerisk.cli.shared.sources import read_file
-from tracerisk.common.trace_json import plain_data
+from tracerisk.common.text.plain_data import plain_data
+from tracerisk.common.verdict import NEVER_RAN, Verdict, verdict_line
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode
-from tracerisk.trace import NEVER_RAN, Verdict, verdict_line
 
 
 def verdict_exit(verdict: Verdict | None) -> ExitCode:

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from types import AsyncGeneratorType, CodeType, CoroutineType, FrameType, GeneratorType
 from typing import Any
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import source_position
 from tracerisk.instrument.hidden_frames import hide
-from tracerisk.trace import FunctionRef, QualifiedName
 
 CALLS = "calls"
 """The note of the calls that a run executed: what `CallLog.data` returns."""

@@ -13,6 +13,8 @@ from pathlib import PurePosixPath
 
 import libcst as cst
 
+from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.verdict import Uncovered
 from tracerisk.errors import Location, UnsafeRewriteError
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.name_resolution import (
@@ -23,7 +25,6 @@ from tracerisk.instrument.source.name_resolution import (
     written_name,
 )
 from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource, parse_source
-from tracerisk.trace import FunctionRef, Uncovered
 
 
 @dataclass(frozen=True, slots=True)

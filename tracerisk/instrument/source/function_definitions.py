@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tracerisk.trace import QualifiedName
+from tracerisk.common.function_ref import QualifiedName
 
 MODULE = QualifiedName("<module>")
 """The pseudo-function that module-level code is."""

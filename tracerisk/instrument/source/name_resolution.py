@@ -13,7 +13,7 @@ from typing import Literal
 
 import libcst as cst
 
-from tracerisk.trace import FunctionRef, QualifiedName
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 
 # Assignments followed one after the other: `a = b`, `b = c`, ...
 _LONGEST_CHAIN = 50

@@ -10,9 +10,9 @@ import tokenize
 import warnings
 from dataclasses import dataclass
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.errors import Location, SourceError
 from tracerisk.instrument.source.function_definitions import definitions
-from tracerisk.trace import FunctionRef
 
 _PYTHON_2_REASONS = (
     "Missing parentheses in call to 'print'",

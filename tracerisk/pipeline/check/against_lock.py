@@ -20,11 +20,11 @@ from tracerisk.adder.merge.bases import bases_of, merge_with_bases
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.renames import base_with_names
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import places
 from tracerisk.errors import Location
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import QualifiedName
 
 if TYPE_CHECKING:
     from tracerisk.adder.merge.bases import SourceEvidence

@@ -18,6 +18,8 @@ from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.verdict import Verdict
 from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
@@ -39,7 +41,6 @@ from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.pipeline.workspace.project import Projects
-from tracerisk.trace import FunctionRef, QualifiedName, Verdict
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
 
@@ -294,6 +295,7 @@ def _verdict(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Verdict
 
 def _worlds(entry: ControllerLock, sources: Sequence[CheckedSource]) -> list[WorldRun]:
     """Return the runs in worlds that the lock keeps, with the lines that the sources have now."""
+
     line_of = _lines_now(sources)
     return [run.with_line(line_of) for run in kept_worlds(entry.trace)]
 

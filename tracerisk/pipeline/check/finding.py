@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.verdict import Verdict
 from tracerisk.errors import ExitCode, Location
-from tracerisk.trace import Verdict
 
 FindingKind = Literal[
     "stale",

@@ -24,12 +24,12 @@ from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
-from tracerisk.errors import InputError, Location, Readable
+from tracerisk.common.function_ref import QualifiedName
+from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.known_controllers import locks_in
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.project import Project, Projects
-from tracerisk.trace import QualifiedName
 
 
 def overrides_in(
@@ -70,7 +70,7 @@ def files_of_locks(root: Path) -> tuple[Path, ...]:
 
 
 def _of_file(path: Path, content: bytes | None, projects: Projects) -> Iterator[Override]:
-    with Readable(path):
+    with readable(path):
         source = path.read_bytes() if content is None else content
     bases = _bases(path, projects.of(path))
     if is_c_like(path.name) and not bases:

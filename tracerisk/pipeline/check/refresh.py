@@ -10,8 +10,8 @@ from typing import Literal
 from tracerisk.adder.lock.lock import lock_key
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.common.hardware.formats import load_hardware
-from tracerisk.common.limits import SandboxMode
-from tracerisk.config import SANDBOX_SETTINGS
+from tracerisk.common.verdict import Verdict
+from tracerisk.config import SANDBOX_SETTINGS, SandboxMode
 from tracerisk.errors import ControllerFailedError, Location
 from tracerisk.pipeline.annotate import Annotated, annotate
 from tracerisk.pipeline.check.check import check_controller, given_options
@@ -23,7 +23,7 @@ from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
-from tracerisk.trace import Trace, Verdict
+from tracerisk.trace import Trace
 
 # What a refresh mends; the rest is for a user to mend.
 _MENDED = frozenset(

@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.sources.functions import functions_in
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.instance_name import places
-from tracerisk.common.worlds.world_run import WorldRun
+from tracerisk.common.verdict import GAPS, NEVER_RAN, Reason, Verdict, VerdictKind
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import GAPS, NEVER_RAN, FunctionRef, Reason, Verdict, VerdictKind
+
+if TYPE_CHECKING:
+    from tracerisk.common.worlds.world_run import WorldRun
 
 _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
     "complete": "partial",

@@ -8,17 +8,10 @@ from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 from tracerisk.common.evidence.cells import EFFECTS, Cell, Effect
+from tracerisk.common.verdict import MISSION_MISSED, Reason
 from tracerisk.pipeline.evidence.mission_run import MissionRun, Position
 from tracerisk.pipeline.run.fault_run import REPORTED, finding_key
-from tracerisk.trace import (
-    GOOD_ENDS,
-    MISSION_MISSED,
-    Contact,
-    ObjectOffset,
-    Reason,
-    RunEnd,
-    Visit,
-)
+from tracerisk.trace import GOOD_ENDS, Contact, ObjectOffset, RunEnd, Visit
 
 FALLS = frozenset({"object-dropped", "object-knocked", "object-slipped", "object-tipped"})
 ARRIVAL = 0.02

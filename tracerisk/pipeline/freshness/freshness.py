@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.text.digests import sha256
 from tracerisk.config import Settings
@@ -19,7 +19,9 @@ from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller, from_root
-from tracerisk.trace import Trace
+
+if TYPE_CHECKING:
+    from tracerisk.trace import Trace
 
 GONE = "gone"
 """What stands for the digest of a file that was looked for and is not there."""

@@ -13,12 +13,13 @@ from tracerisk.adder.lock.lock import Written, lock_key
 from tracerisk.adder.merge.hand_edits import check_targets, is_next_by_hand
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.config import Settings
 from tracerisk.errors import SettingsError, TraceRiskError, one_of
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import QualifiedName, Trace
+from tracerisk.trace import Trace
 
 _SHOWN = 20  # names listed in a message, of a controller that may have hundreds
 

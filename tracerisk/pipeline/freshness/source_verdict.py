@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import lock_key
+from tracerisk.common.verdict import Verdict, verdict_line
 from tracerisk.config import from_here
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.code_digest import code_digest
@@ -13,7 +14,6 @@ from tracerisk.instrument.source.language import is_c, is_c_like
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.project import Project, Projects
-from tracerisk.trace import Verdict, verdict_line
 
 
 def source_verdicts(

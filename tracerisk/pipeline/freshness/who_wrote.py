@@ -12,10 +12,10 @@ from tracerisk.adder.blocks.values import CALL_SEQUENCE
 from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.config import Settings
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import QualifiedName
 
 if TYPE_CHECKING:
     from tracerisk.adder.merge.authors import Evidence

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.adder.sources.write import FileWrite, write_all
-from tracerisk.errors import Readable
+from tracerisk.errors import readable
 from tracerisk.pipeline.history.repository import Repository
 
 DRIVER = "tracerisk-lock"
@@ -31,7 +31,7 @@ def install_merge_driver(folder: Path) -> tuple[str, ...]:
         for key, value in (("name", f"merge of {LOCK_NAME}"), ("driver", _COMMAND)):
             repository.output("config", "--local", f"merge.{DRIVER}.{key}", value)
     path = top / ".gitattributes"
-    with Readable(path):
+    with readable(path):
         before = path.read_bytes() if path.exists() else b""
     driver = f"git merges {LOCK_NAME} with tracerisk in this clone"
     if _ATTRIBUTE.encode() in (line.strip() for line in before.splitlines()):

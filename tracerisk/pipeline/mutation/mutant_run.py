@@ -7,6 +7,7 @@ from typing import Any
 
 from tracerisk.common.outcome.changes import TOLERANCES, Tolerances, outcome_changes
 from tracerisk.common.outcome.kept import kept_outcome, outcome_summary
+from tracerisk.common.verdict import MISSED_CALL, MISSION_MISSED, Reason
 from tracerisk.config import Settings
 from tracerisk.errors import MachineError, TraceRiskError
 from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again
@@ -15,7 +16,7 @@ from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_with_sources
 from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.report.mutants import MutantRun
-from tracerisk.trace import MISSED_CALL, MISSION_MISSED, Reason, Trace
+from tracerisk.trace import Trace
 
 _MORE_OWN = 3.0
 _MORE_OWN_S = 5.0

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.common.hardware.binding import bind
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, Location, LogError, Readable
+from tracerisk.errors import InputError, Location, LogError, readable
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress
@@ -44,7 +44,7 @@ def kept_recording(folder: str) -> RecordedRun:
     """
     from tracerisk.pipeline.pictures.run_section import recorded_run
 
-    with Readable(folder, LogError):
+    with readable(folder, LogError):
         found = recorded_run(Path(folder))
     if found is None:
         raise LogError(

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location, LogError
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.tracer import Frame
@@ -21,7 +22,7 @@ from tracerisk.pipeline.recordings.declared import Declared
 from tracerisk.pipeline.recordings.messages import RecordingFile
 from tracerisk.pipeline.recordings.probed import Boundaries, elements_of, lines_of, probed
 from tracerisk.pipeline.recordings.recorded_topics import COMMANDS
-from tracerisk.trace import CommandEnd, FunctionRef, QualifiedName
+from tracerisk.trace import CommandEnd
 from tracerisk.twin.robots.robot import Robot
 
 TEXT = "std_msgs/msg/String"

@@ -17,9 +17,10 @@ from tracerisk.common.field.profile import (
     following,
     ratio,
 )
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.trace_log import read_log
 from tracerisk.errors import InputError, Location
-from tracerisk.trace import FunctionRef, Trace, Visit
+from tracerisk.trace import Trace, Visit
 
 ROOM = 0.03
 """By what share of its mean a field interval is widened: a twin is no closer than this."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.common.dependencies import is_installed, missing_extra
-from tracerisk.errors import Location, LogError, Readable
+from tracerisk.errors import Location, LogError, readable
 from tracerisk.pipeline.recordings.recorded_topics import MAGIC
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def open_recording(path: Path) -> Iterator[RecordingFile]:
                 raise LogError("is a folder without metadata.yaml; name a recording", place)
             yield _open_rosbags(path, stack)
             return
-        with Readable(path, LogError), path.open("rb") as stream:
+        with readable(path, LogError), path.open("rb") as stream:
             begin = stream.read(16)
         if not begin:
             raise LogError("is empty; was the recording ended?", place)

@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast, get_args
 
-from tracerisk.errors import Location, LogError, Readable
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.errors import Location, LogError, readable
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.tracer import Frame, RootKind
-from tracerisk.trace import CommandEnd, FunctionRef, QualifiedName
+from tracerisk.trace import CommandEnd
 from tracerisk.twin.robots.robot import Robot
 
 # The probe does not see whether another command took over: it names both `preempted`.
@@ -49,7 +50,7 @@ def lines_of(path: Path) -> Iterator[str]:
     """Yield the lines of a file; raise LogError where it cannot be read."""
     place = Location(str(path))
     try:
-        with Readable(path, LogError):
+        with readable(path, LogError):
             if path.stat().st_size > _MOST_TEXT:
                 raise LogError(f"has more than {_MOST_TEXT} bytes; is it of the probe?", place)
             with path.open(encoding="utf-8") as stream:

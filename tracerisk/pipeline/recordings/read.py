@@ -6,7 +6,7 @@ import struct
 from pathlib import Path
 
 from tracerisk.common import trace_json
-from tracerisk.errors import Location, LogError, Readable
+from tracerisk.errors import Location, LogError, readable
 from tracerisk.pipeline.recordings.messages import MOST_BYTES
 from tracerisk.pipeline.recordings.recorded_topics import MAGIC, TRACE
 from tracerisk.trace import Trace
@@ -21,7 +21,7 @@ def read_trace(path: Path) -> Trace | None:
     place = Location(str(path))
     if not path.is_file():
         return None
-    with Readable(path, LogError), path.open("rb") as stream:
+    with readable(path, LogError), path.open("rb") as stream:
         begin = stream.read(len(MAGIC))
     if begin != MAGIC:
         return None

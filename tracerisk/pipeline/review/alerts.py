@@ -11,6 +11,8 @@ from tracerisk.adder.blocks.values import COMPONENT_KINDS
 from tracerisk.adder.lock.lock import ControllerLock, lock_key
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.verdict import NEVER_RAN, Reason
 from tracerisk.common.worlds.world_run import WorldRun, dependence_line, depending
 from tracerisk.config import controller_root
 from tracerisk.errors import Location, TraceRiskError
@@ -30,7 +32,7 @@ from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.review.risk_change import Review
 from tracerisk.report.diff.sentences import some
 from tracerisk.report.sarif import Alert, alert_at
-from tracerisk.trace import NEVER_RAN, FunctionRef, Reason, Trace
+from tracerisk.trace import Trace
 
 _RULES: dict[FindingKind, str] = {
     "stale": "stale-block",

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tracerisk.errors import InputError, Location, Readable
+from tracerisk.errors import InputError, Location, readable
 from tracerisk.pipeline.history.repository import Repository
 
 WORKING_TREE = "working tree"
@@ -37,7 +37,7 @@ class GitVersion:
         place = self.repository.top / path
         if place.is_symlink() or not place.is_file():
             return None if os.path.lexists(place) else self.repository.left_out(path)
-        with Readable(path):
+        with readable(path):
             return place.read_bytes()
 
 

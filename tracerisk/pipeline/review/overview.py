@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
+from tracerisk.common.verdict import Verdict
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.freshness.known_controllers import locks_in
 from tracerisk.pipeline.freshness.source_verdict import source_verdicts
@@ -15,7 +16,6 @@ from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve
-from tracerisk.trace import Verdict
 
 
 @dataclass(frozen=True, slots=True)

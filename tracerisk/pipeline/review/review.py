@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.outcome.changes import TOLERANCES, OutcomeChanges, Tolerances, outcome_changes
 from tracerisk.common.outcome.kept import kept_outcome, kept_tolerances
 from tracerisk.errors import InputError, TraceRiskError
@@ -31,7 +32,6 @@ from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.prm.review.compare import compare
 from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import Review, RiskDiff, RunVerdicts
-from tracerisk.trace import FunctionRef
 
 
 def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
 from tracerisk.adder.lock.reading import loads
+from tracerisk.common.verdict import Verdict
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.language import is_c, is_c_like
@@ -15,7 +16,6 @@ from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.review.controllers import ControllerVersion, in_version
 from tracerisk.pipeline.review.git_versions import compared
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
-from tracerisk.trace import Verdict
 
 
 def version_verdict(version: ControllerVersion) -> Verdict | None:

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
+from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import Reason, Verdict
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.workspace.description_files import DescriptionFile, description_files
 

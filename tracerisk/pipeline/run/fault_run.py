@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from tracerisk.common.verdict import Reason
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.attempts import trace_attempts
 from tracerisk.pipeline.run.controller_run import run_again
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import NOTES, Finding, Reason, Trace
+from tracerisk.trace import NOTES, Finding, Trace
 from tracerisk.twin.faults.fault import Fault, check_faults
 
 REPORTED = frozenset(

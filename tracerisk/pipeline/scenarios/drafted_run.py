@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.common.sandbox.fork_server import several_come
+from tracerisk.common.verdict import MISSION_MISSED, Reason
 from tracerisk.config import Settings
 from tracerisk.errors import Location
 from tracerisk.pipeline.robot.kept_choices import KeptChoices
@@ -23,7 +24,7 @@ from tracerisk.pipeline.scenarios.command_lines import reads_arguments
 from tracerisk.pipeline.trace.run_files import DraftsNoted
 from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.needs_in_source import may_lack
-from tracerisk.trace import DRAFTED, MISSION_MISSED, Reason, Trace
+from tracerisk.trace import DRAFTED, Trace
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.scenarios.entries import Attempt, Entries

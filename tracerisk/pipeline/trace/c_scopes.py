@@ -6,9 +6,10 @@ from dataclasses import replace
 
 from tracerisk.adder.sources.c_source import SCOPE
 from tracerisk.adder.sources.functions import functions_in
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import FunctionRef, Trace
+from tracerisk.trace import Trace
 
 
 def with_scopes(controller: Controller, trace: Trace) -> Trace:

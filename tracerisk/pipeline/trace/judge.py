@@ -8,6 +8,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from tracerisk.common.verdict import (
+    MISSED_CALL,
+    MISSION_MISSED,
+    NEVER_CALLED,
+    NEVER_RAN,
+    UNUSED_INPUT,
+    VERDICTS,
+    Acceptance,
+    Coverage,
+    Reason,
+    Verdict,
+    VerdictKind,
+)
 from tracerisk.common.verdict_codes import CODES
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import is_near
@@ -21,20 +34,7 @@ from tracerisk.pipeline.trace.recorded_run import (
     RecordedRun,
 )
 from tracerisk.pipeline.trace.unfinished import unfinished
-from tracerisk.trace import (
-    MISSED_CALL,
-    MISSION_MISSED,
-    NEVER_CALLED,
-    NEVER_RAN,
-    UNUSED_INPUT,
-    VERDICTS,
-    Acceptance,
-    Coverage,
-    Finding,
-    Reason,
-    Verdict,
-    VerdictKind,
-)
+from tracerisk.trace import Finding
 
 _OF_FINDING = {
     "execution_failure": "command-aborted",

@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from tracerisk.adder.lock.lock import ControllerLock
-from tracerisk.trace import Verdict
+from tracerisk.common.text.plain_data import MismatchError, plain_data, read_plain
+from tracerisk.common.verdict import Verdict
 
 _VERDICT = "verdict"
 _WHOLE_S = 1  # decimals of the times that are kept: more would change with every change
@@ -17,8 +18,6 @@ def verdict_summary(verdict: Verdict | None) -> dict[str, Any]:
     """Return what the lock keeps of a verdict; nothing where none is known."""
     if verdict is None:
         return {}
-    from tracerisk.common.trace_json import plain_data
-
     reasons = tuple(
         replace(each, time_s=None if each.time_s is None else round(each.time_s, _WHOLE_S))
         for each in verdict.reasons
@@ -56,6 +55,12 @@ def kept_verdict(entry: ControllerLock | None) -> Verdict | None:
     """
     if entry is None or not isinstance(entry.trace.get(_VERDICT), Mapping):
         return None
-    from tracerisk.common.trace_json import verdict_of_data
-
     return verdict_of_data(entry.trace[_VERDICT])
+
+
+def verdict_of_data(data: Any) -> Verdict | None:
+    """Return the verdict that plain JSON values state; `None` where they state none."""
+    try:
+        return read_plain(Verdict, data)
+    except MismatchError:
+        return None

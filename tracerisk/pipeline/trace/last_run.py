@@ -10,7 +10,8 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.trace import Contact, FunctionRef, QualifiedName, Trace, Visit
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.trace import Contact, Trace, Visit
 
 _UNCOVERED, _CONTACTS = "uncovered", "unexpected_contacts"
 _WHOLE_N = 10.0  # forces from here on are given in whole newtons

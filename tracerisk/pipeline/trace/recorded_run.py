@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.verdict import Coverage
 from tracerisk.errors import Location
-from tracerisk.trace import CommandEnd, Coverage, Finding, FunctionRef, RunEnd
+from tracerisk.trace import CommandEnd, Finding, RunEnd
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings

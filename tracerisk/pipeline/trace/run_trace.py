@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.common.hardware.shipped import fitting_words, hardware_of, is_shipped
+from tracerisk.common.verdict import Coverage
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
 from tracerisk.instrument.commands import traced_commands
@@ -36,7 +37,7 @@ from tracerisk.pipeline.trace.sensors import RunActivity, elements_of, with_sens
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.like_commands import like_commands
-from tracerisk.trace import Coverage, Cycle, Exposure, Finding, ObjectOffset, Trace, Visit
+from tracerisk.trace import Cycle, Exposure, Finding, ObjectOffset, Trace, Visit
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.exposure import ElementExposures

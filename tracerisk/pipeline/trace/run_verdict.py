@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.sources.python_lines import parse_python
+from tracerisk.common.verdict import Acceptance, Coverage, Verdict
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.marks.call_log import CALLS, Calls
@@ -33,7 +34,7 @@ from tracerisk.pipeline.trace.recorded_run import (
 from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.ros.scenario.marks import Unconfirmed
-from tracerisk.trace import UNUSED, Acceptance, Coverage, EndCause, Finding, Verdict, Visit
+from tracerisk.trace import UNUSED, EndCause, Finding, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, Location, Readable
+from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c
 from tracerisk.instrument.source.literals.named_literals import counted_names
 from tracerisk.pipeline.workspace.project import Project
@@ -112,7 +112,7 @@ class Controller:
         if file in self.others:
             return self.others[file]
         path = self.path_of(file)
-        with Readable(path):
+        with readable(path):
             return path.read_bytes()
 
     def as_ran(self, sources: Mapping[str, bytes]) -> Controller:

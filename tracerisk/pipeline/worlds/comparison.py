@@ -14,10 +14,11 @@ from dataclasses import replace
 from tracerisk.common.outcome.changes import Tolerances, outcome_changes
 from tracerisk.common.outcome.kept import kept_outcome, outcome_summary
 from tracerisk.common.outcome.outcome import CellUse, GripperUse, Outcome, Rest
+from tracerisk.common.verdict import GAPS, Reason, VerdictKind
 from tracerisk.common.worlds.world import World
 from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import Location
-from tracerisk.trace import GAPS, Reason, Trace, VerdictKind
+from tracerisk.trace import Trace
 
 Lost = tuple[str, str, int]
 """What the world reached: a message that was lost, a reading; words, file and line."""

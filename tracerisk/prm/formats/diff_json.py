@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
+from tracerisk.common.verdict import verdict_line
 from tracerisk.prm.review.risk_change import Review, RiskDiff
-from tracerisk.trace import verdict_line
 
 
 def review_to_json(review: Review) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from typing import Literal
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE
 from tracerisk.common.outcome.changes import OutcomeChanges
+from tracerisk.common.verdict import GAPS, NEVER_RAN, Acceptance, Reason, Verdict
 from tracerisk.errors import Location
 from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, MissionFigures
-from tracerisk.trace import GAPS, NEVER_RAN, Acceptance, Reason, Verdict
 
 ChangeKind = Literal[
     "structure",

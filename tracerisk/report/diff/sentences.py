@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tracerisk.common.outcome.changes import OutcomeChanges
+from tracerisk.common.verdict import UNKNOWN_VERDICT, Verdict, verdict_line
 from tracerisk.instrument.source.language import is_c
 from tracerisk.prm.review.risk_change import (
     NOISE,
@@ -19,7 +20,6 @@ from tracerisk.prm.review.risk_change import (
     is_noise,
     ratio_of,
 )
-from tracerisk.trace import UNKNOWN_VERDICT, Verdict, verdict_line
 
 OF_RUN = "What the run showed that it did not before"
 OF_OUTCOME = "What changed in what the mission does"

@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from tracerisk.adder.blocks.override import Override
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.review.risk_change import Review
 from tracerisk.report.html.section import Section
 from tracerisk.report.run_figures import RunFigures
-from tracerisk.trace import FunctionRef, Trace
+from tracerisk.trace import Trace
 
 
 @dataclass(frozen=True, slots=True)

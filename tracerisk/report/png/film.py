@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.report.html.run.timeline_segments import visit_spans
 from tracerisk.report.png.camera import camera_of
 from tracerisk.report.png.moments import FrameCounts, Moment, State
@@ -23,7 +24,7 @@ from tracerisk.report.png.pictures import (
     solids_of,
 )
 from tracerisk.report.png.placement import placed_bodies
-from tracerisk.trace import FunctionRef, Trace
+from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
     from tracerisk.report.html.run.replay import RecordedRun

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.report.html.run.timeline_segments import visit_spans
-from tracerisk.trace import FunctionRef, Trace
+from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
     from tracerisk.twin.recording.activity import ElementActivity

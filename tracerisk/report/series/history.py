@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
 
 from tracerisk.common.text.paper import PAPER, Paper
+from tracerisk.common.verdict import Verdict, kind_of
 from tracerisk.prm.review.risk_change import WORKING_TREE
 from tracerisk.report.diff.sentences import sentence
 from tracerisk.report.series.sweep import SweepPoint, plot_svg
 from tracerisk.report.tables import render_parts, table_of
-from tracerisk.trace import Verdict, kind_of
 
 if TYPE_CHECKING:
     from tracerisk.prm.review.risk_change import RiskDiff

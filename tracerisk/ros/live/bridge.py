@@ -12,6 +12,7 @@ from collections.abc import Callable
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import InputError
 from tracerisk.instrument.tracer import Frame
 from tracerisk.ros.graph.graph import Change, Publication, Subscription
@@ -20,7 +21,6 @@ from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.rospy_hooks import digest
 from tracerisk.ros.time.clock import EPOCH_NS
-from tracerisk.trace import FunctionRef, QualifiedName
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -17,13 +17,13 @@ import traceback
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.import_finder import ControllerFinder, controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.live.link import Link, end_with
 from tracerisk.ros.live.rospy_hooks import install
-from tracerisk.trace import FunctionRef
 
 _DRAINED_S = 0.2
 

@@ -14,12 +14,12 @@ from typing import Any, Literal, get_args
 
 from tracerisk.common.acceptances import read_acceptances
 from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.common.verdict import Acceptance
 from tracerisk.errors import Location, ScenarioError, one_of
 from tracerisk.ros.graph.parameter_files import Parameter, parameters_of
 from tracerisk.ros.scenario.marks import Unconfirmed, entry_name, unconfirmed
 from tracerisk.ros.scenario.message import Written
 from tracerisk.ros.scenario.success import Condition, read_condition
-from tracerisk.trace import Acceptance
 
 Outcome = Literal["succeeded", "aborted", "canceled", "rejected"]
 """What an action server makes of a goal."""

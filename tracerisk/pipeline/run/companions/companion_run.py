@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.text.printable import cut
 from tracerisk.instrument.loader import package_of
 from tracerisk.instrument.recording import Recorder
@@ -24,7 +25,6 @@ from tracerisk.ros.controller.node_process import NodeProcess
 from tracerisk.ros.graph.parameter_files import into_tree
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.time.scheduler import RunOver
-from tracerisk.trace import FunctionRef
 
 
 class Companions:

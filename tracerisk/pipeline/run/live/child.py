@@ -14,6 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.sandbox.limited_process import mark_start
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import CELL, Recorder
@@ -54,7 +55,6 @@ from tracerisk.ros.robot.frames import DESCRIPTION
 from tracerisk.ros.scenario.cell_log import CellLog
 from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.scheduler import RunOver, Scheduler
-from tracerisk.trace import FunctionRef, QualifiedName
 from tracerisk.twin.recording.samples import SampleWriter
 
 _NO_NETWORK = (

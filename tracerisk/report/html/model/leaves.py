@@ -11,11 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.adder.figures.instances import ComponentInstances
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.prm.hybrid.elements import FunctionState
 from tracerisk.prm.trees.events import BasicEvent
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.report.html.report_input import ReportInput
-from tracerisk.trace import FunctionRef
 
 _AGREES = 6e-4
 """How far what the units make may be from the model's figure, which has the four digits of the

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from markupsafe import Markup
 
+from tracerisk.common.verdict import kind_of
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, row_of, texts
 from tracerisk.report.series.history import HistoryPoint, history_svg
-from tracerisk.trace import kind_of
 
 MOST_SHOWN = 20
 """How many commits are in sight; those before them are folded."""

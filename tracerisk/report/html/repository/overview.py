@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from markupsafe import Markup, escape
 
+from tracerisk.common.verdict import Verdict, kind_of
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import page, rendered
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.tables import Cell, Column, Row, Table, row_of
-from tracerisk.trace import Verdict, kind_of
 
 _ORDER = ("complete", "partial", "faulted", "stuck")
 

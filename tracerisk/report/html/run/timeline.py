@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.report.html.page import asset, rendered
 from tracerisk.report.html.run.replay import Replay, replay_data
 from tracerisk.report.html.run.timeline_segments import (
@@ -20,7 +21,7 @@ from tracerisk.report.html.run.timeline_segments import (
 )
 from tracerisk.report.html.section import Data, Section
 from tracerisk.report.html.tables import Cell, Column, Table, row_of, texts
-from tracerisk.trace import Contact, Exposure, FunctionRef, Trace, Visit
+from tracerisk.trace import Contact, Exposure, Trace, Visit
 
 if TYPE_CHECKING:
     from tracerisk.twin.faults.fault import Fault

@@ -1,0 +1,204 @@
+"""The verdict of a run: how far it can be taken for the mission, and why no further."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+from tracerisk.common.function_ref import FunctionRef
+from tracerisk.errors import Location, with_file, with_line
+
+VerdictKind = Literal["complete", "partial", "faulted", "stuck"]
+"""How far the run can be taken for the mission, from best to worst; docs/verdict.md."""
+VERDICTS: tuple[VerdictKind, ...] = get_args(VerdictKind)
+
+NEVER_RAN = "never-ran"
+"""The code of a function that can command hardware and did not run."""
+MISSED_CALL = "missed-call"
+"""The code of a call that was executed and led to no command, although it did elsewhere."""
+NEVER_CALLED = "never-called"
+"""The code of a call that was not executed, in a function that ran; elsewhere it commanded."""
+MISSION_MISSED = "mission-missed"
+"""The code of a condition of `success` that a run did not meet."""
+UNUSED_INPUT = "unused-input"
+"""The code of an entry of the scenario of which nobody made use."""
+GAPS = frozenset({NEVER_RAN, NEVER_CALLED, MISSED_CALL, UNUSED_INPUT})
+"""The codes of what a run left out, which `check` counts against the base alone."""
+
+
+@dataclass(frozen=True, slots=True)
+class Uncovered:
+    """A function that can reach a motion command and never ran: no risk data, not no risk."""
+
+    ref: FunctionRef
+    line: int
+    is_spare: bool = False
+    """Whether only `except` clauses lead to it, for exceptions that did not occur."""
+
+
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """How many of the functions that can command hardware ran, of how many."""
+
+    ran: int
+    all: int
+    never_ran: tuple[Uncovered, ...] = ()
+    """Those that did not run, with the line of each."""
+
+    @property
+    def never_ran_words(self) -> str:
+        """The first of those that did not run, in words; empty where all ran."""
+        if not self.never_ran:
+            return ""
+        first = self.never_ran[0]
+        more = len(self.never_ran) - 1
+        others = f" and {more} more function{'' if more == 1 else 's'}" if more else ""
+        place = f"{first.ref.name} ({first.ref.file}:{first.line})"
+        return f"{place}{others} can command hardware and never ran"
+
+
+@dataclass(frozen=True, slots=True)
+class Acceptance:
+    """A reason that the user accepts, by code, function and object, with words why."""
+
+    code: str
+    function: str
+    object: str
+    words: str
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """What it accepts, whatever the words."""
+        return self.code, self.function, self.object
+
+    def __str__(self) -> str:
+        of = f" of '{self.object}'" if self.object else ""
+        where = f" in {self.function}" if self.function else ""
+        return f"{self.code}{of}{where}: {self.words}"
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Why a run is not complete."""
+
+    code: str
+    """What kind of reason it is: docs/verdict.md lists all."""
+    verdict: VerdictKind
+    """What it makes of the run where it is not accepted."""
+    words: str
+    """What happened, without place and time."""
+    function: str = ""
+    """The qualified name of the function in which it happened; empty where none is known."""
+    object: str = ""
+    """The frame, service, joint, gripper or other thing; empty where there is none."""
+    time_s: float | None = None
+    """When it happened, in simulated time [s]."""
+    location: Location | None = None
+    """The file, from the controller's root, and the line."""
+    accepted: str = ""
+    """The words with which the user accepts it; empty where nobody does."""
+    by: Location | None = None
+    """The file and the line that brought it about, where that is another: what replaced it."""
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """What an acceptance must name: code, function and object."""
+        return self.code, self.function, self.object
+
+    @property
+    def message(self) -> str:
+        """What happened and what brought it about, without place and time."""
+        if self.by is None:
+            return self.words
+        is_here = self.location is not None and self.location.file == self.by.file
+        return f"{self.words}, by line {self.by.line}" + ("" if is_here else f" of {self.by.file}")
+
+    def __str__(self) -> str:
+        place = self.location
+        where = [] if place is None else [str(Location(place.file, place.line))]
+        where += [f"in {self.function}"] if self.function else []
+        where += [f"at {self.time_s:.1f} s"] if self.time_s is not None else []
+        return self.message + (f" ({', '.join(where)})" if where else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """How far a run can be taken for the mission."""
+
+    kind: VerdictKind
+    reasons: tuple[Reason, ...] = ()
+    """Every reason, the worst first, then by time; accepted ones last."""
+    coverage: Coverage = Coverage(0, 0)
+    acceptances: tuple[Acceptance, ...] = ()
+    """What the settings and the scenario of the run accept."""
+
+    @property
+    def open_reasons(self) -> tuple[Reason, ...]:
+        """The reasons that are not accepted."""
+        return tuple(each for each in self.reasons if not each.accepted)
+
+    def with_lines(self, line_of: Callable[[str, int], int]) -> Verdict:
+        """Return the verdict with other lines; `line_of` takes a file and a line of it."""
+        never = (replace(u, line=line_of(u.ref.file, u.line)) for u in self.coverage.never_ran)
+        return replace(
+            self,
+            reasons=tuple(
+                replace(
+                    reason,
+                    location=with_line(reason.location, line_of),
+                    by=with_line(reason.by, line_of),
+                )
+                for reason in self.reasons
+            ),
+            coverage=replace(self.coverage, never_ran=tuple(never)),
+        )
+
+    def with_files(self, file_of: Callable[[str], str]) -> Verdict:
+        """Return the verdict with other names of files; `file_of` takes a file."""
+        never = (replace(each, ref=each.ref.with_file(file_of)) for each in self.coverage.never_ran)
+        return replace(
+            self,
+            reasons=tuple(
+                replace(
+                    reason,
+                    location=with_file(reason.location, file_of),
+                    by=with_file(reason.by, file_of),
+                )
+                for reason in self.reasons
+            ),
+            coverage=replace(self.coverage, never_ran=tuple(never)),
+        )
+
+    @property
+    def unused_acceptances(self) -> tuple[Acceptance, ...]:
+        """The acceptances of which nothing occurred."""
+        occurred = {each.key for each in self.reasons}
+        return tuple(each for each in self.acceptances if each.key not in occurred)
+
+    def __str__(self) -> str:
+        """Return the verdict as one line: `partial: ...; 4 of 6 functions with commands ran`."""
+        return verdict_line(self)
+
+
+UNKNOWN_VERDICT = "verdict unknown"
+"""The line of a run of which no verdict is kept."""
+
+
+def kind_of(verdict: Verdict | None) -> str:
+    """Return how far a run can be taken, in a word; `None` is an unknown verdict."""
+    return UNKNOWN_VERDICT if verdict is None else verdict.kind
+
+
+def verdict_line(verdict: Verdict | None) -> str:
+    """Return a verdict in one line, its coverage included; `None` is an unknown one."""
+    if verdict is None:
+        return UNKNOWN_VERDICT
+    ran, number = verdict.coverage.ran, verdict.coverage.all
+    covered = f"{ran} of {number} function{'' if number == 1 else 's'} with commands ran"
+    # Functions that never ran are counted by the coverage.
+    reported = [each for each in verdict.open_reasons if each.code != NEVER_RAN]
+    if not reported:
+        return f"{verdict.kind}, {covered}"
+    more = f" (and {len(reported) - 1} more)" if len(reported) > 1 else ""
+    return f"{verdict.kind}: {reported[0]}{more}; {covered}"
