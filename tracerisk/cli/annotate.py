@@ -9,7 +9,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.shared.output import note, note_warnings, print_diffs, print_json
 from tracerisk.cli.shared.run_report import blocks_line
-from tracerisk.cli.shared.sources import decoded, read_file
+from tracerisk.cli.shared.sources import decoded, read_file, read_profile
 from tracerisk.errors import ExitCode, InputError, Location
 
 if TYPE_CHECKING:
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, "controller FILE  a controller in Python, C or C++")
+    parser.add_argument("controller", metavar="FILE", help="a controller in Python, C or C++")
     source = parser.add_mutually_exclusive_group(required=True)
-    shared.add(source, "--trace FILE  a trace, as `tracerisk trace -o` wrote it")
-    shared.add(source, "--log FILE  a log in the published text format")
+    source.add_argument("--trace", metavar="FILE", help="a trace, as `tracerisk trace -o` wrote it")
+    source.add_argument("--log", metavar="FILE", help="a log in the published text format")
     shared.add_hardware_options(parser)
     shared.add_profile(parser)
     shared.add_write_options(parser)
@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk import api
     from tracerisk.pipeline.freshness.known_functions import check_blocks
 
-    profile = shared.read_profile(options)
+    profile = read_profile(options)
     controller = api.load_controller(options.controller)
     given = shared.run_settings(options)
     settings = api.load_settings(controller, given)

@@ -10,21 +10,29 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show, write_file
 from tracerisk.cli.shared.recordings import add_reading, read_recording
 from tracerisk.cli.shared.run_report import trace_lines
+from tracerisk.cli.shared.values import positive
 from tracerisk.errors import ExitCode, InputError
-
-_OPTIONS = """\
-controller [FILE]  the file of the controller's functions
---duration S       how long to listen (default: until an interrupt)
---dds              listen to a robot of ROS 2, by DDS (extra dds; default: ROS 1)
---keep OUT.mcap    keep what was heard as a recording
-"""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS)
+    parser.add_argument(
+        "controller", metavar="FILE", nargs="?", help="the file of the controller's functions"
+    )
+    parser.add_argument(
+        "--duration",
+        metavar="S",
+        type=positive,
+        help="how long to listen (default: until an interrupt)",
+    )
+    parser.add_argument(
+        "--dds",
+        action="store_true",
+        help="listen to a robot of ROS 2, by DDS (extra dds; default: ROS 1)",
+    )
+    parser.add_argument("--keep", metavar="OUT.mcap", help="keep what was heard as a recording")
     add_reading(parser, with_robot=True)
-    shared.add(parser, "-o, --output FILE  write the trace as JSON")
+    parser.add_argument("-o", "--output", metavar="FILE", help="write the trace as JSON")
     shared.add_json(parser)
 
 

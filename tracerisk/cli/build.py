@@ -6,7 +6,7 @@ import argparse
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json
-from tracerisk.cli.shared.sources import model_of_sources
+from tracerisk.cli.shared.sources import model_of_sources, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict
 from tracerisk.cli.solving.figure_options import add_set, set_in, sets_a_rate
 from tracerisk.cli.solving.hardware_spread import (
@@ -19,8 +19,10 @@ from tracerisk.report.tables import counted
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, "files FILE ...  an annotated source")
-    shared.add(parser, "-o, --output FILE  write the model there, not to standard output")
+    parser.add_argument("files", metavar="FILE", nargs="+", help="an annotated source")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="write the model there, not to standard output"
+    )
     shared.add_profile(parser)
     add_set(parser)
     add_hardware_spread(parser)
@@ -32,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.cli.shared.output import write_file
     from tracerisk.prm.formats import model_json
 
-    model = model_of_sources(options.files, shared.read_profile(options))
+    model = model_of_sources(options.files, read_profile(options))
     model, _ = set_in(model, options)
     spreads = spreads_of_files(options.files, model, options, is_needed=not sets_a_rate(options))
     if spreads is not None:

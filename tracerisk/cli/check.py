@@ -15,6 +15,7 @@ from tracerisk.cli.shared.output import (
     show,
     write_sarif,
 )
+from tracerisk.cli.shared.values import probability
 from tracerisk.common.text.plain_data import picked
 from tracerisk.common.verdict import GAPS, verdict_line
 from tracerisk.errors import ExitCode, TraceRiskError
@@ -28,17 +29,28 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.project import Projects
 
 
-_OPTIONS = """\
-files [FILE ...]  controller, or a file that one uses (default: all of the locks here and below)
---min-coverage F  exit 1 if less than this fraction of the functions that can command hardware ran
---base REV        exit 1 if fewer of those functions ran than by the lock of this revision of git
---watch           check again whenever a file changes that it reads
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS)
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="controller, or a file that one uses (default: all of the locks here and below)",
+    )
+    parser.add_argument(
+        "--min-coverage",
+        metavar="F",
+        type=probability,
+        help="exit 1 if less than this fraction of the functions that can command hardware ran",
+    )
+    parser.add_argument(
+        "--base",
+        metavar="REV",
+        help="exit 1 if fewer of those functions ran than by the lock of this revision of git",
+    )
+    parser.add_argument(
+        "--watch", action="store_true", help="check again whenever a file changes that it reads"
+    )
     shared.add_sarif(parser)
     shared.add_json(parser)
 

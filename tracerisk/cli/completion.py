@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from tracerisk.cli.shared import options as shared
-
 SHELLS = ("bash", "zsh", "fish", "tcsh")
 
 _HOW = """\
@@ -21,7 +19,7 @@ install it once, then open a new shell:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, f"shell {{{','.join(SHELLS)}}}  shell to complete in")
+    parser.add_argument("shell", choices=SHELLS, help="shell to complete in")
     parser.epilog = _HOW
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
 

@@ -25,20 +25,29 @@ CHAINS = (ModelFormat.PRISM, ModelFormat.EXPLICIT)
 _WRITTEN = (*TREES, *CHAINS, ModelFormat.LINKED)
 
 
-_OPTIONS = """\
-files FILE ...     a model of any format, or sources with blocks
--o, --output FILE  the file to write; of .tra, .lab too
---to {...}         output format (default: by the ending of the output; .json is openpra)
---set NAME=V ... as set_values
-                   a constant of a PRISM file; repeatable
---top NAME         the top to write, where a file holds one
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     formats = [each.value for each in _WRITTEN]
-    shared.add(parser, _OPTIONS, output={"required": True}, to={"choices": formats})
+    parser.add_argument(
+        "files", metavar="FILE", nargs="+", help="a model of any format, or sources with blocks"
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", required=True, help="the file to write; of .tra, .lab too"
+    )
+    parser.add_argument(
+        "--to",
+        choices=formats,
+        help="output format (default: by the ending of the output; .json is openpra)",
+    )
+    parser.add_argument(
+        "--set",
+        dest="set_values",
+        metavar="NAME=V",
+        action="append",
+        default=[],
+        help="a constant of a PRISM file; repeatable",
+    )
+    parser.add_argument("--top", metavar="NAME", help="the top to write, where a file holds one")
     shared.add_mission_time(parser)
     shared.add_json(parser)
 

@@ -11,6 +11,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import format_of, read_model
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, paper, print_json, print_text
+from tracerisk.cli.shared.values import count, probability
 from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import InputError, ModelError, one_of
 
@@ -26,19 +27,36 @@ LIMIT = 20
 _TREES = "a fault tree (Open-PSA, OpenPRA, static Galileo) or a model of functions (JSON)"
 
 
-_OPTIONS = f"""\
-files FILE ...  a model: Open-PSA, OpenPRA, Galileo or JSON
---top NAME      top event or function (default: the only one)
---max-order K   leave out those of more than K events
---cut-off P     list none of a probability below P
---limit N       list the N most probable ({LIMIT})
---prime         prime implicants: of trees with negations, what must not happen too
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS, cut_off={"default": 0.0}, limit={"default": LIMIT})
+    parser.add_argument(
+        "files", metavar="FILE", nargs="+", help="a model: Open-PSA, OpenPRA, Galileo or JSON"
+    )
+    parser.add_argument(
+        "--top", metavar="NAME", help="top event or function (default: the only one)"
+    )
+    parser.add_argument(
+        "--max-order", metavar="K", type=count, help="leave out those of more than K events"
+    )
+    parser.add_argument(
+        "--cut-off",
+        metavar="P",
+        type=probability,
+        default=0.0,
+        help="list none of a probability below P",
+    )
+    parser.add_argument(
+        "--limit",
+        metavar="N",
+        type=count,
+        default=LIMIT,
+        help="list the N most probable (20)",
+    )
+    parser.add_argument(
+        "--prime",
+        action="store_true",
+        help="prime implicants: of trees with negations, what must not happen too",
+    )
     shared.add_mission_time(parser)
     shared.add_json(parser)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, terminal_width, write_sarif
+from tracerisk.cli.shared.values import probability
 from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import ExitCode, InputError
 
@@ -17,29 +18,55 @@ if TYPE_CHECKING:
     from tracerisk.prm.review.risk_change import Review, RiskDiff
 
 
-_OPTIONS = """\
-words [REV|FILE ...]  REV, A..B or A...B as git reads them (HEAD against the working tree); then
-                      files
---format {text,markdown,json}
-                      text, Markdown for a pull request, or JSON (text)
---max-increase R      exit 1 if a mission's failure probability rises by more than R of it: 0.1 is
-                      10 %
---max-failure-probability, --max-risk P
-                      exit 1 if a mission's failure probability is above P after the change
---no-new-accepts      exit 1 if the change accepts a reason of its run that was not accepted before
---no-outcome-change   exit 1 if the mission brings about something else: objects, rests, grips, uses
-                      of the cell
---silent-below R      print nothing where no mission's failure probability changes by more than R
-                      of it
---textconv FILE       print a source with its risk model below it, for `git diff`: docs/review.md
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    increase = {"type": _increase}
-    form = {"default": "text"}
-    shared.add(parser, _OPTIONS, format=form, max_increase=increase, silent_below=increase)
+    parser.add_argument(
+        "words",
+        metavar="REV|FILE",
+        nargs="*",
+        help="REV, A..B or A...B as git reads them (HEAD against the working tree); then files",
+    )
+    parser.add_argument(
+        "--format",
+        choices=["text", "markdown", "json"],
+        default="text",
+        help="text, Markdown for a pull request, or JSON (text)",
+    )
+    parser.add_argument(
+        "--max-increase",
+        metavar="R",
+        type=_increase,
+        help="exit 1 if a mission's failure probability rises by more than R of it: 0.1 is 10 %%",
+    )
+    parser.add_argument(
+        "--max-failure-probability",
+        "--max-risk",
+        metavar="P",
+        type=probability,
+        help="exit 1 if a mission's failure probability is above P after the change",
+    )
+    parser.add_argument(
+        "--no-new-accepts",
+        action="store_true",
+        help="exit 1 if the change accepts a reason of its run that was not accepted before",
+    )
+    parser.add_argument(
+        "--no-outcome-change",
+        action="store_true",
+        help="exit 1 if the mission brings about something else: objects, rests, grips, uses of "
+        "the cell",
+    )
+    parser.add_argument(
+        "--silent-below",
+        metavar="R",
+        type=_increase,
+        help="print nothing where no mission's failure probability changes by more than R of it",
+    )
+    parser.add_argument(
+        "--textconv",
+        metavar="FILE",
+        help="print a source with its risk model below it, for `git diff`: docs/review.md",
+    )
     shared.add_sarif(parser)
     shared.add_json(parser)
 

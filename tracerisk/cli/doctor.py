@@ -28,8 +28,10 @@ _MANY = 4
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, "controller [FILE]  controller whose robot and settings to show")
-    shared.add(parser, "--robot NAME|FILE  robot (default: as a run infers it)")
+    parser.add_argument(
+        "controller", metavar="FILE", nargs="?", help="controller whose robot and settings to show"
+    )
+    parser.add_argument("--robot", metavar="NAME|FILE", help="robot (default: as a run infers it)")
     shared.add_sandbox(parser)
     shared.add_json(parser)
 

@@ -25,7 +25,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what can be done with descriptions, each with its options."""
     for name, action in add_actions(parser, _ACTIONS):
         if name == "check":
-            shared.add(action, "files FILE ...  the description, YAML")
+            action.add_argument("files", metavar="FILE", nargs="+", help="the description, YAML")
         if name == "schema":
             add_output(action)
         shared.add_json(action)

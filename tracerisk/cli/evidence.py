@@ -16,6 +16,7 @@ from tracerisk.cli.shared.output import (
     write_file,
 )
 from tracerisk.cli.shared.progress import bar_of_cells
+from tracerisk.cli.shared.values import count, positive
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
@@ -24,27 +25,34 @@ if TYPE_CHECKING:
 _MERGE = "merge"
 
 
-_CELLS = """\
---cells N      failures to draw from the hazard (default: evidence_cells of the settings, 200)
---until WIDTH  draw more until the 90 % interval of the mission's factor is no wider than this
-"""
-_OUTPUT = """\
---csv OUT         write the table as CSV
---markdown OUT    write the table as Markdown
---replays FOLDER  run the worst failures again, and write a page with the replay of each
--o, --output OUT  of merge: the file to write
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     shared.add_run_options(parser)
     shared.add_hardware_options(parser)
     group = parser.add_argument_group("the campaign")
-    shared.add(group, _CELLS)
+    group.add_argument(
+        "--cells",
+        metavar="N",
+        type=count,
+        help="failures to draw from the hazard (default: evidence_cells of the settings, 200)",
+    )
+    group.add_argument(
+        "--until",
+        metavar="WIDTH",
+        type=positive,
+        help="draw more until the 90 %% interval of the mission's factor is no wider than this",
+    )
     shared.add_campaign_options(group, "failure")
-    shared.add(group, "--show  print what is there; try nothing")
-    shared.add(parser.add_argument_group("output"), _OUTPUT)
+    group.add_argument("--show", action="store_true", help="print what is there; try nothing")
+    group = parser.add_argument_group("output")
+    group.add_argument("--csv", metavar="OUT", help="write the table as CSV")
+    group.add_argument("--markdown", metavar="OUT", help="write the table as Markdown")
+    group.add_argument(
+        "--replays",
+        metavar="FOLDER",
+        help="run the worst failures again, and write a page with the replay of each",
+    )
+    group.add_argument("-o", "--output", metavar="OUT", help="of merge: the file to write")
     shared.add_json(parser)
 
 

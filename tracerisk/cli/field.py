@@ -23,17 +23,18 @@ if TYPE_CHECKING:
     from tracerisk.trace import Trace
 
 
-_OPTIONS = """\
-recordings FILE ...  the trace, log or recording of one mission
---against TRACE      the trace of the twin; exit 1 where its exposures leave the field's intervals
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS)
+    parser.add_argument(
+        "recordings", metavar="FILE", nargs="+", help="the trace, log or recording of one mission"
+    )
+    parser.add_argument(
+        "--against",
+        metavar="TRACE",
+        help="the trace of the twin; exit 1 where its exposures leave the field's intervals",
+    )
     add_reading(parser, with_robot=True)
-    shared.add(parser, "-o, --output OUT  write the field profile as JSON")
+    parser.add_argument("-o", "--output", metavar="OUT", help="write the field profile as JSON")
     shared.add_json(parser)
 
 

@@ -38,9 +38,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _add_convert(parser: argparse.ArgumentParser) -> None:
-    shared.add(parser, "file FILE  the description, .yaml or .sysml")
+    parser.add_argument("file", metavar="FILE", help="the description, .yaml or .sysml")
     words = "the file to write, .yaml or .sysml"
-    shared.add(parser, f"-o, --output FILE  {words}", output={"required": True})
+    parser.add_argument("-o", "--output", metavar="FILE", required=True, help=words)
 
 
 def _convert(options: argparse.Namespace) -> int:
@@ -73,8 +73,14 @@ def _convert(options: argparse.Namespace) -> int:
 
 
 def _add_show(parser: argparse.ArgumentParser) -> None:
-    shared.add(parser, "file [FILE]  hardware description (default: that of the robot)")
-    shared.add(parser, "--robot NAME|FILE  robot, which says how many of each component there are")
+    parser.add_argument(
+        "file", metavar="FILE", nargs="?", help="hardware description (default: that of the robot)"
+    )
+    parser.add_argument(
+        "--robot",
+        metavar="NAME|FILE",
+        help="robot, which says how many of each component there are",
+    )
 
 
 def _show(options: argparse.Namespace) -> int:
@@ -124,10 +130,10 @@ def _of_settings() -> str:
 
 
 def _add_init(parser: argparse.ArgumentParser) -> None:
-    shared.add(parser, "--robot NAME|FILE  the arm", robot={"required": True})
+    parser.add_argument("--robot", metavar="NAME|FILE", required=True, help="the arm")
     add_output(parser)
     words = "output format (default: by the ending of the output, or YAML)"
-    shared.add(parser, f"--format {{yaml,sysml}}  {words}")
+    parser.add_argument("--format", choices=["yaml", "sysml"], help=words)
 
 
 def _init(options: argparse.Namespace) -> int:
@@ -196,22 +202,29 @@ def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[
     }
 
 
-_FIGURES = """\
---failures CSV  what failed: component, failures, and hours, demands or missions
---figures CSV   other figures: component, failure_rate or probability, per, error_factor, source
-"""
-_UPDATE = """\
---field JSON       a profile by `tracerisk field`, for failures counted in missions
---robot NAME|FILE  robot (default: that of the field)
--o, --output OUT   file to write (default: the description itself)
---dry-run          print the new figures alone
-"""
-
-
 def _add_update(parser: argparse.ArgumentParser) -> None:
-    shared.add(parser, "file FILE  the description, .yaml")
-    shared.add(parser.add_mutually_exclusive_group(required=True), _FIGURES)
-    shared.add(parser, _UPDATE)
+    parser.add_argument("file", metavar="FILE", help="the description, .yaml")
+    group = parser.add_mutually_exclusive_group(required=True)
+    group.add_argument(
+        "--failures",
+        metavar="CSV",
+        help="what failed: component, failures, and hours, demands or missions",
+    )
+    group.add_argument(
+        "--figures",
+        metavar="CSV",
+        help="other figures: component, failure_rate or probability, per, error_factor, source",
+    )
+    parser.add_argument(
+        "--field",
+        metavar="JSON",
+        help="a profile by `tracerisk field`, for failures counted in missions",
+    )
+    parser.add_argument("--robot", metavar="NAME|FILE", help="robot (default: that of the field)")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT", help="file to write (default: the description itself)"
+    )
+    parser.add_argument("--dry-run", action="store_true", help="print the new figures alone")
 
 
 def _update(options: argparse.Namespace) -> int:

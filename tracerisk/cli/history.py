@@ -15,6 +15,7 @@ from tracerisk.cli.shared.output import (
     show,
     write_file,
 )
+from tracerisk.cli.shared.values import count, probability
 from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import ExitCode, InputError
 
@@ -22,18 +23,27 @@ if TYPE_CHECKING:
     from tracerisk.report.series.history import HistoryPoint
 
 
-_OPTIONS = """\
-files [FILE ...]  a controller (default: all of the locks here and below)
---most N          look at the last N commits of each alone
---above P         print since which commit the figure is above P; exit 1 where it is
---svg OUT         draw the figures over the commits
---badge OUT       draw a badge with the figure and verdict of one controller
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS)
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="a controller (default: all of the locks here and below)",
+    )
+    parser.add_argument(
+        "--most", metavar="N", type=count, help="look at the last N commits of each alone"
+    )
+    parser.add_argument(
+        "--above",
+        metavar="P",
+        type=probability,
+        help="print since which commit the figure is above P; exit 1 where it is",
+    )
+    parser.add_argument("--svg", metavar="OUT", help="draw the figures over the commits")
+    parser.add_argument(
+        "--badge", metavar="OUT", help="draw a badge with the figure and verdict of one controller"
+    )
     shared.add_json(parser)
 
 

@@ -18,18 +18,16 @@ _MOST_SHOWN = 10
 _MOST_ASKED = 3
 
 
-_OPTIONS = """\
-folder [FOLDER]  the repository (default: here)
---robot NAME     robot (default: inferred)
---ci {github,gitlab,none}
-                 write a CI file (none)
---yes            write without asking
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS, folder={"default": "."}, ci={"default": "none"})
+    parser.add_argument(
+        "folder", metavar="FOLDER", nargs="?", default=".", help="the repository (default: here)"
+    )
+    parser.add_argument("--robot", metavar="NAME", help="robot (default: inferred)")
+    parser.add_argument(
+        "--ci", choices=["github", "gitlab", "none"], default="none", help="write a CI file (none)"
+    )
+    parser.add_argument("--yes", action="store_true", help="write without asking")
     shared.add_json(parser)
 
 

@@ -9,16 +9,18 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json
 from tracerisk.errors import ExitCode, InputError, Location
 
-_OPTIONS = """\
-files [FILE ...]  the lock of the common ancestor, ours (where the merged one is written) and
-                  theirs
---install         have git merge tracerisk.lock so in this repository
-"""
-
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS)
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="the lock of the common ancestor, ours (where the merged one is written) and theirs",
+    )
+    parser.add_argument(
+        "--install", action="store_true", help="have git merge tracerisk.lock so in this repository"
+    )
     shared.add_json(parser)
 
 

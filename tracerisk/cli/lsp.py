@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 
-from tracerisk.cli.shared import options as shared
-
 _HOW = """\
 An editor starts it; it takes no options. What it shows and how editors are set up:
 docs/editor.md.
@@ -14,7 +12,9 @@ docs/editor.md.
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, "--stdio  no other way is there; editors give it by habit")
+    parser.add_argument(
+        "--stdio", action="store_true", help="no other way is there; editors give it by habit"
+    )
     parser.epilog = _HOW
 
 

@@ -9,23 +9,30 @@ from typing import TYPE_CHECKING
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, paper, print_json, print_text, show
 from tracerisk.cli.shared.progress import bar_of_cells
+from tracerisk.cli.shared.values import count, probability
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
     from tracerisk.report.mutants import MutantRuns
-
-_CHANGES = """\
---most N         changes to try, drawn by the seed from all places (default: 60)
---min-noticed F  exit 1 if `success` notices less than this fraction of the changes that alter
-                 what the run brings about
-"""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     shared.add_run_options(parser)
     group = parser.add_argument_group("the changes")
-    shared.add(group, _CHANGES)
+    group.add_argument(
+        "--most",
+        metavar="N",
+        type=count,
+        help="changes to try, drawn by the seed from all places (default: 60)",
+    )
+    group.add_argument(
+        "--min-noticed",
+        metavar="F",
+        type=probability,
+        help="exit 1 if `success` notices less than this fraction of the changes that alter what "
+        "the run brings about",
+    )
     shared.add_campaign_options(group, "change")
     shared.add_json(parser)
 

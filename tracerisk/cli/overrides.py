@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
+from tracerisk.cli.shared.values import percentage
 from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import ExitCode
 
@@ -23,15 +24,20 @@ _GAP = "  "
 _WIDEST_VALUE = 14
 
 
-_OPTIONS = """\
-files [FILE ...]     annotated source (default: all of the locks here and below)
---max-drift PERCENT  exit 1 if a value lies further than this from the computed one
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS)
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="annotated source (default: all of the locks here and below)",
+    )
+    parser.add_argument(
+        "--max-drift",
+        metavar="PERCENT",
+        type=percentage,
+        help="exit 1 if a value lies further than this from the computed one",
+    )
     shared.add_json(parser)
 
 

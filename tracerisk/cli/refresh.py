@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.check.refresh import Refreshed
 
 
-_OPTIONS = """\
-files [FILE ...]  controller, or a file that one uses (default: all of the locks here and below)
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS)
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="controller, or a file that one uses (default: all of the locks here and below)",
+    )
     shared.add_write_options(parser)
     shared.add_edit_options(parser)
     shared.add_sandbox(parser)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.cli.reporting.against import add_against, review_against
 from tracerisk.cli.reporting.overview import write_overview
 from tracerisk.cli.reporting.report_input import RunShown, history_shown, report_html, run_shown
 from tracerisk.cli.reporting.report_pictures import (
@@ -14,9 +15,8 @@ from tracerisk.cli.reporting.report_pictures import (
     write_report_pictures,
 )
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.against import add_against, review_against
 from tracerisk.cli.shared.output import note, print_json, write_file
-from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file
+from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict, verdict_details
 from tracerisk.errors import ExitCode, InputError, SourceError
 
@@ -28,21 +28,28 @@ if TYPE_CHECKING:
 _HOW = "`tracerisk run` or `refresh` brings it up to date, `--trace` names another."
 
 
-_OPTIONS = """\
-files [FILE ...]       annotated sources; of one that the lock knows, with the other files of its
-                       blocks
--o, --output OUT.html  the page to write
---all                  one page over every controller of the locks in and below this folder, with
-                       links to their reports beside it
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS)
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="annotated sources; of one that the lock knows, with the other files of its blocks",
+    )
+    parser.add_argument("-o", "--output", metavar="OUT.html", help="the page to write")
+    parser.add_argument(
+        "--all",
+        action="store_true",
+        help="one page over every controller of the locks in and below this folder, with links to "
+        "their reports beside it",
+    )
     add_against(parser)
-    shared.add(parser, "--history  show how the figure went over the commits of git")
-    shared.add(parser, "--trace FILE  trace of a run as JSON (default: the cached one, if fresh)")
+    parser.add_argument(
+        "--history", action="store_true", help="show how the figure went over the commits of git"
+    )
+    parser.add_argument(
+        "--trace", metavar="FILE", help="trace of a run as JSON (default: the cached one, if fresh)"
+    )
     add_picture_options(parser)
     shared.add_hardware_options(parser)
     shared.add_profile(parser)
@@ -81,7 +88,7 @@ def _write_page(
     files = list(options.files)
     if len(files) == 1 and kept is not None:
         files = list(kept.files)
-    model = model_of_sources(files, shared.read_profile(options))
+    model = model_of_sources(files, read_profile(options))
     assessment = api.solve(model)
     verdicts = sources_verdict(files)
     assert verdicts is not None, "the files are sources"

@@ -42,7 +42,9 @@ _ALWAYS = (
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, "robot [NAME|FILE]  robot to show (default: list all)")
+    parser.add_argument(
+        "robot", metavar="NAME|FILE", nargs="?", help="robot to show (default: list all)"
+    )
     shared.add_json(parser)
 
 

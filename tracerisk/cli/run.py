@@ -4,30 +4,13 @@ from __future__ import annotations
 
 import argparse
 
+from tracerisk.cli.reporting.against import add_against, check_against
 from tracerisk.cli.running.fault import add_fault, check_fault_options, run_faults
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.against import add_against, check_against
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.solving.hardware_spread import add_run_uncertainty, check_run_uncertainty
 from tracerisk.common.worlds.world import ALL, worlds_named
 from tracerisk.errors import InputError
-
-_WATCH = """\
---watch  run it again whenever a file changes that it depends on; writes no source
---write  with --watch: write sources and lock
-"""
-_WORLDS = """\
---worlds [NAMES]  run it again in worlds that a cell may be, all or those named between commas, and
-                  exit 1 if verdict or outcome depend on one (docs/worlds.md)
-"""
-_FILES = """\
---trace FILE       write the trace as JSON
---model FILE       write the risk model as JSON
---report OUT.html  write a report as one HTML page
-"""
-_VERBOSE = """\
--v, --verbose  print every component, table and assumption (default where output is no terminal)
-"""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -36,9 +19,20 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_live(parser)
     shared.add_hardware_options(parser)
     shared.add_write_options(parser)
-    shared.add(parser, _WATCH)
-    shared.add(
-        parser, _WORLDS, worlds={"nargs": "?", "const": ALL, "default": "", "metavar": "NAMES"}
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="run it again whenever a file changes that it depends on; writes no source",
+    )
+    parser.add_argument("--write", action="store_true", help="with --watch: write sources and lock")
+    parser.add_argument(
+        "--worlds",
+        metavar="NAMES",
+        nargs="?",
+        const=ALL,
+        default="",
+        help="run it again in worlds that a cell may be, all or those named between commas, and "
+        "exit 1 if verdict or outcome depend on one (docs/worlds.md)",
     )
     shared.add_edit_options(parser)
     shared.add_profile(parser)
@@ -46,13 +40,20 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_run_uncertainty(parser)
     add_fault(parser)
     shared.add_record(parser)
-    shared.add(parser, _FILES)
+    parser.add_argument("--trace", metavar="FILE", help="write the trace as JSON")
+    parser.add_argument("--model", metavar="FILE", help="write the risk model as JSON")
+    parser.add_argument("--report", metavar="OUT.html", help="write a report as one HTML page")
     add_against(parser)
     words = "exit 1 if the mission's failure probability is above P"
     shared.add_max_failure_probability(parser, words)
     shared.add_fail_on(parser)
     shared.add_sarif(parser)
-    shared.add(parser, _VERBOSE)
+    parser.add_argument(
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="print every component, table and assumption (default where output is no terminal)",
+    )
     shared.add_json(parser)
 
 

@@ -11,6 +11,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import failure_code, print_failure, trace_as_typed
+from tracerisk.cli.shared.values import positive
 from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.common.text.plain_data import picked
 from tracerisk.config import from_here
@@ -26,20 +27,30 @@ _SEARCH_S = 60.0
 _ENDING = ".scenario.yaml"
 
 
-_OPTIONS = f"""\
---write                write a scenario with which it runs: FILE without .py and with {_ENDING}
--o, --output OUT.yaml  where --write writes; what is there is kept
---no-run as is_run     list what the source asks for alone
---search-limit S as search_limit_s
-                       computing time of its runs after which the search ends with the best so far
-                       ({_SEARCH_S:g} s)
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    no_run = {"action": "store_false"}
-    shared.add(parser, _OPTIONS, no_run=no_run, search_limit={"default": _SEARCH_S})
+    parser.add_argument(
+        "--write",
+        action="store_true",
+        help="write a scenario with which it runs: FILE without .py and with .scenario.yaml",
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.yaml", help="where --write writes; what is there is kept"
+    )
+    parser.add_argument(
+        "--no-run",
+        dest="is_run",
+        action="store_false",
+        help="list what the source asks for alone",
+    )
+    parser.add_argument(
+        "--search-limit",
+        dest="search_limit_s",
+        metavar="S",
+        type=positive,
+        default=_SEARCH_S,
+        help="computing time of its runs after which the search ends with the best so far (60 s)",
+    )
     shared.add_run_options(parser)
     shared.add_json(parser)
 

@@ -6,7 +6,6 @@ import argparse
 import os
 from pathlib import Path
 
-from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_text
 from tracerisk.errors import ExitCode, InputError, Location
 
@@ -17,17 +16,19 @@ What the pages show: docs/serve.md.
 """
 
 
-_OPTIONS = f"""\
-folder [FOLDER]  a repository (this folder)
---port N         the port of 127.0.0.1 to listen on, 0 for any that is free ({PORT})
--q, --quiet      print only errors
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    port = {"type": _port, "default": PORT}
-    shared.add(parser, _OPTIONS, folder={"default": "."}, port=port)
+    parser.add_argument(
+        "folder", metavar="FOLDER", nargs="?", default=".", help="a repository (this folder)"
+    )
+    parser.add_argument(
+        "--port",
+        metavar="N",
+        type=_port,
+        default=PORT,
+        help="the port of 127.0.0.1 to listen on, 0 for any that is free (8417)",
+    )
+    parser.add_argument("-q", "--quiet", action="store_true", help="print only errors")
     parser.epilog = _HOW
 
 

@@ -8,7 +8,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import OWN, format_of
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import paper, print_json, print_text, risk_exit, show
-from tracerisk.cli.shared.sources import model_of_files
+from tracerisk.cli.shared.sources import model_of_files, read_profile
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.cli.solving.hardware_spread import notes_data, print_spreads, spreads_of_files
 from tracerisk.errors import InputError
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     import argparse
 
 
-_FILES = """\
-files FILE ...  a model: JSON, Open-PSA, OpenPRA, Galileo, PRISM or .tra; or annotated sources
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _FILES)
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="+",
+        help="a model: JSON, Open-PSA, OpenPRA, Galileo, PRISM or .tra; or annotated sources",
+    )
     shared.add_profile(parser)
     shared.add_mission_time(parser)
     words = "exit 1 if the failure probability, or a figure of a model file, is above P"
@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.prm.hybrid.solve import solve
 
-    given = model_of_files(options.files, shared.read_profile(options))
+    given = model_of_files(options.files, read_profile(options))
     model, changes = asked.set_in(given, options)
     assessment = solve(model)
     sweeps = asked.swept(model, options)

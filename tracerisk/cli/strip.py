@@ -11,9 +11,11 @@ from tracerisk.errors import EditInTheWayError, ExitCode
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, "files FILE ...  an annotated source")
+    parser.add_argument("files", metavar="FILE", nargs="+", help="an annotated source")
     shared.add_write_options(parser)
-    shared.add(parser, "--discard-edits  remove blocks with hand-set values too")
+    parser.add_argument(
+        "--discard-edits", action="store_true", help="remove blocks with hand-set values too"
+    )
     shared.add_json(parser)
 
 

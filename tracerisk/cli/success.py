@@ -19,15 +19,17 @@ from tracerisk.errors import InputError, Location
 if TYPE_CHECKING:
     from tracerisk.pipeline.scenarios.success_draft import SuccessDraft
 
-_OPTIONS = """\
---write                put what is missing under success of the scenario, each line to confirm
--o, --output OUT.yaml  where --write writes; what is there is kept
-"""
-
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    shared.add(parser, _OPTIONS)
+    parser.add_argument(
+        "--write",
+        action="store_true",
+        help="put what is missing under success of the scenario, each line to confirm",
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.yaml", help="where --write writes; what is there is kept"
+    )
     shared.add_run_options(parser)
     shared.add_json(parser)
 

@@ -14,24 +14,24 @@ from tracerisk.cli.shared.output import (
 )
 from tracerisk.cli.shared.progress import bar_of_cells
 
-_OVER = """\
---over NAME=VALUES ...  what to vary, such as seed=0..9, robot=panda,fr3, param:/speed=0.1,0.2 or
-                        scenario:objects.cup.mass=0.1,0.5; repeatable: every combination is run
-"""
-_OUTPUT = """\
---csv OUT       write the points as CSV
---plot OUT.svg  draw the figure over the first factor
-"""
-
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     shared.add_run_options(parser)
     shared.add_hardware_options(parser)
     group = parser.add_argument_group("the sweep")
-    shared.add(group, _OVER)
+    group.add_argument(
+        "--over",
+        metavar="NAME=VALUES",
+        action="append",
+        default=[],
+        help="what to vary, such as seed=0..9, robot=panda,fr3, param:/speed=0.1,0.2 or "
+        "scenario:objects.cup.mass=0.1,0.5; repeatable: every combination is run",
+    )
     shared.add_campaign_options(group, "point")
-    shared.add(parser.add_argument_group("output"), _OUTPUT)
+    group = parser.add_argument_group("output")
+    group.add_argument("--csv", metavar="OUT", help="write the points as CSV")
+    group.add_argument("--plot", metavar="OUT.svg", help="draw the figure over the first factor")
     shared.add_json(parser)
 
 

@@ -31,20 +31,20 @@ if TYPE_CHECKING:
     from tracerisk.trace import Trace
 
 
-_FROM = """\
---from REC as recording  read the trace from a recording: MCAP, bag or db3; runs nothing
-"""
-
-
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
     shared.add_run_options(parser, needs_file=False)
     shared.add_live(parser)
-    shared.add(parser, _FROM)
+    parser.add_argument(
+        "--from",
+        dest="recording",
+        metavar="REC",
+        help="read the trace from a recording: MCAP, bag or db3; runs nothing",
+    )
     add_reading(parser, with_robot=False)
     shared.add_record(parser)
     shared.add_hardware_options(parser)
-    shared.add(parser, "-o, --output FILE  write the trace as JSON")
+    parser.add_argument("-o", "--output", metavar="FILE", help="write the trace as JSON")
     shared.add_json(parser)
 
 

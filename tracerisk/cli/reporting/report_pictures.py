@@ -7,7 +7,6 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
@@ -20,18 +19,23 @@ if TYPE_CHECKING:
     from tracerisk.trace import Trace
 
 
-_PICTURES = """\
---png DIR        write a picture of the arm for each function into DIR
---gif OUT.gif    write a short film of the arm, of at most 12 seconds
---mp4 OUT.mp4    write the same film as MP4, a fifth as large
---recording DIR  the recording that `run --keep DIR` left, for pictures and films; else the run is
-                 done again
-"""
-
-
 def add_picture_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of pictures."""
-    shared.add(parser, _PICTURES)
+    parser.add_argument(
+        "--png", metavar="DIR", help="write a picture of the arm for each function into DIR"
+    )
+    parser.add_argument(
+        "--gif", metavar="OUT.gif", help="write a short film of the arm, of at most 12 seconds"
+    )
+    parser.add_argument(
+        "--mp4", metavar="OUT.mp4", help="write the same film as MP4, a fifth as large"
+    )
+    parser.add_argument(
+        "--recording",
+        metavar="DIR",
+        help="the recording that `run --keep DIR` left, for pictures and films; else the run is "
+        "done again",
+    )
 
 
 def check_picture_options(options: argparse.Namespace) -> None:

@@ -35,16 +35,17 @@ _NOT_WITH_IT = (
 """The options of risk blocks and figures: a run with a fault has neither."""
 
 
-_FAULT = """\
---fault UNIT:MODE@SECONDS ... as faults
-    run once more with a unit that fails, such as panda_joint4:dead@3.5, and print the effect;
-    writes no block (docs/faults.md); repeatable
-"""
-
-
 def add_fault(parser: argparse.ArgumentParser) -> None:
     """Add the option."""
-    shared.add(parser, _FAULT)
+    parser.add_argument(
+        "--fault",
+        dest="faults",
+        metavar="UNIT:MODE@SECONDS",
+        action="append",
+        default=[],
+        help="run once more with a unit that fails, such as panda_joint4:dead@3.5, and print the "
+        "effect; writes no block (docs/faults.md); repeatable",
+    )
 
 
 def check_fault_options(options: argparse.Namespace) -> None:

@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tracerisk import api
+from tracerisk.cli.reporting.against import review_against
 from tracerisk.cli.reporting.report_input import RunShown, evidence_shown, report_html, worlds_shown
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.against import review_against
 from tracerisk.cli.shared.explain import explained
 from tracerisk.cli.shared.output import note, note_warnings, write_file, write_sarif
 from tracerisk.cli.shared.run_report import recording_folder, write_outputs, write_record
+from tracerisk.cli.shared.sources import read_profile
 from tracerisk.cli.shared.verdict import as_typed, verdict_details
 from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
 from tracerisk.common import trace_json
@@ -59,7 +60,7 @@ def finish_run(
                 options.controller,
                 shared.run_settings(options),
                 policy=shared.merge_policy(options),
-                profile=shared.read_profile(options),
+                profile=read_profile(options),
                 keep=keep,
                 progress=progress,
                 # A recording is that of a run.

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, NoReturn
 from tracerisk.api import RunFailedError
 from tracerisk.cli.running.finished_run import FinishedRun, finish_run
 from tracerisk.cli.running.shown import show_failure, show_run
-from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.shared.progress import progress_bar
+from tracerisk.cli.shared.sources import read_profile
 from tracerisk.cli.shared.watching import Watch, note_error, watch
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.errors import TraceRiskError
@@ -31,7 +31,7 @@ def watch_run(options: argparse.Namespace) -> NoReturn:
     """Run the controller again and again; ends by an interrupt."""
     several_come()
     path = Path(options.controller)
-    shared.read_profile(options)
+    read_profile(options)
     last: list[FinishedRun] = []
     files = watched_files(path, None, None, None)
 

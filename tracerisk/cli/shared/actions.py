@@ -6,7 +6,6 @@ import argparse
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note
 from tracerisk.errors import InputError, Location
 
@@ -27,7 +26,9 @@ def add_actions(
 
 def add_output(parser: argparse.ArgumentParser) -> None:
     """Add where the action writes."""
-    shared.add(parser, "-o, --output FILE  output file (default: standard output)")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="output file (default: standard output)"
+    )
 
 
 def schema_text(package: str, file: str) -> str:

@@ -18,26 +18,29 @@ if TYPE_CHECKING:
 _OPTIONS = ("effort_unit", "encoder_step", "joint_states", "commands", "functions", "names")
 
 
-_READING = """\
---effort-unit UNIT    unit of effort: Nm, %, mA:K or A:K with K in N m per A (default: the robot's)
---encoder-step RAD    least difference of two positions [rad or m]; velocities are then derived if
-                      missing
---joint-states TOPIC  the topic of the joint states
-"""
-_NAMING = """\
---commands FILE       what the probe wrote (docs/probe.md)
---functions FILE.csv  times of functions: time_s,function[,event]
---names TOPIC         a topic with the names of functions
-"""
-
-
 def add_reading(parser: argparse.ArgumentParser, *, with_robot: bool) -> None:
     """Add what is declared of recordings; the robot too, where no other options have it."""
     group = parser.add_argument_group("recordings of a robot (docs/recordings.md)")
     if with_robot:
-        shared.add(group, "--robot NAME|FILE  the robot that was recorded")
-    shared.add(group, _READING)
-    shared.add(group.add_mutually_exclusive_group(), _NAMING)
+        group.add_argument("--robot", metavar="NAME|FILE", help="the robot that was recorded")
+    group.add_argument(
+        "--effort-unit",
+        metavar="UNIT",
+        help="unit of effort: Nm, %%, mA:K or A:K with K in N m per A (default: the robot's)",
+    )
+    group.add_argument(
+        "--encoder-step",
+        metavar="RAD",
+        type=float,
+        help="least difference of two positions [rad or m]; velocities are then derived if missing",
+    )
+    group.add_argument("--joint-states", metavar="TOPIC", help="the topic of the joint states")
+    group = group.add_mutually_exclusive_group()
+    group.add_argument("--commands", metavar="FILE", help="what the probe wrote (docs/probe.md)")
+    group.add_argument(
+        "--functions", metavar="FILE.csv", help="times of functions: time_s,function[,event]"
+    )
+    group.add_argument("--names", metavar="TOPIC", help="a topic with the names of functions")
 
 
 def read_recording(path: Path, options: argparse.Namespace, controller: str | None = None) -> Trace:

@@ -6,12 +6,13 @@ import os
 import re
 from collections.abc import Sequence
 
-from tracerisk.cli.shared.options import ProfileText, profile_fractions
 from tracerisk.cli.shared.output import note
 from tracerisk.errors import InputError, Location, TooLargeError, readable
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    import argparse
+    from fractions import Fraction
     from pathlib import Path
 
     from tracerisk.config import Settings
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
 
 
+_WEIGHT = re.compile(r"\d{1,40}(?:/0*[1-9]\d{0,39}|\.\d{1,40})?|\.\d{1,40}")
+_COLON = re.compile(r"(?<!:):(?!:)")
+ProfileText = dict[str, dict[str, str]]
+"""For each function the share of each target, as text."""
 _HAS_EVIDENCE = re.compile(rb"RiskAnnotation [^\n]*with evidence")
 
 
@@ -57,7 +62,7 @@ def model_of_sources(files: Sequence[str], profile: ProfileText) -> HybridModel:
         for root in dict.fromkeys(controller_root(Path(each)) for each in files):
             for edited in edited_evidence(root):
                 note(f"warning: {edited}")
-    return build(sources, name=name, profile=profile_fractions(profile))
+    return build(sources, name=name, profile=_profile_fractions(profile))
 
 
 def model_of_files(files: Sequence[str], profile: ProfileText) -> HybridModel:
@@ -96,3 +101,48 @@ def decoded(data: bytes, name: str, encoding: str = "utf-8") -> str:
         return data.decode(encoding)
     except UnicodeDecodeError as error:
         raise InputError("is not UTF-8 text", Location(name)) from error
+
+
+def read_profile(options: argparse.Namespace) -> ProfileText:
+    """Return the profile as text: for each function the share of each target.
+
+    Raises InputError when it is malformed.
+    """
+    profile: ProfileText = {}
+    for text in options.profile:
+        if text.endswith(".json"):
+            from pathlib import Path
+
+            from tracerisk.common.field.file import read_field
+
+            found = read_field(Path(text)).shares()
+            if twice := sorted(found.keys() & profile.keys()):
+                raise InputError(f"--profile names '{twice[0]}' twice; give each function once")
+            profile |= found
+            continue
+        # Two colons are part of a name in C++.
+        function, *rest = _COLON.split(text, maxsplit=1)
+        if not rest or not function:
+            raise InputError(f"--profile {text}: expected FUNCTION:TARGET=SHARE,...")
+        if function in profile:
+            raise InputError(f"--profile names '{function}' twice; give each function once")
+        profile[function] = {}
+        for part in rest[0].split(","):
+            target, equals, share = part.strip().rpartition("=")
+            if not equals or not _WEIGHT.fullmatch(share) or target in profile[function]:
+                raise InputError(
+                    f"--profile {text}: '{part}' is not a target of its own with a share, "
+                    "such as init=0.9 or init=9/10"
+                )
+            profile[function][target] = share
+    return profile
+
+
+def _profile_fractions(profile: ProfileText) -> dict[str, dict[str, Fraction]]:
+    """Return the profile as exact fractions."""
+    from fractions import Fraction
+
+    return {
+        function: {target: Fraction(share) for target, share in row.items()}
+        for function, row in profile.items()
+    }

@@ -6,9 +6,10 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 
-from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared import values
 from tracerisk.cli.shared.output import paper, print_text
-from tracerisk.cli.solving.hardware_spread import SAMPLES, add_hardware_spread
+from tracerisk.cli.shared.values import count
+from tracerisk.cli.solving.hardware_spread import add_hardware_spread
 from tracerisk.errors import InputError, one_of
 
 TYPE_CHECKING = False
@@ -33,16 +34,17 @@ POINTS = 9
 """How many values a sweep has unless it is said."""
 
 
-_SET = """\
---set NAME=P ... as set_values
-    set a component's figure, as gripper=1e-6, times a factor, as gripper=x2, or at another rate
-    than its own in --hardware FILE, as gripper.rate=5e-7/h; repeatable
-"""
-
-
 def add_set(group: argparse._ActionsContainer) -> None:
     """Add what sets figures."""
-    shared.add(group, _SET)
+    group.add_argument(
+        "--set",
+        dest="set_values",
+        metavar="NAME=P",
+        action="append",
+        default=[],
+        help="set a component's figure, as gripper=1e-6, times a factor, as gripper=x2, or at "
+        "another rate than its own in --hardware FILE, as gripper.rate=5e-7/h; repeatable",
+    )
 
 
 def sets_a_rate(options: argparse.Namespace) -> bool:
@@ -53,34 +55,66 @@ def sets_a_rate(options: argparse.Namespace) -> bool:
     )
 
 
-_ASKED = f"""\
---sweep NAME=LOW:HIGH[:N] ... as sweeps
-               solve along N log-spaced figures of a component ({POINTS}), as motor=1e-9:1e-5
---importance   every importance measure of every component, by function and unit too
---pairs        second-order importance: what each pair of components does together
---uncertainty  percentiles of the mission's failure probability, and each component's share
---error-factor [NAME=]F ... as error_factors
-               95th percentile over median of a lognormal figure, for one component or for all
-"""
-_DRAWN = f"""\
-{SAMPLES}
---seed S       seed of --uncertainty (0)
---property TEXT ... as properties
-               what is asked of a chain, in PRISM's words: 'P=? [F<=10 "failed"]'; repeatable
---properties FILE as property_file
-               a file of such properties
---curve N      the figures of a tree or chain at N times up to --mission-time, and their means
---figure NAME  of a model with several, the figure that is asked about
-"""
-
-
 def add_what_if(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     group = parser.add_argument_group("what if, and uncertainty")
     add_set(group)
-    shared.add(group, _ASKED)
+    group.add_argument(
+        "--sweep",
+        dest="sweeps",
+        metavar="NAME=LOW:HIGH[:N]",
+        action="append",
+        default=[],
+        help=f"solve along N log-spaced figures of a component ({POINTS}), as motor=1e-9:1e-5",
+    )
+    group.add_argument(
+        "--importance",
+        action="store_true",
+        help="every importance measure of every component, by function and unit too",
+    )
+    group.add_argument(
+        "--pairs",
+        action="store_true",
+        help="second-order importance: what each pair of components does together",
+    )
+    group.add_argument(
+        "--uncertainty",
+        action="store_true",
+        help="percentiles of the mission's failure probability, and each component's share",
+    )
+    group.add_argument(
+        "--error-factor",
+        dest="error_factors",
+        metavar="[NAME=]F",
+        action="append",
+        default=[],
+        help="95th percentile over median of a lognormal figure, for one component or for all",
+    )
     add_hardware_spread(group)
-    shared.add(group, _DRAWN, seed={"type": shared.count})
+    group.add_argument(
+        "--samples", metavar="N", type=count, help="samples of --uncertainty (10000)"
+    )
+    group.add_argument("--seed", metavar="S", type=count, help="seed of --uncertainty (0)")
+    group.add_argument(
+        "--property",
+        dest="properties",
+        metavar="TEXT",
+        action="append",
+        default=[],
+        help="what is asked of a chain, in PRISM's words: 'P=? [F<=10 \"failed\"]'; repeatable",
+    )
+    group.add_argument(
+        "--properties", dest="property_file", metavar="FILE", help="a file of such properties"
+    )
+    group.add_argument(
+        "--curve",
+        metavar="N",
+        type=count,
+        help="the figures of a tree or chain at N times up to --mission-time, and their means",
+    )
+    group.add_argument(
+        "--figure", metavar="NAME", help="of a model with several, the figure that is asked about"
+    )
 
 
 def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel, list[SetValue]]:
@@ -338,7 +372,7 @@ def probability(text: str, where: str) -> float:
     import argparse
 
     try:
-        return shared.probability(text)
+        return values.probability(text)
     except argparse.ArgumentTypeError as error:
         raise InputError(f"{where}: {error}") from error
 

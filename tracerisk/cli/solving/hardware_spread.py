@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note
+from tracerisk.cli.shared.values import count
 from tracerisk.errors import InputError, Location
 
 TYPE_CHECKING = False
@@ -20,26 +20,26 @@ if TYPE_CHECKING:
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
 
-_HARDWARE = """\
---hardware FILE  the hardware description whose error factors say how far figures may be off
-"""
-SAMPLES = "--samples N  samples of --uncertainty (10000)"
-
-
 def add_hardware_spread(group: argparse._ActionsContainer) -> None:
     """Add the description whose error factors count."""
-    shared.add(group, _HARDWARE)
-
-
-_UNCERTAINTY = f"""\
---uncertainty  percentiles of the mission's failure probability, by the hardware's error factors
-{SAMPLES}
-"""
+    group.add_argument(
+        "--hardware",
+        metavar="FILE",
+        help="the hardware description whose error factors say how far figures may be off",
+    )
 
 
 def add_run_uncertainty(parser: argparse.ArgumentParser) -> None:
     """Add the options with which a run reports the uncertainty of its figure."""
-    shared.add(parser.add_argument_group("uncertainty"), _UNCERTAINTY)
+    group = parser.add_argument_group("uncertainty")
+    group.add_argument(
+        "--uncertainty",
+        action="store_true",
+        help="percentiles of the mission's failure probability, by the hardware's error factors",
+    )
+    group.add_argument(
+        "--samples", metavar="N", type=count, help="samples of --uncertainty (10000)"
+    )
 
 
 def check_run_uncertainty(options: argparse.Namespace) -> None:

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.shared import options as shared
 from tracerisk.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,7 +15,9 @@ if TYPE_CHECKING:
 
 def add_against(parser: argparse.ArgumentParser) -> None:
     """Add the option."""
-    shared.add(parser, "--against REV  show the difference to this git revision in the report")
+    parser.add_argument(
+        "--against", metavar="REV", help="show the difference to this git revision in the report"
+    )
 
 
 def check_against(options: argparse.Namespace) -> None:
@@ -34,7 +35,7 @@ def check_against(options: argparse.Namespace) -> None:
         raise InputError(
             f"--against compares with the sources as the run writes them, and {given} writes none"
         )
-    _check_one(revision)
+    _forbid_two_revisions(revision)
     from tracerisk.pipeline.history.repository import Repository
     from tracerisk.pipeline.review.git_versions import compared
 
@@ -50,13 +51,13 @@ def review_against(revision: str | None, files: Iterable[str]) -> Review | None:
     """
     if revision is None:
         return None
-    _check_one(revision)
+    _forbid_two_revisions(revision)
     from tracerisk.pipeline.review.review import review
 
     return review([revision, *(str(Path(file)) for file in files)])
 
 
-def _check_one(revision: str) -> None:
+def _forbid_two_revisions(revision: str) -> None:
     if ".." in revision:
         raise InputError(
             f"--against takes one revision, which the sources as they are now are compared with; "
