@@ -37,6 +37,8 @@ _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component
 
 @dataclass(frozen=True, slots=True)
 class _Owner:
+    """A function that a block may belong to, and where the block stands."""
+
     name: QualifiedName
     line: int
     place: Place

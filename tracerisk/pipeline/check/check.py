@@ -10,8 +10,6 @@ from pathlib import Path
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.blocks.values import component_fields, has_pins
-from tracerisk.adder.figures.instance_values import kept_values
-from tracerisk.adder.figures.pinned_redundancy import unfounded_redundancies
 from tracerisk.adder.lock.digest import is_as_written
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
 from tracerisk.adder.merge.bases import bases_of
@@ -273,6 +271,11 @@ def _values_without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | N
 
 def _unequal(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:
     """Yield the redundancies set by hand over units that differed when it was last run."""
+    if not any(has_pins(placed.block) for each in sources for placed in each.placed):
+        return
+    from tracerisk.adder.figures.instance_values import kept_values
+    from tracerisk.adder.figures.pinned_redundancy import unfounded_redundancies
+
     names = model_names(
         [FunctionRef(each.file, placed.function) for each in sources for placed in each.placed]
     )
