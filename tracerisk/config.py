@@ -12,7 +12,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, get_args
 
 from tracerisk.common.verdict import Acceptance
 from tracerisk.errors import InputError, Location, SettingsError, one_of
@@ -195,8 +195,7 @@ def from_here(root: Path) -> Callable[[str], str]:
     return typed
 
 
-@dataclass(frozen=True, slots=True)
-class SettingOrigin:
+class SettingOrigin(NamedTuple):
     """Where a setting comes from: `location` is `None` for a default.
 
     `is_own`: it is given for this controller alone, in its own table or in its file.

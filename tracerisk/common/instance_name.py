@@ -8,15 +8,14 @@ method where several of its methods command, and the label of the instance.
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Iterable
 from typing import TypeVar
 
 from tracerisk.common.function_ref import QualifiedName
 
-_INSTANCE = re.compile(r"(?P<of>\S+) \((?P<label>[^\s()]+(?: [^\s()]+)*)\)")
+_INSTANCE = r"(?P<of>\S+) \((?P<label>[^\s()]+(?: [^\s()]+)*)\)"
 # What separates names and values in blocks and on the command line.
-_SEPARATORS = re.compile(r"[\s!{}(),;:=/@#]+")
+_SEPARATORS = r"[\s!{}(),;:=/@#]+"
 _LONGEST_LABEL = 40
 
 Name = TypeVar("Name", bound=str)
@@ -24,8 +23,10 @@ Name = TypeVar("Name", bound=str)
 
 def plain_label(text: str) -> str:
     """Return a label as a block can hold it, without what separates names there; may be empty."""
+    import unicodedata  # for instances alone
+
     text = unicodedata.normalize("NFKC", text)
-    words = _SEPARATORS.sub(" ", "".join(each if each.isprintable() else " " for each in text))
+    words = re.sub(_SEPARATORS, " ", "".join(each if each.isprintable() else " " for each in text))
     return " ".join(words.split())[:_LONGEST_LABEL].strip()
 
 
@@ -38,9 +39,14 @@ def instance_name(function: str, label: str, *, is_only_method: bool) -> Qualifi
     return QualifiedName(f"{of or function} ({label})")
 
 
+def _parts_of(name: str) -> re.Match[str] | None:
+    """Return what a name says of its instance; `None` for that of a function."""
+    return re.fullmatch(_INSTANCE, name) if name.endswith(")") else None
+
+
 def is_name_at(name: str, function: str) -> bool:
     """Return whether a block of this name may stand in a function: its own, or an instance's."""
-    found = _INSTANCE.fullmatch(name)
+    found = _parts_of(name)
     if found is None:
         return name == function
     return found["of"] in (function, function.rpartition(".")[0])
@@ -48,7 +54,7 @@ def is_name_at(name: str, function: str) -> bool:
 
 def name_at(name: str, function: Name) -> Name | QualifiedName:
     """Return what a block is to be called that stands in a function under a name not its own."""
-    found = _INSTANCE.fullmatch(name)
+    found = _parts_of(name)
     if found is None:
         return function
     is_method = found["of"].rpartition(".")[2] == function.rpartition(".")[2]

@@ -64,8 +64,7 @@ class Outline:
                 return None
             if end - first != block.last_line - block.first_line:
                 return None
-            return replace(
-                block,
+            return block._replace(
                 block=_shifted(block, first - block.first_line),
                 line=line,
                 first_line=first,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Generic, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.errors import Location
@@ -37,8 +37,7 @@ class Field(Generic[T]):
         return bool(self.text)
 
 
-@dataclass(frozen=True, slots=True)
-class Transition:
+class Transition(NamedTuple):
     """One `next` line: the function (or `done`) that follows, and how often, as a fraction."""
 
     target: str

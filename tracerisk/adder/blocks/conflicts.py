@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 from typing import Literal
 
-_MARKER = re.compile(r"(<{7}|>{7}|\|{7})( .*)?|={7}")
-_ANY_MARK = re.compile(rb"(?:^|[\r\n])(?:<{7}|>{7}|={7}|\|{7})")
+_MARKER = r"(<{7}|>{7}|\|{7})( .*)?|={7}"
+_ANY_MARK = rb"(?:^|[\r\n])(?:<{7}|>{7}|={7}|\|{7})"
 _AFTER_MARK: Mapping[str, Literal["both", "ours", "base", "theirs"]] = {
     "<": "ours",
     "|": "base",
@@ -18,12 +18,14 @@ _AFTER_MARK: Mapping[str, Literal["both", "ours", "base", "theirs"]] = {
 
 def is_conflict_marker(text: str) -> bool:
     """Return whether a line is one of those that git leaves where a merge failed."""
-    return _MARKER.fullmatch(text.rstrip()) is not None
+    return re.fullmatch(_MARKER, text.rstrip()) is not None
 
 
 def conflict_sides(data: bytes) -> tuple[int, bytes, bytes] | None:
     """Return the first conflict's line and the file as each side has it; `None` without one."""
-    if _ANY_MARK.search(data) is None:
+    if not any(7 * mark in data for mark in (b"<", b">", b"=", b"|")):
+        return None  # as in nearly every file, for which no expression need be compiled
+    if re.search(_ANY_MARK, data) is None:
         return None
     sides: tuple[list[bytes], list[bytes]] = ([], [])
     within: Literal["both", "ours", "base", "theirs"] = "both"

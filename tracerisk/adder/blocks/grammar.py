@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
@@ -44,21 +43,19 @@ HEADER_LINE = rf"{HEADER}(?:[ \t]+(?P<digest>{DIGEST}))?(?P<evidence>[ \t]+{WITH
 _HEADER = re.compile(HEADER_LINE)
 _SECTION = re.compile(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<rest>.*)")
 _ASSIGNMENT = re.compile(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
-_IS_WORDS = re.compile(r"[^\W\d]")
+_IS_WORDS = r"[^\W\d]"
 _FUNCTION_KEYS = ("name", "callSequence", "next")
 _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
 
 
-@dataclass(frozen=True, slots=True)
-class BlockLine:
+class BlockLine(NamedTuple):
     """One line of a block: its number in the file and its text behind the gutter."""
 
     number: int
     text: str
 
 
-@dataclass(slots=True)
-class _Assignment:
+class _Assignment(NamedTuple):
     """A `key = value` line with all of its comment, which may go on over further lines."""
 
     key: str
@@ -68,8 +65,7 @@ class _Assignment:
     line: int
 
 
-@dataclass(slots=True)
-class _Section:
+class _Section(NamedTuple):
     """One `@Function { ... }` or `@Component { ... }` before its values are read."""
 
     kind: str
@@ -322,7 +318,7 @@ class _Parser:
         joined = _joined(comment)
         computed, reason = _split_comment(joined)
         if computed is not None and computed != NOTHING_COMPUTED:
-            if _IS_WORDS.match(computed) and not _is_readable(kind, computed):
+            if re.match(_IS_WORDS, computed) and not _is_readable(kind, computed):
                 # A reason that begins with this word.
                 computed, reason = None, joined
             else:

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.common.hardware.redundancy import Detection, Redundancy
@@ -28,13 +27,12 @@ Transitions: TypeAlias = tuple[Transition, ...]
 _KEPT = 4096  # texts whose value is kept: blocks and lock state most values several times
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _SHARE = r"(?:\d{1,9}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][+-]?\d{1,3})?"
-_REDUNDANCY = re.compile(
+_REDUNDANCY = (
     r"(?:true|false|required (?P<required>\d{1,9}))"
     rf"(?:, spare (?:(?P<spare>cold|hot)|warm (?P<dormancy>{_SHARE})))?"
     rf"(?:, switch (?P<switch>{_SHARE}))?"
     rf"(?:, common_cause (?P<beta>{_SHARE}))?"
-    r"(?:, detected (?P<detected>\w+))?",
-    re.ASCII,
+    r"(?:, detected (?P<detected>\w+))?"
 )
 _WHOLE = re.compile(r"\d+", re.ASCII)
 _WEIGHT = re.compile(r"\d+/\d+|\d+(\.\d*)?|\.\d+", re.ASCII)
@@ -77,7 +75,7 @@ def read_redundancy(text: str) -> Redundancy:
     """
     if text in ("true", "false"):  # most blocks say no more
         return Redundancy(text == "true")
-    found = _REDUNDANCY.fullmatch(text)
+    found = re.fullmatch(_REDUNDANCY, text, re.ASCII)
     if found is None or (text.startswith("false") and text != "false"):
         raise ValueError(
             "true, false, required K (as many must work); behind true or required K, in this "
@@ -149,8 +147,7 @@ def read_transitions(text: str) -> Transitions:
     return transitions
 
 
-@dataclass(frozen=True, slots=True)
-class FieldKind:
+class FieldKind(NamedTuple):
     """How the text of one kind of field is read, and what makes two values the same."""
 
     key: str

@@ -9,7 +9,6 @@ wrote it: also where a merge has put lines of two branches into one block, or th
 
 from __future__ import annotations
 
-import string
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
@@ -30,7 +29,7 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent, written_block
 
-_SIGNS = string.digits + string.ascii_uppercase + string.ascii_lowercase
+_SIGNS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
 # How many characters of a group are the checksum of what: of the function, of a component.
 _FUNCTION_WIDTHS = {CALL_SEQUENCE.key: 2, NEXT.key: 2}
 _WHOLE_WIDTH = 2

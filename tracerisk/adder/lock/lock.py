@@ -12,7 +12,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.values import (
@@ -41,8 +41,7 @@ class LockError(InputError):
     code = "lock"
 
 
-@dataclass(frozen=True, slots=True)
-class WrittenComponent:
+class WrittenComponent(NamedTuple):
     """The tool's values of one component as last written, as text by key.
 
     `omitted`: a user had omitted the component then.

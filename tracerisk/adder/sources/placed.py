@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import print_block
@@ -39,8 +38,7 @@ class MisplacedBlockError(BlockError):
         self.name = name
 
 
-@dataclass(frozen=True, slots=True)
-class PlacedBlock:
+class PlacedBlock(NamedTuple):
     """A block in a source: the function it describes and the lines it takes, from 1 on.
 
     Where it describes one instance of several, `function` is the instance's name: `Pick (tray)`.

@@ -14,9 +14,8 @@ import io
 import re
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
 from tracerisk.errors import BlockError, Location, SourceError
@@ -28,20 +27,18 @@ if TYPE_CHECKING:
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 # A header of one line without strings, comments or brackets that could go on over others.
-_PLAIN_HEADER = re.compile(rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:")
-_CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+")
+_PLAIN_HEADER = rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:"
+_CODING = rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+"
 
 
-@dataclass(frozen=True, slots=True)
-class Site:
+class Site(NamedTuple):
     """Where the block of a function goes: before line `line`, indented as `indent_line`."""
 
     line: int
     indent_line: int
 
 
-@dataclass(frozen=True, slots=True)
-class PythonSource:
+class PythonSource(NamedTuple):
     """A parsed Python source with its lines as bytes, line ends kept."""
 
     file: str
@@ -120,7 +117,7 @@ def header_end(source: PythonSource, definition: Definition) -> int | None:
     if definition.body_line == definition.line:
         return None
     header = source.lines[definition.line - 1].rstrip()
-    if _PLAIN_HEADER.fullmatch(header) and header.count(b"(") == header.count(b")"):
+    if re.fullmatch(_PLAIN_HEADER, header) and header.count(b"(") == header.count(b")"):
         return definition.line
     import tokenize
 
@@ -166,7 +163,7 @@ def preamble_end(source: PythonSource) -> int:
         end = 1
     for number, line in enumerate(source.lines[:2], start=1):
         content = line.removeprefix(BYTE_ORDER_MARK) if number == 1 else line
-        if _CODING.match(content):
+        if re.match(_CODING, content):
             return number
         if number == 1 and content.strip() and not content.lstrip(b" \t\f").startswith(b"#"):
             break

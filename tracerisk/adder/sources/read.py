@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from tracerisk.adder.blocks.grammar import GUTTER, HEADER, HEADER_LINE, BlockLine, parse_block
 from tracerisk.adder.sources.placed import MisplacedBlockError, Place, PlacedBlock, only_one_each
@@ -35,8 +35,7 @@ _HEADER_WORD = HEADER.encode()
 _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
 
 
-@dataclass(frozen=True, slots=True)
-class _Owner:
+class _Owner(NamedTuple):
     """A function that a block may belong to, and where the block stands."""
 
     name: QualifiedName
@@ -44,8 +43,7 @@ class _Owner:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class _Run:
+class _Run(NamedTuple):
     """Gutter lines without a gap, from the first `RiskAnnotation` on, and how many blocks."""
 
     first: int

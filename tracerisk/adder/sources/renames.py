@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from tracerisk.adder.blocks.values import NEXT
 from tracerisk.adder.lock.lock import WrittenBlock
@@ -22,12 +23,11 @@ from tracerisk.common.function_ref import QualifiedName
 # Behind the gutter of Python, or in a comment of C.
 _GUTTER = rb"([ \t\f]*(?:#[ \t]?\||\*)[ \t]+"
 _WORDS = rb"\S+(?: \([^()\r\n]+\))?"
-_NAME = re.compile(_GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)")
-_NEXT = re.compile(_GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)", re.DOTALL)
+_NAME = _GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)"
+_NEXT = _GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)"
 
 
-@dataclass(frozen=True, slots=True)
-class FollowedBlocks:
+class FollowedBlocks(NamedTuple):
     """The blocks of a source under their functions' names, and the renamings that took.
 
     `renamed` maps the old name, which a block still has, to that of its function; `source` has the
@@ -78,7 +78,7 @@ def _with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedName]) -
     names = {old.encode(): new.encode() for old, new in renamed.items()}
     lines = []
     for line in source.splitlines(keepends=True):
-        found = _NAME.fullmatch(line) or _NEXT.fullmatch(line)
+        found = re.fullmatch(_NAME, line) or re.fullmatch(_NEXT, line, re.DOTALL)
         if found is not None and found[2] in names:
             line = found[1] + names[found[2]] + found[3]
         lines.append(line)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from tracerisk.common.function_ref import QualifiedName
 
@@ -20,8 +20,7 @@ _LEAVES = frozenset(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Definition:
+class Definition(NamedTuple):
     """One `def` or `async def`: lines count from 1.
 
     `line` is that of the `def`, `body_line` the first of its first statement, decorators

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
 from tracerisk.adder.blocks.values import (
@@ -31,8 +30,7 @@ if TYPE_CHECKING:
     from tracerisk.adder.merge.merge import HandEdit
 
 
-@dataclass(frozen=True, slots=True)
-class CheckedSource:
+class CheckedSource(NamedTuple):
     """A file with blocks: the name it has in messages and the lock, and what it holds."""
 
     file: str

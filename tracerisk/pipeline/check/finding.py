@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from tracerisk.common.verdict import Verdict
 from tracerisk.errors import ExitCode, Location
@@ -39,8 +38,7 @@ met or on assumptions that nobody accepted; of the functions that can command ha
 ran; it was not repeated in a world that `require_worlds` names, or depends on one."""
 
 
-@dataclass(frozen=True, slots=True)
-class CheckFinding:
+class CheckFinding(NamedTuple):
     """One thing that `check` does not let pass, with its place.
 
     `subject` is the dotted path of what it is about, such as `place.gripper.probability` or
@@ -62,8 +60,7 @@ class CheckFinding:
         return f"{self.location}: {self.kind.replace('_', ' ')}: {self.message}"
 
 
-@dataclass(frozen=True, slots=True)
-class Checked:
+class Checked(NamedTuple):
     """A controller, by its path, and what was found; nothing if it may be trusted."""
 
     path: Path

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.sources.functions import functions_in
@@ -27,8 +26,7 @@ _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class CoverageLimits:
+class CoverageLimits(NamedTuple):
     """How much of what can command hardware must have run.
 
     `least` is a fraction, in place of the setting `min_coverage`; `base` the verdict of the

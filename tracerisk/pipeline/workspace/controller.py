@@ -12,7 +12,6 @@ from pathlib import Path
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c
-from tracerisk.instrument.source.literals.named_literals import counted_names
 from tracerisk.pipeline.workspace.project import Project
 
 TYPE_CHECKING = False
@@ -23,17 +22,14 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.workspace import Workspace
 
 # What catkin writes for a script of a `devel` space: ros/catkin cmake/templates/script.py.in.
-_RELAY = re.compile(
+_RELAY = (
     rb"^# generated from catkin/cmake/template/script\.py\.in$[^\0]*?"
-    rb"^python_script = '([^'\n]+)'$",
-    re.MULTILINE,
+    rb"^python_script = '([^'\n]+)'$"
 )
 # What setuptools writes for an entry point of a package that colcon builds:
 # pypa/setuptools setuptools/command/easy_install.py (`ScriptWriter.template`).
-_ENTRY = re.compile(
-    rb"^# EASY-INSTALL-(?:ENTRY-)?SCRIPT: '([^'\n]+)','console_scripts','([^'\n]+)'$", re.MULTILINE
-)
-_PYTHON_LINE = re.compile(rb"(?:\xef\xbb\xbf)?#![^\n]*python")
+_ENTRY = rb"^# EASY-INSTALL-(?:ENTRY-)?SCRIPT: '([^'\n]+)','console_scripts','([^'\n]+)'$"
+_PYTHON_LINE = rb"(?:\xef\xbb\xbf)?#![^\n]*python"
 
 
 def from_root(root: Path, path: Path) -> str:
@@ -158,7 +154,7 @@ def load_controller(path: Path | str, project: Project | None = None) -> Control
             f"the controller cannot be read: {error.strerror}; name a Python file",
             Location(str(path)),
         ) from error
-    is_python = script.suffix in (".py", ".pyw") or _PYTHON_LINE.match(source)
+    is_python = script.suffix in (".py", ".pyw") or re.match(_PYTHON_LINE, source)
     if not is_python and not is_c(script.name):
         raise InputError(
             "is neither a Python nor a C or C++ program by its name: a controller ends in .py, "
@@ -173,7 +169,9 @@ def load_controller(path: Path | str, project: Project | None = None) -> Control
 
 def _forbid_made(source: bytes, shown: str) -> None:
     """Raise InputError for a script that a build wrote to start another one."""
-    relay, entry = _RELAY.search(source), _ENTRY.search(source)
+    if b"catkin" not in source and b"EASY-INSTALL" not in source:
+        return  # as nearly every script is, for which no expression need be compiled
+    relay, entry = (re.search(text, source, re.MULTILINE) for text in (_RELAY, _ENTRY))
     if relay is not None:
         raise InputError(
             "is a script that catkin wrote to start another one; name that one: "
@@ -195,6 +193,7 @@ def string_literals(controller: Controller) -> tuple[str, ...]:
     Names that are made by counting (`[f"joint_{i}" for i in range(1, 7)]`) come last.
     """
     # Where blocks alone are asked for, no source is parsed.
+    from tracerisk.instrument.source.literals.named_literals import counted_names
     from tracerisk.instrument.source.python_source import parse_source, texts_in
 
     tree = controller.tree

@@ -55,7 +55,7 @@ def _renamed(block: RiskBlock, names: Mapping[str, str]) -> RiskBlock:
     following = block.next
     if following is not None:
         steps = tuple(
-            replace(step, target=names.get(step.target, step.target)) for step in following.value
+            step._replace(target=names.get(step.target, step.target)) for step in following.value
         )
         text = ", ".join(
             f"{names.get(target, target)} {share}"
