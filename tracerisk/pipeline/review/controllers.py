@@ -6,17 +6,18 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.common.evidence import EVIDENCE_NAME
-from tracerisk.common.evidence.cells import Evidence
-from tracerisk.common.evidence.file import loads_evidence
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
 from tracerisk.pipeline.review.git_versions import GitVersion
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
+
+if TYPE_CHECKING:
+    from tracerisk.common.evidence.cells import Evidence
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,10 +86,13 @@ class Locks:
         if folder not in self._evidence:
             path = _below(folder, EVIDENCE_NAME)
             content = self.version.file(path)
+            if content is None:
+                self._evidence[folder] = {}
+                return None
+            from tracerisk.common.evidence.file import loads_evidence  # few keep evidence
+
             try:
-                self._evidence[folder] = (
-                    {} if content is None else loads_evidence(content.decode(), self.shown(path))
-                )
+                self._evidence[folder] = loads_evidence(content.decode(), self.shown(path))
             except (TraceRiskError, UnicodeDecodeError) as error:
                 problem = error if isinstance(error, TraceRiskError) else InputError("is not UTF-8")
                 raise in_version(problem, self.version) from error

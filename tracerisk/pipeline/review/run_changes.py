@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 import os
-import statistics
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.trace.last_run import kept_contacts, kept_uncovered
+
+if TYPE_CHECKING:
+    from tracerisk.common.evidence.cells import Cell, Evidence
 
 _OTHER_DELAY, _OTHER_DELAY_S = 1.5, 0.2
 """A delay is another one that is longer by this share and by so many seconds [s]."""
@@ -87,7 +89,11 @@ def _failed(cells: Sequence[Cell]) -> int:
 def _notified_after(cells: Sequence[Cell]) -> float | None:
     """Return the median time until the controller was notified [s]; `None` if it mostly was not."""
     notified = [each.told_after_s for each in cells if each.told_after_s is not None]
-    return statistics.median(notified) if 2 * len(notified) > len(cells) else None
+    if 2 * len(notified) <= len(cells):
+        return None
+    from statistics import median  # with random numbers
+
+    return median(notified)
 
 
 def _rarely(cells: Sequence[Cell]) -> str:
