@@ -7,10 +7,9 @@ import contextlib
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.adder.figures.computed import ComputedBlocks
 from tracerisk.cli.shared.output import note, place_data, scenario_advice, write_file
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.outcome.outcome import moved_line
@@ -18,6 +17,9 @@ from tracerisk.common.trace_log import write_log
 from tracerisk.config import FailOn, controller_root, from_here
 from tracerisk.errors import ExitCode, InputError, Location
 from tracerisk.trace import NOTES, Element, Finding, Trace
+
+if TYPE_CHECKING:
+    from tracerisk.adder.figures.computed import ComputedBlocks
 
 _AT_GOAL_M = 0.003
 _SHOWN_S = 0.005  # less is printed as 0.00
