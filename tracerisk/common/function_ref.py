@@ -10,7 +10,7 @@ QualifiedName = NewType("QualifiedName", str)
 """A function's qualified name within its module: `place`, `PickNode.place`, `<module>`."""
 
 
-@dataclass(frozen=True, slots=True, order=True)
+@dataclass(frozen=True, slots=True)
 class FunctionRef:
     """A function of the controller."""
 
@@ -18,6 +18,10 @@ class FunctionRef:
     """Its file, from the controller's root."""
     name: QualifiedName
     """Its name within the file."""
+
+    def __lt__(self, other: FunctionRef) -> bool:
+        # All that sorting asks for.
+        return (self.file, self.name) < (other.file, other.name)
 
     def with_file(self, file_of: Callable[[str], str]) -> FunctionRef:
         """Return it with another name of the file; `file_of` takes a file."""

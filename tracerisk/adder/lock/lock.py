@@ -51,12 +51,11 @@ class WrittenComponent(NamedTuple):
     omitted: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class WrittenBlock:
+class WrittenBlock(NamedTuple):
     """The tool's values of one block as last written: those behind `=` and `computed`."""
 
     values: Mapping[str, str]
-    components: Mapping[str, WrittenComponent] = field(default_factory=dict)
+    components: Mapping[str, WrittenComponent]
 
 
 Written = Mapping[str, WrittenBlock]

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
-from dataclasses import replace
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.values import NEXT
@@ -92,8 +91,8 @@ def base_with_names(
     if not renamed:
         return base
     return {
-        str(renamed.get(QualifiedName(name), name)): replace(
-            block, values={key: _value(key, text, renamed) for key, text in block.values.items()}
+        str(renamed.get(QualifiedName(name), name)): block._replace(
+            values={key: _value(key, text, renamed) for key, text in block.values.items()}
         )
         for name, block in base.items()
     }

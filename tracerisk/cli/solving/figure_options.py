@@ -122,6 +122,8 @@ def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel
 
     Raises InputError when a value is malformed, or a name unknown.
     """
+    if not options.set_values:
+        return model, []
     from tracerisk.prm.questions.set_values import set_values, value_of, with_values
 
     def figure(text: str, where: str) -> float:
@@ -143,9 +145,6 @@ def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel
             if component in values:
                 raise InputError(f"--set names '{component}' twice; set it once")
             values[component] = value
-    if not values:
-        return model, []
-
     return with_values(model, values), list(set_values(model, values))
 
 

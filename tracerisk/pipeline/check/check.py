@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
@@ -18,7 +19,6 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.verdict import Verdict
-from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
@@ -39,6 +39,9 @@ from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.pipeline.workspace.project import Projects
+
+if TYPE_CHECKING:
+    from tracerisk.common.worlds.world_run import WorldRun
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
 
@@ -298,6 +301,8 @@ def _verdict(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Verdict
 
 def _worlds(entry: ControllerLock, sources: Sequence[CheckedSource]) -> list[WorldRun]:
     """Return the runs in worlds that the lock keeps, with the lines that the sources have now."""
+
+    from tracerisk.common.worlds.world_run import kept_worlds
 
     line_of = _lines_now(sources)
     return [run.with_line(line_of) for run in kept_worlds(entry.trace)]

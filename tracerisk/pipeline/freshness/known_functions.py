@@ -6,6 +6,7 @@ import os
 from collections.abc import Collection, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import DONE
@@ -19,7 +20,9 @@ from tracerisk.errors import SettingsError, TraceRiskError, one_of
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import Trace
+
+if TYPE_CHECKING:
+    from tracerisk.trace import Trace
 
 _SHOWN = 20  # names listed in a message, of a controller that may have hundreds
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from fractions import Fraction
-from importlib.resources import files
 from typing import Any
 
 from tracerisk.prm.formats.element import Element
@@ -16,6 +15,8 @@ _FRACTION = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
 
 def schema_of(name: str, version: int) -> dict[str, Any]:
     """Return the JSON Schema (2020-12) of a format, as it is shipped."""
+    from importlib.resources import files  # with temporary files, archives and all
+
     text = files("tracerisk.prm.formats").joinpath(f"schemas/{name}-{version}.json")
     schema: dict[str, Any] = json.loads(text.read_text(encoding="utf-8"))
     return schema
