@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 from tracerisk.errors import InputError, Location
 
@@ -23,8 +24,7 @@ _COMMAND = (
 _MOST_PATHS = 60_000  # characters of paths on a command line, well below what Linux takes
 
 
-@dataclass(frozen=True, slots=True)
-class ChangedFile:
+class ChangedFile(NamedTuple):
     """A file that differs between two versions, by its paths from the repository's top.
 
     A path is `None` where the version lacks the file; so is the blob's name where its content is

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import PurePosixPath
+from typing import NamedTuple
 
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.errors import InputError, Location
@@ -13,8 +13,7 @@ from tracerisk.pipeline.history.repository import SUBMODULE, SYMLINK, ChangedFil
 from tracerisk.pipeline.review.git_versions import Compared, GitVersion
 
 
-@dataclass(frozen=True, slots=True)
-class AnnotatedFiles:
+class AnnotatedFiles(NamedTuple):
     """The annotated files that a review is about.
 
     `pairs` are their paths from the top in both versions, `None` where a version lacks the file;

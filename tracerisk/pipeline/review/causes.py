@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 from tracerisk.adder.blocks.values import FieldKind, block_fields
 from tracerisk.adder.lock.digest import DigestReading
@@ -47,8 +46,7 @@ def cause_finder(
     return cause_of
 
 
-@dataclass(frozen=True, slots=True)
-class _BlockValue:
+class _BlockValue(NamedTuple):
     """A value in a block of the later version."""
 
     function: FunctionSource

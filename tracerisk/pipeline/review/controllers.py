@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock
 from tracerisk.adder.lock.reading import loads
@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from tracerisk.common.evidence.cells import Evidence
 
 
-@dataclass(frozen=True, slots=True)
-class ControllerVersion:
+class ControllerVersion(NamedTuple):
     """A controller in one version: its annotated sources by path from the top, and its entry.
 
     `folder` is that of its lock, from which the entry names files. `evidence` is what failures
@@ -34,8 +33,7 @@ class ControllerVersion:
     evidence: Evidence | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class ReviewedController:
+class ReviewedController(NamedTuple):
     """A controller in both versions; `was` is its earlier path where it moved."""
 
     name: str
@@ -44,8 +42,7 @@ class ReviewedController:
     after: ControllerVersion
 
 
-@dataclass(frozen=True, slots=True)
-class _Known:
+class _Known(NamedTuple):
     """What a lock knows of a controller: its files by path from the top, itself among them."""
 
     entry: ControllerLock

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.pipeline.history.repository import Repository
@@ -41,8 +42,7 @@ class GitVersion:
             return place.read_bytes()
 
 
-@dataclass(frozen=True, slots=True)
-class Compared:
+class Compared(NamedTuple):
     """What is compared: two versions, and the paths from the top that it is narrowed to."""
 
     before: GitVersion

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import component_fields
@@ -18,8 +18,7 @@ from tracerisk.instrument.source.language import is_c_like
 from tracerisk.prm.review.risk_change import is_noise
 
 
-@dataclass(frozen=True, slots=True)
-class FunctionSource:
+class FunctionSource(NamedTuple):
     """A function's block, and where it stands: file and qualified name there."""
 
     block: RiskBlock

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.outcome.changes import TOLERANCES, OutcomeChanges, Tolerances, outcome_changes
@@ -84,8 +85,7 @@ def diff(
     return difference(ReviewedController(name or first, None, before, after), None)
 
 
-@dataclass(frozen=True, slots=True)
-class _VersionName:
+class _VersionName(NamedTuple):
     """A version without its repository, as another process can be given it."""
 
     name: str
@@ -110,7 +110,7 @@ class _Shown:
 
     def version(self, version: ControllerVersion) -> ControllerVersion:
         sources = {self.name(file): source for file, source in version.sources.items()}
-        return replace(version, sources=sources, folder=self.name(version.folder))
+        return version._replace(sources=sources, folder=self.name(version.folder))
 
 
 def _reviews(

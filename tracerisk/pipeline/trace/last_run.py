@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
-from tracerisk.trace import Contact, Trace, Visit
+
+if TYPE_CHECKING:
+    from tracerisk.trace import Contact, Trace, Visit
 
 _UNCOVERED, _CONTACTS = "uncovered", "unexpected_contacts"
 _WHOLE_N = 10.0  # forces from here on are given in whole newtons

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from tracerisk.errors import Location, ModelError
-from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.formats.json_parts import gate_to_json, read_fraction, read_gate, schema_of
 from tracerisk.prm.hybrid.elements import FunctionState, NextStep, Parameter
@@ -69,6 +68,8 @@ def model_schema() -> dict[str, Any]:
 def _parameter_to_json(parameter: Parameter) -> dict[str, Any]:
     written: dict[str, Any] = {"name": parameter.name, "theta": parameter.theta}
     if parameter.distribution is not None:
+        from tracerisk.prm.formats.distribution_json import distribution_to_json
+
         written["distribution"] = distribution_to_json(parameter.distribution)
     return written
 
@@ -142,13 +143,13 @@ def _parameter(element: Element) -> Parameter:
     found = element.fields({"name", "theta"}, optional={"distribution"})
     name = found["name"].string()
     component, share = share_named(name)
-    return Parameter(
-        name,
-        found["theta"].probability(),
-        read_distribution(found["distribution"]) if "distribution" in found else None,
-        component,
-        share,
-    )
+    theta = found["theta"].probability()
+    distribution = None
+    if "distribution" in found:
+        from tracerisk.prm.formats.distribution_json import read_distribution
+
+        distribution = read_distribution(found["distribution"])
+    return Parameter(name, theta, distribution, component, share)
 
 
 def _state(element: Element) -> FunctionState:

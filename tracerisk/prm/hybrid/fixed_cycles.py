@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from tracerisk.common.strong_components import strong_components
 from tracerisk.prm.hybrid.hidden.hidden_chain import Flow, HiddenChain, Round
@@ -24,8 +24,7 @@ _ROUNDING = 1e-9
 """How far a count may be off through rounding, relative."""
 
 
-@dataclass(frozen=True, slots=True)
-class Loop:
+class Loop(NamedTuple):
     """A part of the chain that goes round `rounds` times.
 
     `body` is what a round passes, each once; `None` where it is a chain with branches.

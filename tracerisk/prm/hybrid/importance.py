@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 from tracerisk.prm.hybrid.adjoint import Adjoint, Slopes
 from tracerisk.prm.hybrid.assessment import ComponentImportance, ImportanceShare
@@ -83,8 +83,7 @@ class _Base:
         return by * cost * self.visits[number] / (1.0 + more)
 
 
-@dataclass(frozen=True, slots=True)
-class _Change:
+class _Change(NamedTuple):
     """F as it is less F without a parameter, and F without it, with ten times it, at one."""
 
     fall: float

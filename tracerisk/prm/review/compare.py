@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import NEXT, block_fields
@@ -88,8 +89,7 @@ def compare(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Part:
+class _Part(NamedTuple):
     """A change before it is solved."""
 
     change: RiskChange
@@ -110,8 +110,8 @@ def _changes(
 
     flows, quiet_flows = flow_items(before, after)
     items, quiet = component_items(before, after)
-    flows = [replace(item, field=explained(item.field)) for item in flows]
-    items = [replace(item, fields=tuple(map(explained, item.fields))) for item in items]
+    flows = [item._replace(field=explained(item.field)) for item in flows]
+    items = [item._replace(fields=tuple(map(explained, item.fields))) for item in items]
     marks = _Marks(before, after, points)
     parts = _solved([_component_part(group, marks) for group in alike(items)], before)
     of_flow = _solved([_flow_part(group, marks) for group in joined(flows)], before)
@@ -125,7 +125,7 @@ def _changes(
 
 def _solved(parts: Sequence[_Part], before: RiskVersion) -> list[_Part]:
     return [
-        replace(part, change=replace(part.change, contribution=contribution(before, part.edits)))
+        part._replace(change=replace(part.change, contribution=contribution(before, part.edits)))
         for part in parts
     ]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.values import PROBABILITY, QUANTITY, FieldKind, component_fields
@@ -14,8 +14,7 @@ from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, counted_co
 from tracerisk.prm.review.risk_change import NOISE, ChangedField, ChangeKind, is_noise, ratio_of
 
 
-@dataclass(frozen=True, slots=True)
-class ComponentItem:
+class ComponentItem(NamedTuple):
     """One change of one component in one function.
 
     Quantity and redundancy are one change where both differ, for either alone may make no sense.

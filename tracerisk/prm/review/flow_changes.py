@@ -7,8 +7,7 @@ is one change.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import Field
 from tracerisk.common.strong_components import joined_parts
@@ -19,8 +18,7 @@ from tracerisk.prm.review.risk_change import ENTRY, ChangedField, Mark, is_noise
 Edit = Callable[[ModelParts], None]
 
 
-@dataclass(frozen=True, slots=True)
-class FlowItem:
+class FlowItem(NamedTuple):
     """One step of a change of the chain, the functions that it cannot be made without, and how.
 
     `needs` are the functions that only one version has and that this item speaks of.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.prm.hybrid.elements import FunctionState, NextStep
@@ -15,8 +16,7 @@ from tracerisk.prm.trees.fault_tree import FaultTree
 Steps = tuple[NextStep, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class RiskVersion:
+class RiskVersion(NamedTuple):
     """One version of a controller's blocks, by function, the model they make, and its figures."""
 
     blocks: Mapping[str, RiskBlock]
@@ -32,8 +32,7 @@ class RiskVersion:
     def read_as_geometric(self) -> RiskVersion:
         """Return the version with the mission read with a geometric number of cycles."""
         mission = self.figures.mission.as_geometric()
-        return replace(
-            self,
+        return self._replace(
             model=replace(self.model, counted=False),
             figures=replace(self.figures, mission=mission),
         )

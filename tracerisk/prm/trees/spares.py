@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import mul
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.numbers.probability import Probability, log_complement, pair_of, total
@@ -47,8 +47,7 @@ class Spares:
                 raise ModelError(f"spares: {name} {value!r} is outside [0, 1]; give one within")
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
+class Outcome(NamedTuple):
     """What comes of a group in a visit: survived with 0, 1, 2... more failed units, or failed."""
 
     survived: tuple[float, ...]
@@ -60,8 +59,7 @@ class Outcome:
         return Probability(self.failed, total(self.survived))
 
 
-@dataclass(frozen=True, slots=True)
-class SpareGroup:
+class SpareGroup(NamedTuple):
     """So many like units, `required` of which must work while the others wait.
 
     With m failed units, m up to s = units - required, and k required, one more fails at the rate

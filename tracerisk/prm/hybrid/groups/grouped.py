@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 from tracerisk.prm.hybrid.fixed_cycles import Loop, Passage, failure_of, outcome_of, passed
 from tracerisk.prm.hybrid.groups.bounds import Moments, any_block, any_group
@@ -25,8 +25,7 @@ _MOST_PAIRS = 200
 """How many hidden states two groups alike may have together, for the mean of a square."""
 
 
-@dataclass(frozen=True, slots=True)
-class Bound:
+class Bound(NamedTuple):
     """A mission's outcome with the groups' failures at most, and its failure at least."""
 
     outcome: Probability

@@ -6,7 +6,7 @@ Two groups whose functions lie on parts of the path that do not know of each oth
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from tracerisk.common.strong_components import joined_parts, strong_components
 from tracerisk.prm.hybrid.fixed_cycles import Loop, Passage
@@ -14,8 +14,7 @@ from tracerisk.prm.hybrid.groups.group_chain import Group
 from tracerisk.prm.hybrid.hidden.hidden_states import HiddenStates
 
 
-@dataclass(frozen=True, slots=True)
-class Block:
+class Block(NamedTuple):
     """Groups, by number, that share parts of the path; where it `is_certain` they fail apart."""
 
     groups: tuple[int, ...]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from tracerisk.prm.hybrid.hidden.hidden_states import HiddenStates, Part
 from tracerisk.prm.hybrid.hidden.rest_trees import RestTrees
@@ -23,8 +23,7 @@ Spread = tuple[tuple[int, float], ...]
 """Where a visit leads: layers, each with its probability."""
 
 
-@dataclass(frozen=True, slots=True)
-class Flow:
+class Flow(NamedTuple):
     """What flows through the chain from a start: by layer and function, by layer, by function.
 
     `visits[l][f]` is how often function f is visited in layer l, `failures[l][f]` how often it
@@ -40,8 +39,7 @@ class Flow:
     beyond: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Round:
+class Round(NamedTuple):
     """A part of a chain from its head on, until that is visited next or the part is left."""
 
     head: int

@@ -10,6 +10,7 @@ import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.hybrid.elements import DONE, FunctionState
@@ -28,8 +29,7 @@ Hidden = tuple[int, ...]
 """How many units of each class have failed."""
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(NamedTuple):
     """The classes of a part of a function's tree, `threshold` failed units of which fail it.
 
     A group with spares is one class.

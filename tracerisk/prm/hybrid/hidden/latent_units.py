@@ -7,7 +7,7 @@ ends.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.trees.events import HouseEvent
@@ -16,8 +16,7 @@ from tracerisk.prm.trees.gates import Gate
 from tracerisk.prm.trees.spares import Spares
 
 
-@dataclass(frozen=True, slots=True)
-class LatentPart:
+class LatentPart(NamedTuple):
     """Units of which `threshold` failed ones, hidden before or not, fail the visit.
 
     With `spares` the units not required wait, and one whose take-over fails does so too.
