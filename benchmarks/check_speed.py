@@ -8,7 +8,7 @@ in its own process, all made in this run: wall time, and processor time, which t
 machine changes less. A first run that does not count compiles our modules, as an installation
 does, whatever the environment says of bytecode. `--python` is that of another environment, such as
 one with a wheel: an editable installation, and `python -m`, take some ms of their own. What is
-asked of them: one file at most 8 times the processor time of an empty Python, 1,000 at most 5 times
+asked of them: one file at most 6 times the processor time of an empty Python, 1,000 at most 5 times
 `ruff check --select ALL` of the same files, `diff` of 1,000 changed ones at most 5 s.
 """
 

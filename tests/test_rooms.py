@@ -34,6 +34,7 @@ SUB_ROOMS = {
             "mutation",
             "worlds",
             "evidence",
+            "assessed",
             "annotate",
             "model",
             "scenarios",

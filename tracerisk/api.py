@@ -8,7 +8,7 @@ stage.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from tracerisk.common.campaign import DEFAULT_CAMPAIGN
 from tracerisk.common.campaign import CampaignOptions as CampaignOptions
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from tracerisk.common.hardware.model import Hardware
     from tracerisk.config import SandboxMode, Settings
     from tracerisk.pipeline.annotate import Annotated
+    from tracerisk.pipeline.assessed import Assessed
     from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.check.refresh import Refreshed
     from tracerisk.pipeline.evidence.sweep import SweepPoint
@@ -48,22 +49,6 @@ class RunFailedError(ControllerFailedError):
     def __init__(self, trace: Trace) -> None:
         super().__init__(trace.end.message, trace.end.location, trace.end.scenario)
         self.trace = trace
-
-
-@dataclass(frozen=True, slots=True)
-class Assessed:
-    """What a run of a controller came to, from its trace to its risk."""
-
-    controller: Controller
-    settings: Settings
-    hardware: Hardware
-    trace: Trace
-    annotated: Annotated
-    """The blocks, and the sources with them; not yet written."""
-    sources: Mapping[str, bytes]
-    """Each source with its blocks, by its path."""
-    model: HybridModel
-    assessment: Assessment
 
 
 # The stages, one after the other
@@ -228,6 +213,7 @@ def assess(
     Raises RunFailedError when the run came to a bad end, ControllerFailedError when it commanded
     no hardware, and TraceRiskError for input that a stage refuses. Writes nothing but `keep`.
     """
+    from tracerisk.pipeline.assessed import Assessed
     from tracerisk.pipeline.freshness.known_functions import check_blocks
     from tracerisk.pipeline.scenarios.trace_controller import nothing_commanded
 

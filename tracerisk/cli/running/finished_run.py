@@ -27,7 +27,7 @@ from tracerisk.report.run_figures import run_figures, set_by_hand
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
-    from tracerisk.api import Assessed
+    from tracerisk.pipeline.assessed import Assessed
     from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.report.html.run.replay import RecordedRun

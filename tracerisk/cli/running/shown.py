@@ -41,7 +41,7 @@ from tracerisk.report.terminal import render_assessment, render_brief
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
-    from tracerisk.api import Assessed
+    from tracerisk.pipeline.assessed import Assessed
 
 
 def show_failure(options: argparse.Namespace, trace: Trace) -> int:

@@ -1,0 +1,32 @@
+"""What a run of a controller came to, from its trace to its risk."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tracerisk.common.hardware.model import Hardware
+    from tracerisk.config import Settings
+    from tracerisk.pipeline.annotate import Annotated
+    from tracerisk.pipeline.workspace.controller import Controller
+    from tracerisk.prm.hybrid.assessment import Assessment
+    from tracerisk.prm.hybrid.hybrid import HybridModel
+    from tracerisk.trace import Trace
+
+
+@dataclass(frozen=True, slots=True)
+class Assessed:
+    """What a run of a controller came to, from its trace to its risk."""
+
+    controller: Controller
+    settings: Settings
+    hardware: Hardware
+    trace: Trace
+    annotated: Annotated
+    """The blocks, and the sources with them; not yet written."""
+    sources: Mapping[str, bytes]
+    """Each source with its blocks, by its path."""
+    model: HybridModel
+    assessment: Assessment
