@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.explain import derivation_json, explained, print_derivation
 from tracerisk.cli.shared.output import note, note_warnings, print_diffs, print_json
 from tracerisk.cli.shared.run_report import blocks_line
 from tracerisk.cli.shared.sources import decoded, read_file, read_profile
+from tracerisk.common import trace_json
+from tracerisk.common.trace_log import read_log
 from tracerisk.errors import ExitCode, InputError, Location
 
 if TYPE_CHECKING:
@@ -33,7 +36,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk import api
     from tracerisk.pipeline.freshness.known_functions import check_blocks
 
     profile = read_profile(options)
@@ -91,9 +93,6 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _read_trace(options: argparse.Namespace, controller: Controller) -> Trace:
-    from tracerisk.common import trace_json
-    from tracerisk.common.trace_log import read_log
-
     name = options.trace if options.trace is not None else options.log
     text = decoded(read_file(name), name)
     if options.log is not None:

@@ -11,6 +11,7 @@ from tracerisk.cli.shared.output import note, print_json, show, write_file
 from tracerisk.cli.shared.recordings import add_reading, read_recording
 from tracerisk.cli.shared.run_report import trace_lines
 from tracerisk.cli.shared.values import positive
+from tracerisk.common import trace_json
 from tracerisk.errors import ExitCode, InputError
 
 
@@ -38,7 +39,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.common import trace_json
     from tracerisk.pipeline.recordings.attach import record_robot
 
     if options.robot is None and options.controller is None:

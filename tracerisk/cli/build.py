@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import note, print_json
+from tracerisk.cli.shared.output import note, print_json, write_file
 from tracerisk.cli.shared.sources import model_of_sources, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict
 from tracerisk.cli.solving.figure_options import add_set, set_in, sets_a_rate
@@ -31,7 +31,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.cli.shared.output import write_file
     from tracerisk.prm.formats import model_json
 
     model = model_of_sources(options.files, read_profile(options))

@@ -18,14 +18,15 @@ from tracerisk.cli.shared.output import (
 from tracerisk.cli.shared.values import probability
 from tracerisk.common.text.plain_data import picked
 from tracerisk.common.verdict import GAPS, verdict_line
+from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.source.language import is_c
+from tracerisk.pipeline.check.finding import Checked
 
 if TYPE_CHECKING:
     import argparse
 
     from tracerisk.common.verdict import Verdict
-    from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.workspace.project import Projects
 
 
@@ -87,7 +88,6 @@ def _paths(options: argparse.Namespace, projects: Projects) -> Sequence[Path]:
 def _check(options: argparse.Namespace, projects: Projects) -> int:
     """Check the controllers, print what was found, and return the exit code."""
     from tracerisk.pipeline.check.check import check_controllers
-    from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.check.run import CoverageLimits
 
     paths = _paths(options, projects)
@@ -160,8 +160,6 @@ def _as_typed(checked: Checked) -> Verdict | None:
     verdict = checked.verdict
     if verdict is None or not verdict.reasons:
         return verdict
-    from tracerisk.config import controller_root, from_here
-
     return verdict.with_files(from_here(controller_root(checked.path)))
 
 

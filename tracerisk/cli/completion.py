@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
+from tracerisk.cli.parser import whole_parser
+
 SHELLS = ("bash", "zsh", "fish", "tcsh")
 
 _HOW = """\
@@ -27,8 +29,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     import shtab
-
-    from tracerisk.cli.parser import whole_parser
 
     parser = whole_parser()
     for action in _actions(parser):

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
+from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import format_of, labels_beside, read_model
 from tracerisk.cli.shared.model_format import SUFFIXES, ModelFormat
@@ -54,8 +55,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.adder.sources.write import FileWrite, write_all
-
     kind = format_of(options.files)
     target = _target(options)
     try:

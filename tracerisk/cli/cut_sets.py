@@ -11,9 +11,11 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import format_of, read_model
 from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, paper, print_json, print_text
+from tracerisk.cli.shared.sources import model_of_sources
 from tracerisk.cli.shared.values import count, probability
 from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import InputError, ModelError, one_of
+from tracerisk.report.cut_sets import render_cut_sets
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -105,8 +107,6 @@ def run(options: argparse.Namespace) -> int:
             notes=notes,
         )
         return 0
-    from tracerisk.report.cut_sets import render_cut_sets
-
     print_text(
         render_cut_sets(
             asked.tree.top,
@@ -127,8 +127,6 @@ def _asked(options: argparse.Namespace) -> _Asked:
     files, time = options.files, options.mission_time_h
     kind = format_of(files)
     if kind is None:
-        from tracerisk.cli.shared.sources import model_of_sources
-
         return _of_functions(model_of_sources(files, {}), options.top)
     if kind in (ModelFormat.PRISM, ModelFormat.EXPLICIT, ModelFormat.LINKED):
         raise InputError(f"'{files[0]}' holds no fault tree with cut sets; give {_TREES}")

@@ -10,14 +10,16 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.common.dependencies import install_command, missing_extras, needed, version_of
+from tracerisk.config import Settings
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
+from tracerisk.twin.physics.scene import load_scene
 from tracerisk.version import __version__
 
 if TYPE_CHECKING:
-    from tracerisk.config import Settings
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.pipeline.workspace.prefixes import Prefix
     from tracerisk.twin.robots.robot import Robot
@@ -56,8 +58,6 @@ def run(options: argparse.Namespace) -> int:
     if options.controller is None:
         found["installed ROS"] = _of_environment()
     else:
-        from tracerisk import api
-
         given = {"robot": options.robot, "sandbox": options.sandbox}
         controller = api.load_controller(options.controller)
         in_use = api.load_settings(controller, given)
@@ -127,7 +127,6 @@ def _engine() -> str:
 
 
 def _physics() -> str:
-    from tracerisk.twin.physics.scene import load_scene
     from tracerisk.twin.robots.robot import load_robot, robot_names
     from tracerisk.twin.simulation.twin import Twin
 
@@ -167,7 +166,6 @@ def _sandbox() -> str:
 
 def _of_environment() -> str:
     """Return where packages are installed for a controller of either ROS in this folder."""
-    from tracerisk.config import Settings
     from tracerisk.pipeline.workspace.project import Project
 
     here = Project(Path.cwd())
@@ -236,7 +234,6 @@ _MOST_EVIDENCE = 12
 
 
 def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]:
-    from tracerisk import api
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
     from tracerisk.pipeline.robot.choice import choose_launched_robot
     from tracerisk.pipeline.workspace.ros_distro import choose_distro

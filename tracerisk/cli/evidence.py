@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
@@ -17,6 +18,7 @@ from tracerisk.cli.shared.output import (
 )
 from tracerisk.cli.shared.progress import bar_of_cells
 from tracerisk.cli.shared.values import count, positive
+from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
@@ -62,8 +64,6 @@ def run(options: argparse.Namespace) -> int:
         return _merge(options)
     if options.output is not None:
         raise InputError("-o goes with `evidence merge`; --csv and --markdown write the table")
-    from tracerisk import api
-
     if options.show and options.replays is not None:
         raise InputError("--replays runs failures and does not go with --show, which runs nothing")
     if options.show:
@@ -130,8 +130,6 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
 
 
 def _replay(options: argparse.Namespace, found: Evidence) -> None:
-    from tracerisk import api
-
     with bar_of_cells("replays", quiet=options.quiet) as progress:
         number = api.evidence_replays(
             options.controller,
@@ -144,7 +142,6 @@ def _replay(options: argparse.Namespace, found: Evidence) -> None:
 
 
 def _merge(options: argparse.Namespace) -> int:
-    from tracerisk.common.evidence import EVIDENCE_NAME
     from tracerisk.common.evidence.file import dump_evidence, merge_evidence
 
     if not options.argv:

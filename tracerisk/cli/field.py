@@ -16,6 +16,7 @@ from tracerisk.cli.shared.output import (
     write_file,
 )
 from tracerisk.cli.shared.recordings import add_reading, check_robot, read_recording
+from tracerisk.common.field.file import dump_field, field_data
 from tracerisk.errors import ExitCode
 
 if TYPE_CHECKING:
@@ -40,7 +41,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.common.field.file import dump_field, field_data
     from tracerisk.pipeline.recordings.field_profile import (
         apart_from_twin,
         gather_field,

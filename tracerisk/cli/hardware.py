@@ -12,7 +12,9 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text, write
 from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
+from tracerisk.common.field.file import read_field
 from tracerisk.common.text.plain_data import picked
+from tracerisk.config import from_here
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
@@ -109,7 +111,6 @@ def _show(options: argparse.Namespace) -> int:
 
 def _of_settings() -> str:
     """Return the description that the settings of this folder name."""
-    from tracerisk.config import from_here
     from tracerisk.pipeline.workspace.project import Project
 
     project = Project.of(Path("here.py"))
@@ -228,7 +229,6 @@ def _add_update(parser: argparse.ArgumentParser) -> None:
 
 
 def _update(options: argparse.Namespace) -> int:
-    from tracerisk.common.field.file import read_field
     from tracerisk.common.hardware.formats import format_of_name, read_description
     from tracerisk.pipeline.failure_data.field_failures import read_failures, updated_yaml, updates
 

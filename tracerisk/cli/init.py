@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.errors import InputError, Location
@@ -99,7 +100,6 @@ def _agreed(options: argparse.Namespace) -> bool:
 
 
 def _write(start: ProjectStart) -> tuple[str, ...]:
-    from tracerisk.adder.sources.write import FileWrite, write_all
     from tracerisk.pipeline.history.merge_driver import install_merge_driver
 
     writes = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tracerisk.adder.lock.lock import Lock
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json
 from tracerisk.errors import ExitCode, InputError, Location
@@ -34,7 +35,6 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             f"expected three locks, BASE OURS THEIRS, and not {len(options.files)}; or --install"
         )
-    from tracerisk.adder.lock.lock import Lock
     from tracerisk.adder.lock.merge_driver import merge_locks
     from tracerisk.adder.lock.reading import loads
     from tracerisk.adder.sources.write import atomic_write

@@ -6,11 +6,13 @@ import argparse
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, paper, print_json, print_text, show
 from tracerisk.cli.shared.progress import bar_of_cells
 from tracerisk.cli.shared.values import count, probability
 from tracerisk.errors import ExitCode
+from tracerisk.report import mutants as report
 
 if TYPE_CHECKING:
     from tracerisk.report.mutants import MutantRuns
@@ -39,9 +41,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb; 1 if too few changes are noticed, else 0."""
-    from tracerisk import api
-    from tracerisk.report import mutants as report
-
     with bar_of_cells("changes", "the run without a change", quiet=options.quiet) as progress:
         found = api.mutate(
             options.controller,

@@ -11,6 +11,7 @@ from importlib import import_module
 
 from tracerisk.cli import GROUPS, VERBS
 from tracerisk.common.text.columns import columns_of
+from tracerisk.version import __version__
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -215,7 +216,5 @@ class _Command(_Parser):
 
 class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
-        from tracerisk.version import __version__
-
         print(f"tracerisk {__version__}")
         parser.exit()

@@ -20,6 +20,7 @@ from tracerisk.cli.shared.verdict import as_typed, verdict_exit, verdict_json
 from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
+from tracerisk.pipeline.workspace.project import Projects
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.check.refresh import Refreshed
@@ -43,7 +44,6 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.pipeline.check.refresh import refresh_controller
     from tracerisk.pipeline.freshness.known_controllers import named_or_all
-    from tracerisk.pipeline.workspace.project import Projects
 
     projects = Projects()
     paths = named_or_all(options.files, projects)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
+from tracerisk import api
 from tracerisk.cli.reporting.against import add_against, review_against
 from tracerisk.cli.reporting.overview import write_overview
 from tracerisk.cli.reporting.report_input import RunShown, history_shown, report_html, run_shown
@@ -18,10 +19,12 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, write_file
 from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict, verdict_details
+from tracerisk.common import trace_json
+from tracerisk.config import Settings
 from tracerisk.errors import ExitCode, InputError, SourceError
+from tracerisk.instrument.source.language import is_c_like
 
 if TYPE_CHECKING:
-    from tracerisk.config import Settings
     from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.trace import Trace
 
@@ -82,7 +85,6 @@ def _write_page(
     options: argparse.Namespace, kept: KeptRun | None, trace: Trace | None
 ) -> dict[str, Any]:
     """Write the page; return what `--json` prints of it."""
-    from tracerisk import api
     from tracerisk.prm.formats.assessment_json import assessment_to_json
 
     files = list(options.files)
@@ -114,7 +116,6 @@ def _write_page(
 
 def _kept(file: str) -> KeptRun | None:
     """Return what is kept of the run behind a source; `None` for one that is not Python."""
-    from tracerisk.instrument.source.language import is_c_like
     from tracerisk.pipeline.check.cached_run import kept_run
 
     try:
@@ -138,8 +139,6 @@ def _run_of(
 
 
 def _settings(kept: KeptRun | None, options: argparse.Namespace) -> Settings:
-    from tracerisk.config import Settings
-
     settings = Settings() if kept is None else kept.settings
     return settings.with_options({"hardware": options.hardware, "active": options.active})
 
@@ -147,6 +146,4 @@ def _settings(kept: KeptRun | None, options: argparse.Namespace) -> Settings:
 def _given_trace(file: str | None) -> Trace | None:
     if file is None:
         return None
-    from tracerisk.common import trace_json
-
     return trace_json.loads(decoded(read_file(file), file), file)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from tracerisk.api import RunFailedError
 from tracerisk.cli.reporting.against import add_against, check_against
 from tracerisk.cli.running.fault import add_fault, check_fault_options, run_faults
 from tracerisk.cli.shared import options as shared
@@ -68,7 +69,6 @@ def run(options: argparse.Namespace) -> int:
         from tracerisk.cli.running.watch import watch_run
 
         watch_run(options)
-    from tracerisk.api import RunFailedError
     from tracerisk.cli.running.finished_run import finish_run
     from tracerisk.cli.running.shown import show_failure, show_run
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from tracerisk import api
+from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_diff, print_json
 from tracerisk.errors import EditInTheWayError, ExitCode
@@ -21,8 +23,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk import api
-    from tracerisk.adder.sources.write import FileWrite, write_all
     from tracerisk.pipeline.check.overrides import hand_set
     from tracerisk.pipeline.freshness.known_controllers import forget_blocks
 

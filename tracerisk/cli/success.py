@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk import api
 from tracerisk.cli.scenario import scenario_file, write_scenario
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
@@ -36,7 +37,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code: that of the run, which drafts nothing if faulted."""
-    from tracerisk import api
     from tracerisk.pipeline.scenarios.success_draft import draft_success
 
     if options.output is not None and not options.write:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
+from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     paper,
@@ -37,7 +38,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb; 0 whatever the points show."""
-    from tracerisk import api
     from tracerisk.report.series import sweep as report
 
     with bar_of_cells("points", quiet=options.quiet) as progress:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, scenario_advice, show, write_file
 from tracerisk.cli.shared.progress import progress_bar
@@ -24,6 +25,7 @@ from tracerisk.cli.shared.run_report import (
     write_record,
 )
 from tracerisk.cli.shared.verdict import print_verdict, verdict_exit, verdict_json
+from tracerisk.common import trace_json
 from tracerisk.errors import InputError
 from tracerisk.trace import LOST, MEASURED
 
@@ -50,8 +52,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.common import trace_json
-
     if options.recording is not None:
         trace = _read(options)
     elif options.controller is None:
@@ -84,8 +84,6 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> Trace:
-    from tracerisk import api
-
     shown = progress_bar(quiet=options.quiet, controller=options.controller)
     with shown as progress, recording_folder(options) as keep:
         controller = api.load_controller(options.controller)

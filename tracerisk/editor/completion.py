@@ -13,6 +13,7 @@ from tracerisk.adder.blocks.grammar import GUTTER, HEADER
 from tracerisk.adder.blocks.values import COMPONENT_KINDS, DONE, NEXT
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import Component, Hardware
+from tracerisk.config import Settings
 from tracerisk.editor.figures import ControllerFigures
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.language import is_c
@@ -253,8 +254,6 @@ def hardware_of(figures: ControllerFigures) -> Hardware | None:
 def _read(hardware: str | None, robot: str, version: int) -> Hardware | None:
     """Return a description, read once for each `version` of its file."""
     del version
-    from tracerisk.config import Settings
-
     try:
         return load_hardware(Settings(hardware=hardware), robot)
     except TraceRiskError:

@@ -35,6 +35,7 @@ from tracerisk.editor.session import (
     solve_ahead,
 )
 from tracerisk.errors import TraceRiskError
+from tracerisk.version import __version__
 
 _DELAY_S = 0.05
 """How long further changes are waited for before a check [s]."""
@@ -49,8 +50,6 @@ class RiskServer:
     """A server of one editor, with the texts that it has open; `connection` speaks with it."""
 
     def __init__(self) -> None:
-        from tracerisk.version import __version__
-
         self.connection = LanguageServer(
             "tracerisk", __version__, text_document_sync_kind=lsp.TextDocumentSyncKind.Full
         )

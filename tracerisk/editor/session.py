@@ -22,7 +22,7 @@ from tracerisk.editor.lines import Lines
 from tracerisk.editor.outline import Outline, outline_of
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.language import is_c
-from tracerisk.pipeline.check.check import check_loaded
+from tracerisk.pipeline.check.check import check_controller, check_loaded
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
@@ -288,8 +288,6 @@ def analyse(path: Path, opened: Mapping[Path, bytes], projects: Projects) -> Ana
     """Check a controller with the texts that are open."""
     try:
         if is_gone(path, projects):
-            from tracerisk.pipeline.check.check import check_controller
-
             return Analysis(path, check_controller(path, projects).findings)
         checked = check_loaded(controller_with(path, opened, projects))
         return Analysis(path, checked.findings, verdict=checked.verdict)

@@ -8,11 +8,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.adder.annotate import Annotation, Changed, EditsInTheWay, SourceBlocks
+from tracerisk.adder.annotate import (
+    Annotation,
+    Changed,
+    EditsInTheWay,
+    SourceBlocks,
+    annotate_sources,
+)
 from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.line_map import line_maps
+from tracerisk.adder.sources.write import write_all
 from tracerisk.common.dependencies import require_simulator
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.outcome.changes import Tolerances
@@ -22,8 +29,12 @@ from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions
+from tracerisk.pipeline.freshness.trace_cache import TraceCache
 from tracerisk.pipeline.freshness.used_evidence import used_evidence
+from tracerisk.pipeline.freshness.who_wrote import evidence_for
 from tracerisk.pipeline.history.file_lock import one_writer
+from tracerisk.pipeline.trace.c_scopes import with_scopes
+from tracerisk.pipeline.trace.kept_verdict import bare_lines
 from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.pipeline.workspace.controller import Controller, lines_since, load_controller
 from tracerisk.pipeline.workspace.project import Project
@@ -67,8 +78,6 @@ class Annotated:
         What other runs wrote into the lock meanwhile stays.
         Raises InputError when a file cannot be written, or the source was changed meanwhile.
         """
-        from tracerisk.adder.sources.write import write_all
-
         self._keep_trace()
         if self.change is None:
             return
@@ -77,8 +86,6 @@ class Annotated:
 
     def _keep_trace(self) -> None:
         """Keep the trace for a refresh; a folder that cannot be written costs that a run."""
-        from tracerisk.pipeline.freshness.trace_cache import TraceCache
-
         with contextlib.suppress(OSError, InputError):
             # With the lines that the source has from now on.
             kept = at_annotated_lines(self.trace, self)
@@ -122,12 +129,7 @@ def annotate(
     if controller.is_python:
         require_simulator("writing risk blocks")
     else:
-        from tracerisk.pipeline.trace.c_scopes import with_scopes
-
         trace = with_scopes(controller, trace)
-    from tracerisk.adder.annotate import annotate_sources
-    from tracerisk.pipeline.freshness.who_wrote import evidence_for
-
     check_named_functions(controller, settings, trace)
     lock_path = controller.root / LOCK_NAME
     key = lock_key(controller.path, controller.root)
@@ -190,8 +192,6 @@ def _at_bare_lines(trace: Trace, sources: Mapping[str, bytes], controller: Contr
 
     So what the lock keeps does not change when blocks come into a source.
     """
-    from tracerisk.pipeline.trace.kept_verdict import bare_lines
-
     if trace.verdict is None:
         return trace
     shown = {file: str(controller.path_of(file)) for file in sources}

@@ -14,6 +14,7 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import InputError
 from tracerisk.instrument.source.language import is_c_like
+from tracerisk.prm.hybrid.from_blocks import build_model
 
 if TYPE_CHECKING:
     from tracerisk.prm.hybrid.hybrid import HybridModel
@@ -31,8 +32,6 @@ def build(
     C, C++ or Java, else of Python.
     Raises BlockError or ModelError where the blocks are malformed or contradict each other.
     """
-    from tracerisk.prm.hybrid.from_blocks import build_model
-
     blocks = [block for _, block in blocks_of(sources)]
     if not blocks:
         raise InputError(

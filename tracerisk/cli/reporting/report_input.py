@@ -10,9 +10,13 @@ from typing import TYPE_CHECKING
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.cli.shared.run_report import finding_line, object_lines
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.instrument.source.python_source import decoded
+from tracerisk.pipeline.freshness.used_evidence import kept_evidence, used_evidence
+from tracerisk.pipeline.model import blocks_of
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.block import RiskBlock
@@ -49,8 +53,6 @@ def evidence_shown(
 
     Raises InputError where the file of evidence is malformed.
     """
-    from tracerisk.pipeline.freshness.used_evidence import kept_evidence, used_evidence
-
     found = kept_evidence(controller)
     if found is None or found.fingerprint != fingerprint:
         return ()
@@ -77,8 +79,6 @@ def run_shown(trace: Trace, settings: Settings, kept: KeptRun | None = None) -> 
     Raises HardwareError where the hardware description does not fit it.
     """
     from tracerisk.adder.figures.computed import compute_blocks
-    from tracerisk.common.hardware.formats import load_hardware
-    from tracerisk.pipeline.freshness.used_evidence import used_evidence
     from tracerisk.pipeline.pictures.run_section import run_section
 
     hardware = load_hardware(settings, trace.robot)
@@ -109,9 +109,7 @@ def report_html(
     its verdict. `more` sections follow those of the run.
     Raises BlockError or SourceError where blocks are malformed.
     """
-    from tracerisk.cli.shared.run_report import finding_line, object_lines
     from tracerisk.pipeline.check.overrides import overrides_in
-    from tracerisk.pipeline.model import blocks_of
     from tracerisk.report.html.report import render_report
     from tracerisk.report.html.report_input import ReportInput
     from tracerisk.report.run_figures import run_figures

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
+from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show, write_file
 from tracerisk.cli.shared.progress import progress_bar
@@ -66,7 +67,6 @@ def run_faults(options: argparse.Namespace) -> int:
 
     Raises RunFailedError when the run without them came to a bad end.
     """
-    from tracerisk import api
     from tracerisk.pipeline.pictures.run_section import recorded_run
 
     recorded = None
@@ -91,7 +91,6 @@ def run_faults(options: argparse.Namespace) -> int:
     )
     lines = _lines(replace(done, nominal=nominal, trace=trace))
     if options.report is not None:
-        from tracerisk import api
         from tracerisk.pipeline.pictures.run_section import run_section
         from tracerisk.report.html.fault_report import render_fault_report
 

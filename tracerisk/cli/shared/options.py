@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tracerisk.cli.shared.values import count, cycles, positive, probability, shard
+from tracerisk.common.campaign import CampaignOptions
 from tracerisk.errors import InputError
 
 TYPE_CHECKING = False
@@ -12,7 +13,6 @@ if TYPE_CHECKING:
     from typing import Any
 
     from tracerisk.adder.merge.merge import MergePolicy
-    from tracerisk.common.campaign import CampaignOptions
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
@@ -234,8 +234,6 @@ def campaign_options(
     noted: Callable[[str], None] | None = None,
 ) -> CampaignOptions:
     """Return how the runs of a campaign are carried out."""
-    from tracerisk.common.campaign import CampaignOptions
-
     return CampaignOptions(
         jobs=options.jobs,
         most_s=options.time,

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from tracerisk.common.text.columns import columns_of
 from tracerisk.common.text.printable import printable
 from tracerisk.errors import ExitCode, InputError, Location
+from tracerisk.version import __version__
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -62,7 +63,6 @@ def write_file(path: str, text: str) -> None:
 def write_sarif(path: str, alerts: Sequence[Alert]) -> None:
     """Write alerts as SARIF; raises InputError when the file cannot be written."""
     from tracerisk.report.sarif import render_sarif
-    from tracerisk.version import __version__
 
     write_file(path, render_sarif(alerts, version=__version__))
 

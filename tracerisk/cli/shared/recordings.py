@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.sources import named_robot
 from tracerisk.errors import InputError, Location, SettingsError
@@ -84,7 +85,6 @@ def check_robot(trace: Trace, name: str | None, path: Path) -> None:
 def _declared(
     path: Path, options: argparse.Namespace, controller: str | None
 ) -> tuple[Robot, Declared]:
-    from tracerisk import api
     from tracerisk.config import Settings
     from tracerisk.pipeline.recordings.declared import Declared, parse_effort_unit
     from tracerisk.pipeline.recordings.messages import open_recording

@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared.model_files import read_model, read_text
 from tracerisk.cli.shared.model_format import ModelFormat
+from tracerisk.cli.shared.sources import read_file
 from tracerisk.cli.solving.solved import Render, Solved, chosen
 from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import InputError
 from tracerisk.prm.other_models.formats.explicit_chain import ChainKind, ExplicitChain
+from tracerisk.prm.other_models.formats.prism.prism_reader import constant_values, read_prism_model
 from tracerisk.prm.other_models.markov.solver import SMALL
+from tracerisk.report.model_files import render_answers, render_line, render_states
 
 if TYPE_CHECKING:
     from tracerisk.prm.other_models.formats.prism.prism_reader import PrismModel
@@ -48,9 +51,6 @@ class ChainFile:
 
     def value_of(self, name: str) -> float:
         """Return what a constant is in the file; not a number where it is left open."""
-        from tracerisk.cli.shared.sources import read_file
-        from tracerisk.prm.other_models.formats.prism.prism_reader import constant_values
-
         if name in self.constants:
             return self.constants[name]
         text = read_file(self.files[0]).decode("utf-8-sig")
@@ -96,9 +96,7 @@ class ChainFile:
         self, questions: PropertyFile, constants: Mapping[str, float], figure: str | None
     ) -> Solved:
         """Answer the properties; the figure of one that differs by start is its greatest."""
-        from tracerisk.prm.other_models.formats.prism.prism_reader import read_prism_model
         from tracerisk.prm.other_models.properties import ask
-        from tracerisk.report.model_files import render_answers
 
         if self.time is not None:
             raise InputError("--mission-time: a property has times of its own, as F<=10; leave out")
@@ -154,8 +152,6 @@ class ChainFile:
         return self._absorbed(chain, ends, data, visits, text, figure)
 
     def _continuous(self, chain: ExplicitChain, figure: str | None) -> Solved:
-        from tracerisk.report.model_files import render_states
-
         continuous = chain.continuous_chain()
         if not chain.absorbing:
             shares = continuous.steady_state()
@@ -183,8 +179,6 @@ class ChainFile:
         words: str,
         figure: str | None,
     ) -> Solved:
-        from tracerisk.report.model_files import render_line, render_states
-
         figures = {name: ends[name] for name in chosen(tuple(ends), figure, self.name)}
         shown: list[tuple[Render, tuple[Any, ...]]] = [
             (render_states, (self.name, "probability of ending there", ends)),
@@ -195,8 +189,6 @@ class ChainFile:
         return Solved(figures, data, tuple(shown), chain.notes)
 
     def _at_time(self, chain: ExplicitChain, time: float, figure: str | None) -> Solved:
-        from tracerisk.report.model_files import render_states
-
         if chain.kind is ChainKind.DTMC:
             raise InputError("--mission-time goes with a ctmc; a dtmc has steps, and no time")
         found = chain.continuous_chain().transient(chain.entry, time)

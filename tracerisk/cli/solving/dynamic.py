@@ -11,6 +11,7 @@ from tracerisk.errors import InputError, one_of
 from tracerisk.prm.other_models.dynamic import DynamicEvent, DynamicTree
 from tracerisk.prm.other_models.formats import galileo
 from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand
+from tracerisk.report.model_files import render_top_importance, render_tops
 
 if TYPE_CHECKING:
     from tracerisk.prm.questions.uncertainty import Uncertainty
@@ -65,8 +66,6 @@ class DynamicFile:
 
     def solve(self, figure: str | None, *, importance: bool) -> Solved:
         """Solve the tree."""
-        from tracerisk.report.model_files import render_top_importance, render_tops
-
         chosen((self.tree.top,), figure, self.name)
         fixed = all(isinstance(each.model, Constant | PerDemand) for each in self.tree.events)
         if self.mission_time_h is None and not fixed:

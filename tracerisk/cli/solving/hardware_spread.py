@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tracerisk.cli.shared.output import note
+from tracerisk.cli.shared.sources import read_file
 from tracerisk.cli.shared.values import count
 from tracerisk.errors import InputError, Location
 
@@ -76,7 +77,6 @@ def spreads_of_files(
     robot = ""
     sources = [name for name in files if Path(name).suffix == ".py"]
     if sources:
-        from tracerisk.cli.shared.sources import read_file
         from tracerisk.pipeline.model import blocks_of
         from tracerisk.report.run_figures import set_by_hand
 

@@ -10,7 +10,17 @@ from tracerisk.cli.shared.model_files import read_text
 from tracerisk.cli.shared.output import paper, print_json, print_text, risk_exit
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.cli.solving.solved import chosen
+from tracerisk.common.text.finite import finite
 from tracerisk.errors import InputError
+from tracerisk.prm.other_models.expressions import Number
+from tracerisk.prm.other_models.formats import linked_json
+from tracerisk.prm.other_models.linked.importance import importances
+from tracerisk.prm.other_models.linked.parameter_sweep import sweep
+from tracerisk.prm.other_models.linked.uncertainty import distribution_of, propagate
+from tracerisk.prm.questions.set_values import SetValue, log_spaced
+from tracerisk.prm.questions.uncertainty import SAMPLES
+from tracerisk.report import linked as report
+from tracerisk.report.model_answers import render_uncertainty
 
 if TYPE_CHECKING:
     import argparse
@@ -22,12 +32,6 @@ if TYPE_CHECKING:
 
 def solve_linked(options: argparse.Namespace) -> int:
     """Solve a linked model as the options ask, print the result and return the exit code."""
-    from tracerisk.common.text.finite import finite
-    from tracerisk.prm.other_models.formats import linked_json
-    from tracerisk.prm.other_models.linked.importance import importances
-    from tracerisk.prm.other_models.linked.parameter_sweep import sweep
-    from tracerisk.prm.questions.set_values import SetValue, log_spaced
-
     model = linked_json.loads(read_text(options.files[0]), options.files[0])
     figure = _figure(model, options)
     values = asked.parse_set(options.set_values, asked.number)
@@ -53,9 +57,6 @@ def solve_linked(options: argparse.Namespace) -> int:
         print_json("solve", exit_code=int(code), **data)
         return int(code)
     asked.print_set(changes)
-    from tracerisk.report import linked as report
-    from tracerisk.report.model_answers import render_uncertainty
-
     _show(report.render_figures, model.name, solution.figures)
     if ranked:
         _show(report.render_importances, figure, ranked)
@@ -77,10 +78,6 @@ def _figure(model: LinkedModel, options: argparse.Namespace) -> str:
 def _spread(model: LinkedModel, figure: str, options: argparse.Namespace) -> Uncertainty | None:
     if not asked.wants_uncertainty(options):
         return None
-    from tracerisk.prm.other_models.expressions import Number
-    from tracerisk.prm.other_models.linked.uncertainty import distribution_of, propagate
-    from tracerisk.prm.questions.uncertainty import SAMPLES
-
     plain = [
         each.name
         for each in model.parameters

@@ -9,7 +9,9 @@ from dataclasses import asdict, dataclass, replace
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
 from tracerisk.errors import InputError
+from tracerisk.prm.other_models.logic.checks import needs_mission_time
 from tracerisk.prm.other_models.logic.model import LogicModel
+from tracerisk.report.model_files import render_event_tree, render_top_importance, render_tops
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -45,12 +47,6 @@ class LogicFile:
 
     def solve(self, figure: str | None, *, importance: bool) -> Solved:
         """Solve all tops and event trees, or one top."""
-        from tracerisk.report.model_files import (
-            render_event_tree,
-            render_top_importance,
-            render_tops,
-        )
-
         model, time = self.model, self._time()
         begun = [each for each in model.event_trees if each.tree.initiating is not None]
         if not model.tops and not begun:
@@ -144,8 +140,6 @@ class LogicFile:
         return chosen(self.model.tops, figure, self.name)
 
     def _time(self) -> float:
-        from tracerisk.prm.other_models.logic.checks import needs_mission_time
-
         if self.mission_time_h is None and needs_mission_time(self.model):
             raise no_mission_time(self.name)
         return self.mission_time_h or 0.0

@@ -11,6 +11,7 @@ from tracerisk.cli.shared.output import note, paper, print_json, print_text, ris
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.cli.solving.solved import Render, Solvable, Solved
 from tracerisk.errors import ExitCode, InputError, one_of
+from tracerisk.report.model_files import render_curve
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -76,8 +77,6 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
         figure = options.figure or next(iter(solved.figures))
         parts.append((render_uncertainty, (spread, figure)))
     if curve is not None:
-        from tracerisk.report.model_files import render_curve
-
         parts.append((render_curve, (curve,)))
     _show(parts)
     return int(code)

@@ -6,6 +6,9 @@ from pathlib import Path, PurePath
 from typing import Literal
 
 from tracerisk.common.hardware.model import Hardware
+from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
+from tracerisk.common.hardware.yaml.writer import write_hardware
 from tracerisk.config import Settings
 from tracerisk.errors import HardwareError, Location, one_of
 
@@ -35,8 +38,6 @@ def read_description(path: Path, *, shown: str | None = None) -> Hardware:
         from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 
         return read_sysml(path, shown=shown)
-    from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
-
     return read_hardware(path, shown=shown)
 
 
@@ -47,8 +48,6 @@ def load_hardware(settings: Settings, robot: str) -> Hardware:
     One whose name ends in `.sysml` is read as SysML v2, any other as YAML.
     Raises HardwareError when it is malformed, or is that of another robot.
     """
-    from tracerisk.common.hardware.shipped import hardware_of
-
     if settings.hardware is None:
         return hardware_of(robot)
     hardware = read_description(Path(settings.hardware))
@@ -68,6 +67,4 @@ def write_description(hardware: Hardware, format_: HardwareFormat) -> str:
         from tracerisk.common.hardware.sysml.writer import write_sysml
 
         return write_sysml(hardware)
-    from tracerisk.common.hardware.yaml.writer import write_hardware
-
     return write_hardware(hardware)

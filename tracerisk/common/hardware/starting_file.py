@@ -20,6 +20,7 @@ from tracerisk.common.hardware.model import (
 )
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.common.hardware.shipped import fitted_to
+from tracerisk.common.hardware.sysml.writer import write_sysml
 from tracerisk.common.hardware.yaml.writer import component_lines, head_lines, key_line
 from tracerisk.trace import Element, SensorKind
 
@@ -133,8 +134,6 @@ def starting_yaml(hardware: Hardware, title: str) -> str:
 
 def starting_sysml(hardware: Hardware, title: str) -> str:
     """Return the description as SysML v2, with comments that say how to go on."""
-    from tracerisk.common.hardware.sysml.writer import write_sysml
-
     examples = write_sysml(Hardware("", _EXAMPLE_PARTS)).splitlines()
     return (
         f"// Hardware of: {title}.\n"

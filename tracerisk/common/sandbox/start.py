@@ -25,6 +25,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
+from tracerisk.common.sandbox import kernel_features as kernel
+from tracerisk.common.sandbox.fork_server import serve
+
 _ROUNDS = 200
 
 
@@ -38,8 +41,6 @@ def main() -> None:
     _import_own(plan["package"])
     sys.path += [folder for folder in plan["paths"] if folder not in sys.path]
     if "requests" in plan:
-        from tracerisk.common.sandbox.fork_server import serve
-
         # What follows is done by each process that it forks.
         plan = serve(module, plan)
     if sys.platform == "linux":
@@ -99,8 +100,6 @@ def _import_own(folder: str) -> None:
 
 def _stay_behind(plan: dict[str, Any]) -> None:
     """Return in a new process; this one waits for its end, and ends with it."""
-    from tracerisk.common.sandbox import kernel_features as kernel
-
     parent = plan["parent"]
     kernel.adopt_orphans()
     kernel.die_with_parent(signal.SIGTERM)
@@ -199,8 +198,6 @@ def _end_as(status: int) -> NoReturn:
 
 
 def _restrict(plan: dict[str, Any]) -> None:
-    from tracerisk.common.sandbox import kernel_features as kernel
-
     try:
         kernel.restrict(plan["readable"], plan["listable"], plan["writable"])
     except OSError as error:

@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar, cast
 
+from tracerisk.common.text.yaml_repeated_keys import fold_repeated
 from tracerisk.errors import InputError, Location, one_of
 
 _Word = TypeVar("_Word", bound=str)
@@ -287,7 +288,6 @@ def read_yaml(
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
     from tracerisk.common.text.yaml_bounds import bounded_yaml
-    from tracerisk.common.text.yaml_repeated_keys import fold_repeated
 
     file = shown if shown is not None else str(path)
     text = _text(path, file, error)

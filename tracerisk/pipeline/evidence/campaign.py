@@ -20,6 +20,7 @@ from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.evidence.cells import Cell, Evidence, Stratum
 from tracerisk.common.evidence.file import cell_line, dump_evidence, parse_cell, read_evidence
 from tracerisk.common.evidence.share_interval import weighted_interval
+from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import CONTROL, POWER
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
@@ -109,8 +110,6 @@ def plan_campaign(
     the settings by default. Raises ControllerFailedError where the run came to a bad end or
     commanded nothing, InputError where there is nothing to fail.
     """
-    from tracerisk.common.hardware.formats import load_hardware
-
     _check_cells(1 if cells is None else cells)
     given = tuple(stated(options).items())
     nominal = nominal_mission(str(controller), given, "fail")

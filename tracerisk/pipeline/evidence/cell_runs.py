@@ -31,6 +31,7 @@ from tracerisk.pipeline.run.ended_run import ControllerRun, RunOptions
 from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
 from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
@@ -289,8 +290,6 @@ def declared_success(settings: Settings) -> tuple[Condition, ...]:
     """
     if settings.scenario is None:
         return ()
-    from tracerisk.ros.scenario.scenario import read_scenario
-
     declared = read_scenario(Path(settings.scenario)).success
     return tuple(condition for condition in declared if not condition.is_assumed)
 

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Literal
 
 from tracerisk.common.hardware.model import Component, FailureFigure, Hardware
 from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.numbers.distributions import NORMAL_95, Beta, Lognormal
+from tracerisk.prm.questions.set_values import groups_of
+from tracerisk.prm.questions.uncertainty import FigureSpread
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.instances import ComponentInstances
     from tracerisk.adder.quantify.figure_shares import EndingShare
-    from tracerisk.prm.numbers.distributions import Lognormal
-    from tracerisk.prm.questions.uncertainty import FigureSpread
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +43,6 @@ def hardware_spreads(
     the load of a joint may be off, by masses on which public sources disagree; the share of a
     figure that wears by a load law of exponent k is off by its k-th power, beside its own factor.
     """
-    from tracerisk.prm.questions.set_values import groups_of
-    from tracerisk.prm.questions.uncertainty import FigureSpread
-
     known = groups_of(model)
     shares = {each.component.name: each.figure_shares for each in instances or ()}
     ending = {each.component.name: each.ending for each in instances or ()}
@@ -109,8 +107,6 @@ def with_distributions(
     Communications Systems 8, 1960), about the value as its mean where each figure is one; so it
     is of a figure and the share of it that ends the mission.
     """
-    from tracerisk.prm.questions.set_values import groups_of
-
     given = {
         part.name: _joined(spreads[name])
         for name, parts in groups_of(model).items()
@@ -132,9 +128,6 @@ def _share_that_ends(ending: EndingShare | None) -> tuple[FigureSpread, ...]:
     It is beta-distributed with half a failure and half a success added to those that were seen
     (H. Jeffreys, Proceedings of the Royal Society A 186 (1946) 453).
     """
-    from tracerisk.prm.numbers.distributions import Beta
-    from tracerisk.prm.questions.uncertainty import FigureSpread
-
     if ending is None or ending.share <= 0.0:
         return ()
     failed = ending.share * ending.cells
@@ -143,8 +136,6 @@ def _share_that_ends(ending: EndingShare | None) -> tuple[FigureSpread, ...]:
 
 
 def _parts(component: Component, shares: Sequence[float]) -> tuple[FigureSpread, ...]:
-    from tracerisk.prm.questions.uncertainty import FigureSpread
-
     names = _names(component.figures)
     return tuple(
         FigureSpread(name, share, _lognormal(figure))
@@ -176,14 +167,10 @@ def _factor(figure: FailureFigure) -> float:
 
 
 def _lognormal(figure: FailureFigure) -> Lognormal:
-    from tracerisk.prm.numbers.distributions import Lognormal
-
     return Lognormal(_factor(figure), figure.value_is)
 
 
 def _joined(spreads: Sequence[FigureSpread]) -> Lognormal:
-    from tracerisk.prm.numbers.distributions import NORMAL_95, Beta, Lognormal
-
     apart = 1.0
     for each in spreads:
         if each.is_factor:

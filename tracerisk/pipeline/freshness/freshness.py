@@ -19,6 +19,7 @@ from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller, from_root
+from tracerisk.version import __version__
 
 if TYPE_CHECKING:
     from tracerisk.trace import Trace
@@ -145,8 +146,6 @@ def run_inputs(
 
 def settings_data(settings: Settings, root: Path) -> dict[str, Any]:
     """Return the settings that a run or its values depend on and that are not the default."""
-    from tracerisk.version import __version__
-
     default = Settings()
     data: dict[str, Any] = {"tracerisk": __version__}
     for each in fields(Settings):

@@ -25,6 +25,12 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
+from tracerisk.pipeline.launch_files.placeholders import (
+    ABSENT_FOLDER,
+    Absent,
+    AbsentFinder,
+    AbsentModule,
+)
 from tracerisk.pipeline.launch_files.robot_sources import is_robot_file, robots_read
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 
@@ -122,7 +128,6 @@ def _serve(packages: dict[str, Path], read: list[Path], robots: list[Described])
     What they read goes to `read`, what of that describes a robot to `robots`.
     """
     from tracerisk.pipeline.launch_files.moveit_configs import moveit_configs_modules
-    from tracerisk.pipeline.launch_files.placeholders import AbsentFinder
 
     home = f"{__package__}.stand_ins"
     for top in _STAND_INS:
@@ -147,7 +152,6 @@ def _serve(packages: dict[str, Path], read: list[Path], robots: list[Described])
 
 def _xacro(robots: list[Described]) -> ModuleType:
     """Return a module whose documents are absent; what it is called with goes to `robots`."""
-    from tracerisk.pipeline.launch_files.placeholders import Absent, AbsentModule
 
     class Document(Absent):
         def __init__(self, path: str) -> None:
@@ -180,8 +184,6 @@ def _xacro(robots: list[Described]) -> ModuleType:
 
 
 def _ament_index(packages: dict[str, Path]) -> ModuleType:
-    from tracerisk.pipeline.launch_files.placeholders import ABSENT_FOLDER
-
     module = ModuleType("ament_index_python.packages")
 
     def folder_of(package_name: str, **_: Any) -> str:
@@ -219,8 +221,6 @@ class _OrAbsent(importlib.abc.Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         """Run the source; where that fails, all names of the module are absent."""
-        from tracerisk.pipeline.launch_files.placeholders import AbsentModule
-
         try:
             self._loader.exec_module(module)
         except Exception:  # noqa: BLE001 - it is written for real ROS, and anything may be lacking

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.text.yaml_repeated_keys import OF_NODE
+from tracerisk.pipeline.launch_files.expressions import evaluate
 from tracerisk.pipeline.launch_files.records import EVERY_NODE, LaunchParameter
 from tracerisk.ros.graph.yaml_text import load_yaml
 
@@ -120,8 +121,6 @@ def with_angles(value: Any) -> Any:
     if isinstance(value, list):
         return [with_angles(inner) for inner in value]
     if isinstance(value, str) and (found := _ANGLE.fullmatch(value.strip())):
-        from tracerisk.pipeline.launch_files.expressions import evaluate
-
         try:
             number = float(evaluate(found[2], {}))
         except ValueError:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.pipeline.launch_files.expressions import evaluate
+from tracerisk.pipeline.launch_files.parameter_text import ParameterTextError, yaml_value
 
 _ONE = re.compile(r"\$\(([^()$]*)\)")
 # What the host has sourced must not decide what a controller is given.
@@ -128,8 +129,6 @@ def typed(text: str, kind: str) -> Any:
 
     Raises RoslaunchError where it is none of its type.
     """
-    from tracerisk.pipeline.launch_files.parameter_text import ParameterTextError, yaml_value
-
     readers: dict[str, Callable[[str], Any]] = {
         "auto": _guessed,
         "str": str,

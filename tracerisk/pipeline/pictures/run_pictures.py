@@ -10,8 +10,11 @@ from typing import TYPE_CHECKING
 
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, LogError, readable
+from tracerisk.pipeline.pictures.run_section import recorded_run
+from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress
@@ -29,9 +32,6 @@ def run_again(
     The same sources and settings make the same run. The recording is `None` where nothing was
     simulated. Raises as `trace_controller`.
     """
-    from tracerisk.pipeline.pictures.run_section import recorded_run
-    from tracerisk.pipeline.scenarios.trace_controller import trace_controller
-
     with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
         trace = trace_controller(controller, settings, keep=Path(folder), progress=progress)
         return trace, recorded_run(Path(folder))
@@ -42,8 +42,6 @@ def kept_recording(folder: str) -> RecordedRun:
 
     Raises LogError where it holds none.
     """
-    from tracerisk.pipeline.pictures.run_section import recorded_run
-
     with readable(folder, LogError):
         found = recorded_run(Path(folder))
     if found is None:
@@ -61,7 +59,6 @@ def write_pictures(
     Raises RenderError where nothing can be drawn on this machine, InputError where the folder
     cannot be written, LogError where the recording is not of the trace.
     """
-    from tracerisk.common.hardware.formats import load_hardware
     from tracerisk.report.png.drawn import drawn
     from tracerisk.report.png.pictures import LEGEND, legend_data, make_pictures
 

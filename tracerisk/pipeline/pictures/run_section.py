@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.hardware.binding import bind
 from tracerisk.pipeline.trace.run_files import ROBOT, RunRequest
-from tracerisk.report.html.run.replay import RecordedRun
+from tracerisk.report.html.run.replay import RecordedRun, make_replay
+from tracerisk.ros.scenario.objects import with_objects
+from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.file import read_dumped_robot
 
 if TYPE_CHECKING:
     from tracerisk.common.hardware.model import Hardware
@@ -28,7 +32,6 @@ def run_section(
     `run` is what was recorded of it; without it there is no replay. `faults` are marked on it.
     Raises HardwareError where the hardware description does not fit the trace.
     """
-    from tracerisk.report.html.run.replay import make_replay
     from tracerisk.report.html.run.timeline import timeline_section
 
     if not trace.end.simulated_s or all(each.duration_s is None for each in trace.visits):
@@ -45,9 +48,7 @@ def recorded_run(recording: Path) -> RecordedRun | None:
     Raises LogError where the recording is damaged.
     """
     from tracerisk.twin.physics.declared_log import read_declared
-    from tracerisk.twin.physics.scene import load_scene
     from tracerisk.twin.recording.samples import has_samples, read_samples
-    from tracerisk.twin.robots.file import read_dumped_robot
 
     if not has_samples(recording):
         return None
@@ -55,8 +56,5 @@ def recorded_run(recording: Path) -> RecordedRun | None:
     robot = read_dumped_robot(recording / ROBOT)
     scene = load_scene(request.scene)
     if request.scenario is not None:
-        from tracerisk.ros.scenario.objects import with_objects
-        from tracerisk.ros.scenario.scenario import read_scenario
-
         scene = with_objects(scene, read_scenario(Path(request.scenario)).objects)
     return RecordedRun(read_samples(recording), robot, scene, read_declared(recording))

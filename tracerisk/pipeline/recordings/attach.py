@@ -17,6 +17,7 @@ from tracerisk.errors import InputError
 from tracerisk.pipeline.recordings.recorded_topics import COMMANDS
 from tracerisk.ros.live.link import Frame
 from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
+from tracerisk.version import __version__
 
 _WAIT_S = 0.2
 
@@ -116,8 +117,6 @@ def _record(
     stream: IO[bytes], source: Source, seconds: float | None, on_message: Callable[[int], None]
 ) -> Heard:
     from mcap.writer import Writer
-
-    from tracerisk.version import __version__
 
     writer = Writer(stream)
     writer.start(profile=source.profile, library=f"tracerisk {__version__}")

@@ -64,6 +64,7 @@ from tracerisk.pipeline.trace.run_files import EVENTS, ROBOT
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
 from tracerisk.twin.robots.file import read_dumped_robot
 from tracerisk.twin.urdf.text import urdf_text
+from tracerisk.version import __version__
 
 if TYPE_CHECKING:
     from tracerisk.trace import Trace
@@ -170,8 +171,6 @@ def _write(
     beside: Sequence[_Message],
     trace: Trace,
 ) -> None:
-    from tracerisk.version import __version__
-
     writer = PackedWriter(stream, profile="ros2", library=f"tracerisk {__version__}")
     schemas = {
         name: writer.schema(name, "ros2msg", definition(name).encode())

@@ -20,6 +20,7 @@ from tracerisk.pipeline.check.check import without_reason
 from tracerisk.pipeline.check.finding import Checked, CheckFinding, FindingKind
 from tracerisk.pipeline.check.run import function_place
 from tracerisk.pipeline.freshness.known_controllers import is_gone
+from tracerisk.pipeline.model import build
 from tracerisk.pipeline.trace.last_run import (
     UnexpectedContact,
     contact_text,
@@ -29,6 +30,7 @@ from tracerisk.pipeline.trace.last_run import (
 )
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
+from tracerisk.prm.review.model_parts import single_points
 from tracerisk.prm.review.risk_change import Review
 from tracerisk.report.diff.sentences import some
 from tracerisk.report.sarif import Alert, alert_at
@@ -255,9 +257,6 @@ def _names(path: str, placed: Sequence[PlacedBlock]) -> tuple[str, str, str]:
 def _single_points(
     name: str, held: Mapping[Path, bytes], sources: Mapping[Path, Sequence[PlacedBlock]]
 ) -> Iterator[Alert]:
-    from tracerisk.pipeline.model import build
-    from tracerisk.prm.review.model_parts import single_points
-
     annotated = {str(file): held[file] for file, blocks in sources.items() if blocks}
     if not annotated:
         return

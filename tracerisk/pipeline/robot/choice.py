@@ -18,7 +18,7 @@ from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import workspace_of
-from tracerisk.twin.robots.robot import is_model_file
+from tracerisk.twin.robots.robot import is_model_file, load_robot
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.robot.evidence import Evidence
@@ -73,7 +73,6 @@ def choose_robot(
     Raises RobotError when the settings name none that is known.
     """
     from tracerisk.twin.robots.generic import NAME as GENERIC
-    from tracerisk.twin.robots.robot import load_robot
 
     origin = "as the settings say"
     if settings.robot is None:

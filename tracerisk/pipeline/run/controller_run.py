@@ -39,10 +39,13 @@ from tracerisk.pipeline.trace.run_files import (
     RunRequest,
     WallTime,
 )
+from tracerisk.pipeline.workspace.driver_files import driver_files
 from tracerisk.pipeline.workspace.prefixes import readable_of
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.ros_distro import choose_distro
 from tracerisk.pipeline.workspace.workspace import workspace_of
+from tracerisk.twin.recording.samples import simulated_ns
+from tracerisk.twin.robots.file import dump_robot
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.launch.choose import LaunchChoice
@@ -93,8 +96,6 @@ def run_controller(
     taken hold, and else to the standard error of this process.
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
-    from tracerisk.pipeline.workspace.driver_files import driver_files
-
     scene = settings.scene or robot.default_scene
     if scene is None:
         raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")
@@ -203,8 +204,6 @@ def run_request(
 
     `watch` waits for the end of the process, in the place of what ends it at its limits.
     """
-    from tracerisk.twin.robots.file import dump_robot
-
     folder, asked_for = Path(request.folder), request
     if request.live_speed is None and is_contained(settings.limits.sandbox):
         reads = (*_workspace(request), *settings.readable, *settings.writable)
@@ -351,8 +350,6 @@ def size_of(path: Path) -> int:
 
 def simulated_so_far(folder: Path) -> int:
     """Return how far a run has come that is being recorded [ns], -1 where its folder is gone."""
-    from tracerisk.twin.recording.samples import simulated_ns
-
     try:
         return simulated_ns(folder)
     except OSError:  # removed while it was looked at

@@ -12,12 +12,19 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.common.dependencies import missing_extras
+from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.hardware.starting_file import starting_description, starting_yaml
+from tracerisk.config import controller_root, is_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import imports_in, last_name
 from tracerisk.instrument.source.python_source import parsed
-from tracerisk.pipeline.workspace.controller import from_root
+from tracerisk.pipeline.workspace.controller import from_root, load_controller
+from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import searched
+from tracerisk.ros.vendors.driver_search import shipped_drivers
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.robots.robot import load_robot as load_named
 
 Ci = Literal["github", "gitlab", "none"]
 
@@ -147,9 +154,7 @@ def _robots(
     if "sim" in missing_extras():
         return {} if given is None else {given: controllers}, "the simulator is not installed"
     from tracerisk.pipeline.robot.choice import driven_robot
-    from tracerisk.pipeline.workspace.controller import load_controller
     from tracerisk.twin.robots.generic import NAME as GENERIC
-    from tracerisk.twin.robots.robot import load_robot as load_named
 
     if given is not None:
         return {load_named(given).name: controllers}, ""
@@ -173,10 +178,6 @@ def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...
     """Return what each source asks for that is no part of a robot or its drivers."""
     if "sim" in missing_extras():
         return {}
-    from tracerisk.pipeline.workspace.controller import load_controller
-    from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
-    from tracerisk.ros.vendors.driver_search import shipped_drivers
-
     of_robots = _OF_ROBOTS.union(*(each.packages for each in shipped_drivers()))
     found = {}
     for name in controllers[:_MOST_READ]:
@@ -199,10 +200,6 @@ def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...
 def _hardware(robot: str) -> str | None:
     if "sim" in missing_extras():
         return None
-    from tracerisk.common.hardware.shipped import hardware_of
-    from tracerisk.common.hardware.starting_file import starting_description, starting_yaml
-    from tracerisk.twin.robots.robot import load_robot
-
     try:
         found = load_robot(robot)
     except TraceRiskError:
@@ -224,8 +221,6 @@ def _settings(
 
     And what those that are there lack of the robot that is `given`.
     """
-    from tracerisk.config import controller_root, is_root
-
     root = root.resolve()
     names: dict[Path, dict[str, str]] = {} if controllers else {root: {}}
     robot_of = {file: name for name, files in robots.items() for file in files}

@@ -17,6 +17,9 @@ from tracerisk.instrument.marks.caught_exceptions import with_settled_refusals
 from tracerisk.instrument.motion_calls import Commanding, missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Recording
 from tracerisk.instrument.source.function_definitions import function_at
+from tracerisk.pipeline.mission.facts import mission_facts
+from tracerisk.pipeline.mission.judged import missed
+from tracerisk.pipeline.mission.named_objects import check_objects
 from tracerisk.pipeline.robot.elsewhere import not_blamed
 from tracerisk.pipeline.trace.falls import falls
 from tracerisk.pipeline.trace.grasp_place import grasp_place
@@ -34,6 +37,7 @@ from tracerisk.pipeline.trace.recorded_run import (
 from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.ros.scenario.marks import Unconfirmed
+from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.trace import UNUSED, EndCause, Finding, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold
@@ -193,11 +197,6 @@ def _mission(
     """
     if ran.settings.scenario is None or not (ran.end.is_good or ran.end.cause in _BY_ITSELF):
         return
-    from tracerisk.pipeline.mission.facts import mission_facts
-    from tracerisk.pipeline.mission.judged import missed
-    from tracerisk.pipeline.mission.named_objects import check_objects
-    from tracerisk.ros.scenario.scenario import read_scenario
-
     scenario = read_scenario(Path(ran.settings.scenario))
     if not scenario.success:
         return
@@ -252,12 +251,12 @@ def _missed(ran: Ran, calls: Calls | None) -> Iterator[MissedCommand]:
     commanding = Commanding(frozenset(places), frozenset(frame.function for frame in frames))
     begun = {(site.ref.file, str(site.ref.name)) for site in recording.functions_ran}
     for file in sorted({frame.function.file for frame in frames}):
-        for missed in missed_calls(controller.source_of(file), file, commanding, calls):
-            place = Location(file, missed.line)
+        for call in missed_calls(controller.source_of(file), file, commanding, calls):
+            place = Location(file, call.line)
             function = function_of(controller, place)
             # What a run that broke off did not get to says nothing of its own.
-            if (file, function) in begun and (missed.was_executed or ran.end.is_good):
-                yield MissedCommand(function, missed.written, place, missed.was_executed)
+            if (file, function) in begun and (call.was_executed or ran.end.is_good):
+                yield MissedCommand(function, call.written, place, call.was_executed)
 
 
 def _commands(

@@ -11,6 +11,8 @@ from tracerisk.errors import DriverError
 from tracerisk.pipeline.workspace.package_folders import NOT_SEARCHED
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import TESTS, searched
+from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.vendors.description_reader import read_driver
 from tracerisk.ros.vendors.driver_search import (
     ENDING,
     definitions_of,
@@ -20,7 +22,6 @@ from tracerisk.ros.vendors.driver_search import (
 )
 
 if TYPE_CHECKING:
-    from tracerisk.ros.robot.messages import TwinMessages
     from tracerisk.ros.vendors.description import Driver
 
 _MOST_FOLDERS = 5000
@@ -46,8 +47,6 @@ def check_driver(path: Path) -> Driver:
     # A run needs the names of the files alone.
     from tracerisk.ros.messages.ros1 import Interfaces
     from tracerisk.ros.messages.ros2 import Interfaces2
-    from tracerisk.ros.robot.messages import TwinMessages
-    from tracerisk.ros.vendors.description_reader import read_driver
 
     driver = read_driver(path)
     own = Project.of(path).workspace().interfaces

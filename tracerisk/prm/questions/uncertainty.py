@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
 from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.hybrid.solve import solve_figures
 from tracerisk.prm.numbers.distributions import Distribution
 from tracerisk.prm.questions.draws import InputDraws, UncertainInput, in_blocks
+from tracerisk.prm.questions.set_values import groups_of, parameters_of
 from tracerisk.prm.questions.tails import intervals, tail_mean
 
 if TYPE_CHECKING:
@@ -135,10 +137,8 @@ def propagate(
     Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is
     below 2.
     """
-    from tracerisk.prm.hybrid.solve import solve_figures
     from tracerisk.prm.numbers.arrays import np
     from tracerisk.prm.questions.sampled_mission import failure_sampler
-    from tracerisk.prm.questions.set_values import groups_of, parameters_of
 
     given, groups = {}, groups_of(model)
     for name, distribution in (distributions or {}).items():

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias, TypeGuard
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.trees.events import BasicEvent, HouseEvent
+from tracerisk.prm.trees.failure_models import Constant
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 if TYPE_CHECKING:
@@ -108,8 +109,6 @@ def _event(name: str, figure: Figure | BasicEvent) -> BasicEvent:
             raise ModelError(f"event '{name}' is given as '{figure.name}'; give it one name")
         return figure
     if isinstance(figure, int | float | Real):
-        from tracerisk.prm.trees.failure_models import Constant
-
         try:
             return BasicEvent(name, model=Constant(float(figure)))
         except ModelError as error:

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.errors import InputError
+from tracerisk.errors import InputError, LogError
+from tracerisk.report.html.run.replay import make_replay
+from tracerisk.report.html.run.replay_frames import unpack_frames
 from tracerisk.report.html.run.replay_model import Body
 from tracerisk.report.png.camera import Camera, camera_of
 from tracerisk.report.png.moments import FrameCounts, Moment, State, function_moments
@@ -130,10 +132,6 @@ def shown_run(trace: Trace, run: RecordedRun) -> tuple[Replay, NDArray[np.float6
 
     Raises as `make_pictures`.
     """
-    from tracerisk.errors import LogError
-    from tracerisk.report.html.run.replay import make_replay
-    from tracerisk.report.html.run.replay_frames import unpack_frames
-
     samples, end_s = run.samples, trace.end.simulated_s or 0.0
     if samples.header.robot != trace.robot or samples.n_steps * samples.step_s < end_s - 0.1:
         raise LogError(

@@ -9,6 +9,8 @@ from __future__ import annotations
 import warnings
 from typing import Any
 
+from tracerisk.common.text.yaml_repeated_keys import fold_repeated
+
 _BOOL, _STR = "tag:yaml.org,2002:bool", "tag:yaml.org,2002:str"
 
 
@@ -21,7 +23,6 @@ def load_yaml(text: str) -> Any:
     from ruamel.yaml.error import YAMLError
 
     from tracerisk.common.text.yaml_bounds import bounded_yaml
-    from tracerisk.common.text.yaml_repeated_keys import fold_repeated
 
     root = bounded_yaml("safe", (1, 1)).compose(text)
     if root is None:

@@ -20,6 +20,7 @@ from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.rospy_hooks import digest
+from tracerisk.ros.messages.ros1_wire import encode
 from tracerisk.ros.time.clock import EPOCH_NS
 
 if TYPE_CHECKING:
@@ -332,6 +333,4 @@ class Bridge:
 
 
 def _bytes(message: Any) -> bytes:
-    from tracerisk.ros.messages.ros1_wire import encode
-
     return encode(message)

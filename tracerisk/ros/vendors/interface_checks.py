@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import DriverError, InputError, one_of
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.vendors.answers import Result
 from tracerisk.ros.vendors.description import OUTCOMES, Case, Driver, Interface, Output, Value
 from tracerisk.ros.vendors.message_paths import FieldError, check, write
 
@@ -126,8 +127,6 @@ def _check_outputs(
 
 def _possible(output: Output, answers: Answers) -> Iterator[Any]:
     """Yield what an output can come to: what it is now, each code, each value of its map."""
-    from tracerisk.ros.vendors.answers import Result
-
     if output.reference == "code":
         for outcome in OUTCOMES:
             yield answers.value(output, Result(outcome))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from tracerisk.common.hardware.sysml.annotations import own_annotations
 from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.syntax import Element, Multiplicity, Reference
 from tracerisk.errors import HardwareError
@@ -149,8 +150,6 @@ def _forbid_redefined(
 
 
 def _forbid_data_on_reference(member: Symbol) -> None:
-    from tracerisk.common.hardware.sysml.annotations import own_annotations
-
     if any(each.kind is not None for each in own_annotations(member)):
         raise HardwareError(
             f"'{member.name}' is a reference, not a part; put the data where the part is declared",

@@ -15,6 +15,7 @@ from tracerisk.pipeline.run.controller_run import run_controller
 from tracerisk.pipeline.run.ended_run import RunOptions
 from tracerisk.pipeline.trace.sensors import elements_of
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.ros.live.real_ros import python_of_ros
 from tracerisk.trace import LOST, MEASURED, Trace
 
 _MEASURED = f"{MEASURED} live, on real rospy with the twin as a node"
@@ -34,8 +35,6 @@ def trace_live(controller: Controller, settings: Settings, options: RunOptions) 
         DependencyError: there is no rospy.
         SandboxError: settings require a sandbox, which a live run has not.
     """
-    from tracerisk.ros.live.real_ros import python_of_ros
-
     if controller.ros_version == 2:
         raise InputError(
             "is written for ROS 2; --live runs controllers of ROS 1, on rospy",

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
 from tracerisk.prm.display import Displayed
+from tracerisk.prm.other_models.bayes.inference import joint_probabilities
+from tracerisk.prm.other_models.bayes.solution import solve_network
 from tracerisk.prm.other_models.bayes.tables import Case, Distribution, Entry, Figure, Given, States
 
 if TYPE_CHECKING:
@@ -119,8 +121,6 @@ class BayesianNetwork(Displayed):
 
         Raises as `distribution` does, and TooLargeError beyond 100,000 joint states.
         """
-        from tracerisk.prm.other_models.bayes.inference import joint_probabilities
-
         names = tuple(dict.fromkeys(conditions))
         known = dict(evidence or {})
         for name, state in known.items():
@@ -181,8 +181,6 @@ class BayesianNetwork(Displayed):
         `evidence` gives known states of conditions.
         Raises as `cases` and the tree's `probability` do.
         """
-        from tracerisk.prm.other_models.bayes.solution import solve_network
-
         return solve_network(self, tree, values or {}, mission_time_h, evidence or {})
 
     def _check_table(self, where: str, given: Given[Entry]) -> None:

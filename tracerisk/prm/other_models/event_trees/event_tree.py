@@ -14,11 +14,14 @@ from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.display import Displayed
+from tracerisk.prm.other_models.event_trees.building import built_start
+from tracerisk.prm.other_models.event_trees.checks import check_names_of, check_order, check_targets
 from tracerisk.prm.other_models.event_trees.elements import Branch, EventSequence, InitiatingEvent
+from tracerisk.prm.other_models.event_trees.forest import Forest
+from tracerisk.prm.other_models.event_trees.solution import outcome_tree, solve_event_tree
 
 if TYPE_CHECKING:
     from tracerisk.prm.other_models.event_trees.building import Alternatives
-    from tracerisk.prm.other_models.event_trees.forest import Forest
     from tracerisk.prm.other_models.event_trees.solution import EventTreeSolution
     from tracerisk.prm.trees.fault_tree import FaultTree
 
@@ -42,12 +45,6 @@ class EventTree(Displayed):
     _sequences: Mapping[str, EventSequence] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        from tracerisk.prm.other_models.event_trees.checks import (
-            check_names_of,
-            check_order,
-            check_targets,
-        )
-
         check_names_of(self)
         object.__setattr__(self, "_branches", {branch.name: branch for branch in self.branches})
         object.__setattr__(self, "_sequences", {each.name: each for each in self.sequences})
@@ -74,8 +71,6 @@ class EventTree(Displayed):
         over; `end_states` names the outcomes of those that share one.
         Raises ModelError when a path is missing or given twice.
         """
-        from tracerisk.prm.other_models.event_trees.building import built_start
-
         ends = end_states or {}
         for sequence in ends:
             if sequence not in sequences:
@@ -117,9 +112,6 @@ class EventTree(Displayed):
         Raises ModelError when a condition, link or value names what is not there, or a value or
         the mission time is missing; TooLargeError when a sequence outgrows every budget.
         """
-        from tracerisk.prm.other_models.event_trees.forest import Forest
-        from tracerisk.prm.other_models.event_trees.solution import solve_event_tree
-
         forest = trees if isinstance(trees, Forest) else Forest.of(trees)
         known = {event.parameter for event in forest.events.values()}
         for parameter in values or {}:
@@ -144,8 +136,5 @@ class EventTree(Displayed):
         Raises ModelError when no path ends so, or a path has a probability of its own, which is
         no event.
         """
-        from tracerisk.prm.other_models.event_trees.forest import Forest
-        from tracerisk.prm.other_models.event_trees.solution import outcome_tree
-
         forest = trees if isinstance(trees, Forest) else Forest.of(trees)
         return outcome_tree(self, outcome, forest, linked)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.numbers.table import Table
 from tracerisk.prm.other_models.event_trees.elements import InitiatingEvent
 from tracerisk.prm.other_models.event_trees.forest import Forest
 from tracerisk.prm.other_models.event_trees.paths import CollectedPath, collected_paths
@@ -77,8 +78,6 @@ class EventTreeSolution:
 
     def _repr_html_(self) -> str:
         from html import escape
-
-        from tracerisk.prm.numbers.table import Table
 
         unit = f" per {self.initiating.per}" if self.initiating.per else ""
         outcomes = "".join(

@@ -14,6 +14,7 @@ from tracerisk.prm.other_models.expressions import Expression
 from tracerisk.prm.other_models.expressions.rules import along, within
 from tracerisk.prm.other_models.linked.elements import LinkedTree
 from tracerisk.prm.other_models.linked.links import Link
+from tracerisk.prm.trees import bdd
 from tracerisk.prm.trees.events import BasicEvent, HouseEvent
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, gate_shares, slopes, swept
@@ -36,8 +37,6 @@ class TreeToSolve:
     @cached_property
     def compiled(self) -> SharedTree:
         """The tree made ready for many solutions, for one that shares events or gates."""
-        from tracerisk.prm.trees import bdd
-
         try:
             return bdd.SharedTree(self.tree)
         except TooLargeError as error:

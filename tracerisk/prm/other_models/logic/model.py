@@ -11,6 +11,7 @@ from tracerisk.prm.other_models.logic.checks import ALWAYS as ALWAYS
 from tracerisk.prm.other_models.logic.checks import NEVER as NEVER
 from tracerisk.prm.other_models.logic.checks import ElementError as ElementError
 from tracerisk.prm.other_models.logic.checks import check_model
+from tracerisk.prm.other_models.logic.trees import tree_below
 from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate
@@ -231,8 +232,6 @@ class LogicModel:
         off; the factors of a group may depend on the mission time, [h].
         Raises ModelError when there is no such gate or event, or a substitution is not exact.
         """
-        from tracerisk.prm.other_models.logic.trees import tree_below
-
         return tree_below(self, top, common_cause=common_cause, mission_time_h=mission_time_h)
 
     def in_phase(self, alignment: str, phase: str) -> LogicModel:

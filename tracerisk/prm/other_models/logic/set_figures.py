@@ -22,6 +22,7 @@ from tracerisk.prm.other_models.expressions.evaluation import nodes
 from tracerisk.prm.other_models.expressions.sampling import Sampling
 from tracerisk.prm.other_models.logic.common_cause import ShareOf
 from tracerisk.prm.other_models.logic.model import LogicModel
+from tracerisk.prm.questions.sobol import first_order_shares
 from tracerisk.prm.questions.uncertainty import SAMPLES, InputShare, Uncertainty, percentiles_of
 from tracerisk.prm.trees.events import FailureModel, HouseEvent
 
@@ -104,7 +105,6 @@ def propagate(
     cause group is drawn: the events of a group follow from the point values of its factors.
     """
     from tracerisk.prm.numbers.arrays import np
-    from tracerisk.prm.questions.sobol import first_order_shares
 
     if samples < 2:
         raise ModelError(f"{samples} samples; give at least 2")

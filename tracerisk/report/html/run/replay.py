@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.report.html.run.joining import with_joins
+from tracerisk.report.html.run.replay_model import FREE_COLUMNS, bodies_data, scene_bodies
 from tracerisk.report.html.section import Data
 
 if TYPE_CHECKING:
@@ -59,9 +61,7 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
     """
     import numpy as np
 
-    from tracerisk.report.html.run.joining import with_joins
     from tracerisk.report.html.run.replay_frames import pack_frames
-    from tracerisk.report.html.run.replay_model import FREE_COLUMNS, scene_bodies
     from tracerisk.twin.recording.activity import element_activity
     from tracerisk.twin.recording.samples import POSE_EVERY, until
 
@@ -111,7 +111,6 @@ def _columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
     """Return the values (n_frames, n_columns) that pose the bodies, and the quantum of each."""
     import numpy as np
 
-    from tracerisk.report.html.run.replay_model import FREE_COLUMNS
     from tracerisk.twin.recording.samples import POSE_EVERY
 
     order = {name: index for index, name in enumerate(samples.header.joints)}
@@ -126,8 +125,6 @@ def _columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
 
 def replay_data(replay: Replay) -> tuple[Data, ...]:
     """Return what the script of the replay reads."""
-    from tracerisk.report.html.run.replay_model import bodies_data
-
     frames = replay.frames
     model = {
         "bodies": bodies_data(replay.bodies),

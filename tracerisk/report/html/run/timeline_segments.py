@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.trace import Exposure, Trace, Visit
+from tracerisk.twin.robots.sensors import IN_JOINTS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -128,8 +129,6 @@ def timeline_rows(
 
 def _all_states(trace: Trace, activity: Mapping[str, ElementActivity]) -> dict[str, Codes]:
     """Return the states of each element that the samples follow over time, by its name."""
-    from tracerisk.twin.robots.sensors import IN_JOINTS
-
     states = {name: _states(each) for name, each in activity.items()}
     for element in trace.elements:
         # A sensor in a joint is in use while the joint is, so it has the joint's states.

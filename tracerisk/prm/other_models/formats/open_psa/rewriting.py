@@ -10,8 +10,9 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from tracerisk.errors import ModelError
 from tracerisk.prm.other_models.logic.model import ALWAYS, NEVER, Attribute, Place
-from tracerisk.prm.trees.gates import Gate, GateKind
+from tracerisk.prm.trees.gates import Gate, GateKind, check_gate
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -256,9 +257,6 @@ def _read_gate(name: str, words: Sequence[str], form: NameForm) -> Gate | None:
         return None
     k, most = [*map(int, numbers), None, None][:2]
     gate = Gate(name, kinds[kind], tuple(read_name(word, form) for word in words[1:]), k, most)
-    from tracerisk.errors import ModelError
-    from tracerisk.prm.trees.gates import check_gate
-
     try:
         check_gate(gate)
     except ModelError:

@@ -10,6 +10,7 @@ from pathlib import Path
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.other_models.formats.conversion import logic_of_tree
 from tracerisk.prm.other_models.formats.open_psa.element_names import Names
+from tracerisk.prm.other_models.formats.open_psa.event_tree_writer import event_tree_nodes
 from tracerisk.prm.other_models.formats.open_psa.rewriting import (
     GATE_MARK,
     NAMES_MARK,
@@ -87,8 +88,6 @@ class _Writer:
 
     def text(self) -> str:
         """Return the XML."""
-        from tracerisk.prm.other_models.formats.open_psa.event_tree_writer import event_tree_nodes
-
         model = self._model
         for each in model.gates:
             if not each.nested:

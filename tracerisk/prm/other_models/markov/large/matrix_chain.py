@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.other_models.markov.large.array_steps import power
 from tracerisk.prm.other_models.markov.large.factors import Budget, Weights
 from tracerisk.prm.other_models.markov.large.matrix_solution import MatrixSolution
 from tracerisk.prm.other_models.markov.large.pattern import (
@@ -117,8 +118,6 @@ class MatrixChain:
 
         Raises ModelError when `entry` is not a transient state or `steps` is below zero.
         """
-        from tracerisk.prm.other_models.markov.large.array_steps import power
-
         if steps < 0:
             raise ModelError(f"{steps} steps; allowed: 0 or more")
         now = np.zeros(self.size)
