@@ -14,7 +14,19 @@ from tracerisk.common.strong_components import strong_components
 
 PACKAGE = Path(__file__).parents[1] / "tracerisk"
 
-ROOMS = ("cli", "editor", "api", "pipeline", "report", "prm", "adder", "ros", "twin", "instrument")
+ROOMS = (
+    "cli",
+    "editor",
+    "api",
+    "verbs",
+    "pipeline",
+    "report",
+    "prm",
+    "adder",
+    "ros",
+    "twin",
+    "instrument",
+)
 """From the top down."""
 BELOW = ("trace", "config", "errors", "common", "version")
 """What every room may import, and what imports no room."""

@@ -1,6 +1,6 @@
 """Redo the risk assessment of a robot arm at every commit of its ROS controller."""
 
-from tracerisk.api import (
+from tracerisk.verbs import (
     annotate,
     assess,
     build,
