@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk import api
 from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.campaign import add_campaign_options, campaign_options
 from tracerisk.cli.shared.output import (
     note,
     paper,
@@ -44,7 +45,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         type=positive,
         help="draw more until the 90 %% interval of the mission's factor is no wider than this",
     )
-    shared.add_campaign_options(group, "failure")
+    add_campaign_options(group, "failure")
     group.add_argument("--show", action="store_true", help="print what is there; try nothing")
     group = parser.add_argument_group("output")
     group.add_argument("--csv", metavar="OUT", help="write the table as CSV")
@@ -74,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
             found = api.gather_evidence(
                 options.controller,
                 shared.run_settings(options),
-                shared.campaign_options(options, progress, reasons.append),
+                campaign_options(options, progress, reasons.append),
                 cells=options.cells,
                 until=options.until,
             )

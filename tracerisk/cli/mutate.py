@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk import api
 from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.campaign import add_campaign_options, campaign_options
 from tracerisk.cli.shared.output import note, paper, print_json, print_text, show
 from tracerisk.cli.shared.progress import bar_of_cells
 from tracerisk.cli.shared.values import count, probability
@@ -35,7 +36,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="exit 1 if `success` notices less than this fraction of the changes that alter what "
         "the run brings about",
     )
-    shared.add_campaign_options(group, "change")
+    add_campaign_options(group, "change")
     shared.add_json(parser)
 
 
@@ -45,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
         found = api.mutate(
             options.controller,
             shared.run_settings(options),
-            shared.campaign_options(options, progress),
+            campaign_options(options, progress),
             most=options.most,
         )
     least = options.min_noticed

@@ -7,6 +7,7 @@ from dataclasses import asdict
 
 from tracerisk import api
 from tracerisk.cli.shared import options as shared
+from tracerisk.cli.shared.campaign import add_campaign_options, campaign_options
 from tracerisk.cli.shared.output import (
     paper,
     print_json,
@@ -29,7 +30,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="what to vary, such as seed=0..9, robot=panda,fr3, param:/speed=0.1,0.2 or "
         "scenario:objects.cup.mass=0.1,0.5; repeatable: every combination is run",
     )
-    shared.add_campaign_options(group, "point")
+    add_campaign_options(group, "point")
     group = parser.add_argument_group("output")
     group.add_argument("--csv", metavar="OUT", help="write the points as CSV")
     group.add_argument("--plot", metavar="OUT.svg", help="draw the figure over the first factor")
@@ -45,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
             options.controller,
             options.over,
             shared.run_settings(options),
-            shared.campaign_options(options, progress),
+            campaign_options(options, progress),
         )
     if options.csv is not None:
         write_file(options.csv, report.csv_text(points))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from tracerisk.cli.shared.values import count, cycles, positive, probability, shard
-from tracerisk.common.campaign import CampaignOptions
+from tracerisk.cli.shared.values import count, cycles, positive, probability
 from tracerisk.errors import InputError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Callable
     from typing import Any
 
     from tracerisk.adder.merge.merge import MergePolicy
@@ -208,39 +206,6 @@ def add_profile(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="what follows a function, and how often: place:init=0.9,done=0.1; or a file by "
         "`tracerisk field`",
-    )
-
-
-def add_campaign_options(group: argparse._ActionsContainer, thing: str) -> None:
-    """Add what all that is run in many parts has: `--time`, `-j`, `--shard`, `--fresh`."""
-    group.add_argument(
-        "--time",
-        metavar="SECONDS",
-        type=positive,
-        help=f"begin no further {thing} after this; the same command goes on from there",
-    )
-    group.add_argument(
-        "-j", "--jobs", metavar="N", type=count, help="processes (default: one a core)"
-    )
-    group.add_argument(
-        "--shard", metavar="I/N", type=shard, default=(1, 1), help=f"try every N-th {thing} alone"
-    )
-    group.add_argument("--fresh", action="store_true", help="try again what was tried before")
-
-
-def campaign_options(
-    options: argparse.Namespace,
-    progress: Callable[[int, int, float], None] | None,
-    noted: Callable[[str], None] | None = None,
-) -> CampaignOptions:
-    """Return how the runs of a campaign are carried out."""
-    return CampaignOptions(
-        jobs=options.jobs,
-        most_s=options.time,
-        shard=options.shard,
-        fresh=options.fresh,
-        progress=progress,
-        noted=noted,
     )
 
 
