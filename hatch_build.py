@@ -44,11 +44,13 @@ class CustomMetadataHook(MetadataHookInterface):
         """Set `readme` and `urls`; raise ValueError where tag and package differ in the version."""
         root = Path(self.root)
         version = metadata["version"]
-        said = _VERSION.search((root / "tracerisk" / "version.py").read_text(encoding="utf-8"))
+        said = _VERSION.search(
+            (root / "tracerisk" / "common" / "version.py").read_text(encoding="utf-8")
+        )
         is_release = re.fullmatch(r"[0-9.]+", version) is not None
         if is_release and (said is None or said[1] != version):
             raise ValueError(
-                f"the tag says version {version}, but tracerisk/version.py has "
+                f"the tag says version {version}, but tracerisk/common/version.py has "
                 f"{said[1] if said else 'none'}: they are changed together, see CONTRIBUTING.md"
             )
         text = (root / "README.md").read_text(encoding="utf-8")

@@ -18,7 +18,8 @@ from pathlib import Path
 
 import quick
 
-from tracerisk.api import CampaignOptions, gather_evidence
+from tracerisk.api import gather_evidence
+from tracerisk.common.campaign import CampaignOptions
 from tracerisk.common.evidence.cells import Cell
 from tracerisk.report.fmea import confusion
 

@@ -3,8 +3,7 @@
 import pytest
 
 import tracerisk
-from tracerisk.api import RunFailedError
-from tracerisk.errors import ControllerFailedError, InputError
+from tracerisk.errors import ControllerFailedError, InputError, RunFailedError
 from tracerisk.prm.formats.assessment_json import assessment_to_json
 
 

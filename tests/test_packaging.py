@@ -89,7 +89,9 @@ def test_without_a_repository_there_are_no_links_to_one(made):
 
 
 def test_a_tag_of_another_version_than_that_of_the_package_is_refused(made):
-    with pytest.raises(ValueError, match=r"the tag says version 9\.9\.9, but tracerisk/version"):
+    with pytest.raises(
+        ValueError, match=r"the tag says version 9\.9\.9, but tracerisk/common/version"
+    ):
         made("9.9.9")
 
 

@@ -1,6 +1,6 @@
 """Redo the risk assessment of a robot arm at every commit of its ROS controller."""
 
-from tracerisk.verbs import (
+from tracerisk.api import (
     annotate,
     assess,
     build,
@@ -16,7 +16,7 @@ from tracerisk.verbs import (
     trace_controller,
     write_blocks,
 )
-from tracerisk.version import __version__ as __version__
+from tracerisk.common.version import __version__ as __version__
 
 __all__ = [
     "annotate",

@@ -14,7 +14,7 @@ from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.outcome.outcome import Outcome
 from tracerisk.common.verdict import Uncovered, Verdict
 from tracerisk.common.worlds.world_run import WorldRun
-from tracerisk.errors import Location, with_file, with_line
+from tracerisk.errors import ControllerFailedError, Location, with_file, with_line
 
 ElementKind = Literal["joint", "gripper", "sensor", "contact", "component"]
 SensorKind = Literal["encoder", "torque", "wrench", "camera"]
@@ -414,3 +414,11 @@ class Trace:
         from tracerisk.common.trace_display import trace_text
 
         return {"text/plain": trace_text(self)}
+
+
+class RunFailedError(ControllerFailedError):
+    """The run of a controller came to a bad end; `trace` is what it showed until then."""
+
+    def __init__(self, trace: Trace) -> None:
+        super().__init__(trace.end.message, trace.end.location, trace.end.scenario)
+        self.trace = trace

@@ -16,6 +16,7 @@ import pytest
 from tests.commands import ForkedWorkers
 from tests.conftest import program
 from tracerisk import api
+from tracerisk.common.campaign import CampaignOptions
 from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.common.evidence.file import dump_evidence, merge_evidence, read_evidence
 from tracerisk.errors import ScenarioError
@@ -155,9 +156,7 @@ def test_two_workers_share_the_cells_and_what_none_of_them_had_is_run_after_all(
 
     monkeypatch.setattr(campaign, "tempfile", Folders)
     monkeypatch.setattr(workers, "_CONTEXT", ForkedWorkers())
-    api.gather_evidence(
-        folder.folder / "controller.py", options=api.CampaignOptions(jobs=2), cells=6
-    )
+    api.gather_evidence(folder.folder / "controller.py", options=CampaignOptions(jobs=2), cells=6)
     assert folder.read("tracerisk.evidence") == whole.read("tracerisk.evidence")
 
 
@@ -191,7 +190,7 @@ def test_shards_and_a_resumed_campaign_give_the_same_bytes(gathered, tmp_path, e
     # A second machine with any executor does the rest.
     api.gather_evidence(
         second.folder / "controller.py",
-        options=api.CampaignOptions(shard=(2, 2), executor=Inline()),
+        options=CampaignOptions(shard=(2, 2), executor=Inline()),
         cells=6,
     )
     merged = merge_evidence([each.folder / "tracerisk.evidence" for each in (first, second)])

@@ -6,6 +6,7 @@ import pytest
 
 from tests.commands import ForkedWorkers
 from tracerisk import api
+from tracerisk.common.campaign import CampaignOptions
 from tracerisk.common.text.paper import Paper
 from tracerisk.errors import InputError
 from tracerisk.pipeline.evidence.sweep import Factor, SweepPoint, parse_factor
@@ -78,7 +79,7 @@ def test_a_changed_source_is_run_again(swept, tmp_path, example_in):
         api.sweep(
             folder.folder / "controller.py",
             ["mission_cycles=5,10", "active=moving"],
-            options=api.CampaignOptions(executor=Refusing()),
+            options=CampaignOptions(executor=Refusing()),
         )
     assert calls
 
@@ -91,13 +92,13 @@ def test_the_scenario_and_parameters_are_varied(swept, monkeypatch):
     with pytest.raises(InputError, match=r"scenario:objects.mug"):
         api.sweep(folder.folder / "controller.py", ["scenario:objects.mug.mass=1"])
     monkeypatch.setattr(workers, "_CONTEXT", ForkedWorkers())
-    (point,) = api.sweep(folder.folder / "controller.py", over, options=api.CampaignOptions(jobs=1))
+    (point,) = api.sweep(folder.folder / "controller.py", over, options=CampaignOptions(jobs=1))
     # The scenario of the point is refused by its own reader.
     assert "xyz" in point.error
     (point,) = api.sweep(
         folder.folder / "controller.py",
         ["scenario:objects.0.name=mug", "param:/speed=0.5"],
-        options=api.CampaignOptions(jobs=1),
+        options=CampaignOptions(jobs=1),
     )
     assert point.failure_probability is not None
 

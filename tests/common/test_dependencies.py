@@ -10,8 +10,8 @@ import pytest
 from tests.other_python import python_with
 from tests.slow import slow_but
 from tracerisk.common import dependencies
+from tracerisk.common.version import __version__
 from tracerisk.errors import DependencyError, ExitCode
-from tracerisk.version import __version__
 
 CONTROLLER = "def home(arm):\n    arm.go()\n"
 

@@ -14,10 +14,10 @@ from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.common.dependencies import install_command, missing_extras, needed, version_of
+from tracerisk.common.version import __version__
 from tracerisk.config import Settings
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
 from tracerisk.twin.physics.scene import load_scene
-from tracerisk.version import __version__
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller

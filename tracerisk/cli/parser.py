@@ -11,7 +11,7 @@ from importlib import import_module
 
 from tracerisk.cli import GROUPS, VERBS
 from tracerisk.common.text.columns import columns_of
-from tracerisk.version import __version__
+from tracerisk.common.version import __version__
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 
-from tracerisk.api import RunFailedError
 from tracerisk.cli.reporting.against import add_against, check_against
 from tracerisk.cli.running.fault import add_fault, check_fault_options, run_faults
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.solving.hardware_spread import add_run_uncertainty, check_run_uncertainty
 from tracerisk.common.worlds.world import ALL, worlds_named
-from tracerisk.errors import InputError
+from tracerisk.errors import InputError, RunFailedError
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

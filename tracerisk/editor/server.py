@@ -17,6 +17,7 @@ from uuid import uuid4
 from lsprotocol import types as lsp
 from pygls.lsp.server import LanguageServer
 
+from tracerisk.common.version import __version__
 from tracerisk.editor.commands import register_commands
 from tracerisk.editor.completion import Offer, offers
 from tracerisk.editor.described_files import kind_of, yaml_offers
@@ -35,7 +36,6 @@ from tracerisk.editor.session import (
     solve_ahead,
 )
 from tracerisk.errors import TraceRiskError
-from tracerisk.version import __version__
 
 _DELAY_S = 0.05
 """How long further changes are waited for before a check [s]."""

@@ -16,7 +16,8 @@ components:
 
 @pytest.mark.slow
 def test_two_workers_of_dask_give_the_same_bytes_as_one_process(tmp_path, example_in, quick):
-    from tracerisk.api import CampaignOptions, gather_evidence
+    from tracerisk.api import gather_evidence
+    from tracerisk.common.campaign import CampaignOptions
 
     found = []
     for name in ("here", "there"):

@@ -7,6 +7,7 @@ import pytest
 
 from tests.commands import ForkedWorkers
 from tracerisk import api
+from tracerisk.common.campaign import CampaignOptions
 from tracerisk.common.verdict import MISSION_MISSED, Reason
 from tracerisk.errors import ControllerFailedError, InputError
 from tracerisk.pipeline.evidence import workers
@@ -196,7 +197,7 @@ def test_what_is_declared_is_noticed(example):
 def test_a_campaign_goes_on_where_it_was_and_ends_as_in_one_go(turning, monkeypatch):
     monkeypatch.setattr(workers, "_CONTEXT", ForkedWorkers())
     path = turning.folder / "turning.py"
-    at_once = api.mutate(path, options=api.CampaignOptions(jobs=1), most=4)
+    at_once = api.mutate(path, options=CampaignOptions(jobs=1), most=4)
     assert (len(at_once.runs), at_once.planned) == (4, 4)
     (journal,) = (turning.folder / ".tracerisk_cache").glob("mutate-*.jsonl")
     lines = journal.read_text().splitlines()
@@ -211,7 +212,7 @@ def test_a_campaign_goes_on_where_it_was_and_ends_as_in_one_go(turning, monkeypa
             done.set_result(function(job))
             return done
 
-    assert api.mutate(path, options=api.CampaignOptions(executor=Here()), most=4) == at_once
+    assert api.mutate(path, options=CampaignOptions(executor=Here()), most=4) == at_once
     assert len(tried) == 3
     monkeypatch.setattr(campaign, "run_mutant", None)
     assert api.mutate(path, most=4) == at_once
@@ -237,9 +238,7 @@ def test_what_is_kept_of_other_inputs_is_removed(turning, monkeypatch):
     other = plan.journal.with_name(plan.journal.name.replace(".jsonl", "0.jsonl"))
     other.parent.mkdir(exist_ok=True)
     other.write_text("\n")
-    api.mutate(
-        turning.folder / "turning.py", options=api.CampaignOptions(jobs=1, fresh=True), most=1
-    )
+    api.mutate(turning.folder / "turning.py", options=CampaignOptions(jobs=1, fresh=True), most=1)
     assert plan.journal.is_file()
     assert not other.exists()
 

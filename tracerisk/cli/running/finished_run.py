@@ -24,6 +24,7 @@ from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
 from tracerisk.pipeline.review.alerts import run_alerts
 from tracerisk.prm.formats import model_json
 from tracerisk.report.run_figures import run_figures, set_by_hand
+from tracerisk.trace import RunFailedError
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
@@ -68,7 +69,7 @@ def finish_run(
                 live_speed=shared.live_speed(options),
                 worlds=options.worlds,
             )
-        except api.RunFailedError as error:
+        except RunFailedError as error:
             write_record(options, keep, error.trace)
             raise
         if keep is not None and options.report is not None:

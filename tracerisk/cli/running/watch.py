@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from tracerisk.api import RunFailedError
 from tracerisk.cli.running.finished_run import FinishedRun, finish_run
 from tracerisk.cli.running.shown import show_failure, show_run
 from tracerisk.cli.shared.output import note
@@ -17,8 +16,8 @@ from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.sources import read_profile
 from tracerisk.cli.shared.watching import Watch, note_error, watch
 from tracerisk.common.sandbox.fork_server import several_come
-from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.watched_files import watched_files
+from tracerisk.trace import RunFailedError, TraceRiskError
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress

@@ -8,7 +8,7 @@ import sys
 from importlib.metadata import distributions
 from pathlib import Path
 
-from tracerisk.version import __version__
+from tracerisk.common.version import __version__
 
 
 def write_error_log(traceback: str) -> Path | None:

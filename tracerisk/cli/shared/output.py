@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 
 from tracerisk.common.text.columns import columns_of
 from tracerisk.common.text.printable import printable
+from tracerisk.common.version import __version__
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.version import __version__
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.text.digests import sha256
+from tracerisk.common.version import __version__
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller, from_root
-from tracerisk.version import __version__
 
 if TYPE_CHECKING:
     from tracerisk.trace import Trace

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import IO, Any, Protocol
 
 from tracerisk.common.dependencies import require_dds
+from tracerisk.common.version import __version__
 from tracerisk.errors import InputError
 from tracerisk.pipeline.recordings.recorded_topics import COMMANDS
 from tracerisk.ros.live.link import Frame
 from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
-from tracerisk.version import __version__
 
 _WAIT_S = 0.2
 

@@ -22,6 +22,7 @@ import numpy as np
 
 from tracerisk.common import trace_json
 from tracerisk.common.dependencies import is_installed, missing_extra
+from tracerisk.common.version import __version__
 from tracerisk.errors import InputError, Location, SettingsError
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.recording import Recording, read_recording
@@ -64,7 +65,6 @@ from tracerisk.pipeline.trace.run_files import EVENTS, ROBOT
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
 from tracerisk.twin.robots.file import read_dumped_robot
 from tracerisk.twin.urdf.text import urdf_text
-from tracerisk.version import __version__
 
 if TYPE_CHECKING:
     from tracerisk.trace import Trace
