@@ -3,8 +3,9 @@
 import pytest
 
 import tracerisk
-from tracerisk.errors import ControllerFailedError, InputError, RunFailedError
+from tracerisk.errors import ControllerFailedError, InputError
 from tracerisk.prm.formats.assessment_json import assessment_to_json
+from tracerisk.trace import RunFailedError
 
 
 def test_an_assessment_is_that_of_the_command_and_writes_nothing(example, quick):

@@ -10,7 +10,8 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.solving.hardware_spread import add_run_uncertainty, check_run_uncertainty
 from tracerisk.common.worlds.world import ALL, worlds_named
-from tracerisk.errors import InputError, RunFailedError
+from tracerisk.errors import InputError
+from tracerisk.trace import RunFailedError
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -16,8 +16,9 @@ from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.sources import read_profile
 from tracerisk.cli.shared.watching import Watch, note_error, watch
 from tracerisk.common.sandbox.fork_server import several_come
+from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.watched_files import watched_files
-from tracerisk.trace import RunFailedError, TraceRiskError
+from tracerisk.trace import RunFailedError
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress
