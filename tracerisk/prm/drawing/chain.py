@@ -19,10 +19,12 @@ _HEIGHT = WORD_HEIGHT + 10.0
 
 @dataclass(frozen=True, slots=True)
 class Arrow:
-    """A transition as it is drawn: what is written at it, and whether it fails."""
+    """How a transition between two states is drawn."""
 
     label: str
+    """Text beside the arrow, such as the transition probability; "" for none."""
     fails: bool = False
+    """Whether the arrow leads to a failure state, which makes it dashed and red."""
 
 
 def chain_svg(

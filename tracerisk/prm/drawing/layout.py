@@ -19,20 +19,26 @@ _SWEEPS = 8
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """The width and height of a node, [px]."""
+    """The size of a node."""
 
     width: float
+    """Horizontal extent [px]."""
     height: float
+    """Vertical extent [px]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The centre of each node, the way of each edge from its source to its target, the extent."""
+    """A graph laid out: places of nodes and edges, from the upper left corner (0, 0)."""
 
     centres: Mapping[str, tuple[float, float]]
+    """Centre (x, y) of each node by name [px]."""
     ways: Mapping[Edge, tuple[tuple[float, float], ...]]
+    """Polyline ((x, y), ...) of each edge by (source, target), from source to target [px]."""
     width: float
+    """Horizontal extent of the whole drawing [px]."""
     height: float
+    """Vertical extent of the whole drawing [px]."""
 
 
 def layered(

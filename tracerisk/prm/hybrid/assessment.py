@@ -69,64 +69,65 @@ def grouped(groups: int, least: float, failure: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class ComponentContribution:
-    """What one component adds to one function's top event.
-
-    Of `units`, `required` must work; `None` where the tree holds them under several gates.
-    `probability` is that of one unit failing during one visit; `contribution` is how much the
-    top event's probability falls when the component never fails, nor has failed before.
-    `name` is that of the parameter, which counts all or a share of the failures of `component`.
-    """
+    """What one parameter adds to one function's top event."""
 
     component: str
+    """Name of the component whose failures the parameter counts."""
     name: str
+    """Name of the parameter, which counts all or a share of the component's failures."""
     units: int
+    """Number of units of the component in the function's tree."""
     required: int | None
+    """Number of units that must work; `None` where the tree has them under several gates."""
     probability: float
+    """Probability that one unit fails during one visit."""
     contribution: float
+    """Fall of the top event's probability if the component never fails nor has failed."""
 
 
 @dataclass(frozen=True, slots=True)
 class StateAssessment:
-    """The figures of one function.
-
-    `top_event` is the probability that one visit fails, in the mean over the visits of a mission
-    where units failed in earlier ones; `expected_visits` the mean number of
-    visits in a mission, `absorption_probability` the probability that the mission ends in
-    `failure_state`.
-    """
+    """The figures of one function."""
 
     name: str
+    """Qualified name of the function."""
     call_sequence: int
+    """Rank of the function in the order of first calls, from its block."""
     failure_state: str
+    """Name of the absorbing state that its failure leads to."""
     top_event: float
+    """Probability that one visit fails; the mean over the mission's visits where units may have
+    failed in earlier ones."""
     expected_visits: float
+    """Mean number of visits in a mission."""
     absorption_probability: float
+    """Probability that the mission ends in `failure_state`."""
     components: tuple[ComponentContribution, ...]
+    """What each parameter of the tree adds to `top_event`."""
 
 
 @dataclass(frozen=True, slots=True)
 class MissionFigures:
-    """The mission's failure probability, read in three ways.
-
-    `failure_probability` is the one that holds, by `reading`: limits and changes go by it;
-    `done_probability` is its complement.
-    `geometric_cycles` is the chain's own: the number of cycles varies around its mean.
-    `fixed_cycles` has each loop go round as often as `next` counts. Where `next` is a
-    distribution, it is 1-(1-f)^N, with `cycle_failure_probability` f, the chain cut where it
-    comes back to the entry, and `expected_cycles` N, the entry's expected visits where nothing
-    fails.
-    `visits_as_run` is 1-prod(1-t_s)^(v0_s), with v0 the expected visits where nothing fails:
-    the run's own counts when `next` comes from one run.
-    """
+    """The mission's failure probability, read in three ways."""
 
     failure_probability: float
+    """The reading that holds; limits and comparisons use it."""
     done_probability: float
+    """Complement of `failure_probability`: the mission ends well."""
     reading: Reading
+    """Which reading `failure_probability` is."""
     geometric_cycles: float
+    """Failure probability of the chain itself: cycles vary around their mean."""
     cycle_failure_probability: float
+    """Failure probability f of one cycle: the chain cut where it comes back to the entry."""
     expected_cycles: float
+    """Number N of cycles: the entry's expected visits where nothing fails."""
     fixed_cycles: float
+    """Failure probability with each loop repeated as often as `next` counts; 1-(1-f)^N where
+    `next` is a distribution."""
     visits_as_run: float
+    """Failure probability 1-prod(1-t_s)^(v0_s), v0 the visits expected where nothing fails: the
+    run's own counts when `next` comes from one run."""
 
     def as_geometric(self) -> MissionFigures:
         """Return the figures with the geometric reading for the one that holds."""
@@ -144,54 +145,67 @@ class ImportanceShare:
     """The part of a component's Birnbaum importance and criticality that one state or unit has."""
 
     name: str
+    """Name of the function or unit."""
     birnbaum: float
+    """Part of the derivative dF/dtheta."""
     criticality: float
+    """Part of theta/F dF/dtheta."""
 
 
 @dataclass(frozen=True, slots=True)
 class ComponentImportance:
-    """How much the mission's failure probability F hangs on one component.
+    """How much the mission's failure probability F depends on one parameter theta.
 
-    The unit is the parameter theta, common to all states, visits and units; a state's own value
-    is theta times a fixed factor.
-    `birnbaum` is dF/dtheta, not bounded by one; `criticality` is theta/F times it.
-    `without` is F0, the mission's failure probability with a component that never fails;
-    `fussell_vesely` is (F-F0)/F; `risk_reduction_worth` is F/F0, infinite where F0 is zero.
-    `risk_achievement_worth` is F/F with a component that has failed wherever it is used;
-    `tenfold` is F(10 theta)/F, each probability at most one.
-    Where F is zero, criticality and Fussell-Vesely are zero, the ratios one or infinite.
-    `name` is that of the parameter, which counts all or a share of the failures of `component`.
+    Theta is common to all states, visits and units; a state's own value is theta times a fixed
+    factor. Where F is zero, criticality and Fussell-Vesely are zero, the ratios one or infinite.
     """
 
     component: str
+    """Name of the component whose failures the parameter counts."""
     name: str
+    """Name of the parameter, which counts all or a share of the component's failures."""
     theta: float
+    """Greatest probability over the states that one unit fails in one visit."""
     birnbaum: float
+    """Derivative dF/dtheta; may exceed 1."""
     criticality: float
+    """Birnbaum importance times theta/F."""
     fussell_vesely: float
+    """(F-F0)/F, with F0 as `without`."""
     without: float
+    """Failure probability F0 of the mission with a component that never fails."""
     risk_reduction_worth: float
+    """F/F0; infinite where F0 is zero."""
     risk_achievement_worth: float
+    """F with a component that has failed wherever it is used, over F."""
     tenfold: float
+    """F(10 theta)/F, with every probability at most 1."""
     by_state: tuple[ImportanceShare, ...]
+    """Parts of `birnbaum` and `criticality` by function."""
     by_unit: tuple[ImportanceShare, ...]
+    """Parts of `birnbaum` and `criticality` by unit."""
 
 
 @dataclass(frozen=True, slots=True)
 class Assessment(Displayed):
-    """All figures of a model; `components` with the one that matters most first.
-
-    `assumptions` are those of the model itself, `findings` what a user should look at.
-    """
+    """All figures of a model."""
 
     model: str
+    """Name of the model."""
     entry: str
+    """Name of the function that runs first."""
     states: tuple[StateAssessment, ...]
+    """Figures of the functions, in the order of the model."""
     mission: MissionFigures
+    """Failure probability of the mission in each reading."""
     components: tuple[ComponentImportance, ...]
+    """Importance of the parameters, the most important first; empty when not computed."""
     assumptions: tuple[str, ...]
+    """What the model assumes, one sentence each."""
     findings: tuple[str, ...]
+    """What a user should look at, such as functions never reached; one sentence each."""
     statement: str = FIGURE_STATEMENT
+    """What the figures are and are not, for every output."""
 
     def importance(self) -> Table[ComponentImportance]:
         """Return the components as a table, whose columns are arrays."""

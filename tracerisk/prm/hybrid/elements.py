@@ -41,26 +41,27 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class NextStep:
-    """What follows a state that did not fail: a state or `done`, and how often."""
+    """One way on from a state that did not fail."""
 
     target: str
+    """Name of the next state, or `done`."""
     weight: Fraction
+    """Probability of this way, exact; the weights of a state sum to 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class FunctionState:
-    """One function as a state of the chain.
-
-    `probabilities` gives each parameter of the fault tree the probability that one unit fails
-    during one visit.
-    `next` holds the distribution of what follows, given that nothing failed.
-    `spares` names the gates of latent units some of which wait as spares, and says how; the units
-    below any other gate all work.
-    """
+    """One function as a state of the chain."""
 
     name: str
+    """Qualified name of the function, unique in the model."""
     call_sequence: int
+    """Rank of the function in the order of first calls, from its block."""
     tree: FaultTree
+    """Fault tree of one visit."""
     probabilities: Mapping[str, float]
+    """Probability that one unit fails during one visit, by parameter of `tree`."""
     next: tuple[NextStep, ...]
+    """Distribution of what follows, given that nothing failed."""
     spares: Mapping[str, Spares] = field(default_factory=dict)
+    """Gates of latent units of which some wait as spares, by name; below other gates all work."""

@@ -25,14 +25,14 @@ _ROUNDING = 1e-9
 
 
 class Loop(NamedTuple):
-    """A part of the chain that goes round `rounds` times.
-
-    `body` is what a round passes, each once; `None` where it is a chain with branches.
-    """
+    """A part of the chain that is repeated a fixed number of times."""
 
     round: Round
+    """The functions of one round and its head."""
     rounds: int
+    """Number of repetitions, 1 or more."""
     body: tuple[int | Loop, ...] | None
+    """What a round passes, each item once; `None` where a round is a chain with branches."""
 
 
 Passage = tuple[int | Loop, ...]

@@ -25,22 +25,27 @@ class HybridModel(DisplayedGraph):
 
     Each visit to a state fails with its tree's top probability and ends the mission there, else
     goes on by `next`.
-    `latent` names the basic events that are units whose failure stays hidden: one that has
-    failed without failing the visit stays failed, in every state whose tree has an event of
-    this name, until the mission ends. All other units are as good as new at each visit.
-    `counted` says that each `next` was counted in one mission, so that the numbers of cycles are
-    fixed, and not drawn anew for each mission.
+    All units but the latent ones are as good as new at each visit.
+
     Raises ModelError, naming the element, when names clash or are unknown, a probability is
     outside [0, 1], a `next` does not sum to one, `done` cannot be reached from a state that
     the entry leads to, or a tree cannot carry the latent units (see `latent_parts`).
     """
 
     name: str
+    """Name of the model, usually the controller's."""
     entry: str
+    """Name of the state in which the mission starts."""
     states: tuple[FunctionState, ...]
+    """Functions with their fault trees, in the order of their call sequence."""
     parameters: tuple[Parameter, ...]
+    """Figures theta that the states' probabilities refer to."""
     latent: tuple[str, ...] = ()
+    """Basic events whose hidden failure lasts, in every state with an event of the name, until
+    the mission ends."""
     counted: bool = False
+    """Whether each `next` was counted in one mission, so that the numbers of cycles are fixed
+    and not random."""
 
     def __post_init__(self) -> None:
         check_names("state", [state.name for state in self.states], reserved=(DONE,))

@@ -84,12 +84,16 @@ class _Base:
 
 
 class _Change(NamedTuple):
-    """F as it is less F without a parameter, and F without it, with ten times it, at one."""
+    """The mission's failure probability F under changes of one parameter."""
 
     fall: float
+    """F less F without the parameter."""
     left: float
+    """F with the parameter at 0."""
     tenfold: float
+    """F with ten times the parameter, at most 1."""
     surely: float
+    """F with the parameter at 1."""
 
 
 def held_failure(chain: HiddenChain, flow: Flow) -> float:

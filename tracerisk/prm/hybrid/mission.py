@@ -29,21 +29,26 @@ from tracerisk.prm.trees.spares import SpareGroup, Spares
 class SolvedMission:
     """A model's chain, solved from its entry.
 
-    By function: `visits` expected, `absorption` the probability that the mission ends in its
-    failure state, `tops` the probability that one visit fails, over the visits of a mission.
-    `least` is below `failure` where not all hidden states are held: the true figure lies between.
-    With `grouped` each redundant group is solved by itself; `chain` and `flow` are then those of
-    the functions without any, and what a group adds to a function is given for it by itself.
+    With `grouped`, `chain` and `flow` leave the redundant groups out, and what a group adds to
+    a function is computed separately.
     """
 
     chain: HiddenChain
+    """The chain of functions and hidden states, with its probabilities."""
     flow: Flow
+    """Expected visits, failures and ends in `chain` from the entry on."""
     failure: Probability
+    """Probability that the mission fails; an upper bound where hidden states are left out."""
     least: float
+    """Lower bound of the failure probability, below `failure` where hidden states are left out."""
     visits: Mapping[str, float]
+    """Expected visits in a mission, by function."""
     absorption: Mapping[str, float]
+    """Probability that the mission ends in the function's failure state, by function."""
     tops: Mapping[str, float]
+    """Probability that one visit fails, over the visits of a mission, by function."""
     grouped: Grouped | None = None
+    """The redundant groups, solved one by one; `None` where one chain holds all."""
 
     @property
     def states(self) -> HiddenStates:

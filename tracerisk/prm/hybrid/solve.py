@@ -64,11 +64,14 @@ def solve(
 
 @dataclass(frozen=True, slots=True)
 class ModelFigures:
-    """The mission's figures, and each function's top event and expected visits."""
+    """The figures of a model without importances."""
 
     mission: MissionFigures
+    """Failure probability of the mission in each reading."""
     top_events: Mapping[str, float]
+    """Probability that one visit fails, by function."""
     expected_visits: Mapping[str, float]
+    """Mean number of visits in a mission, by function; 0 where never reached."""
 
 
 def solve_figures(model: HybridModel) -> ModelFigures:

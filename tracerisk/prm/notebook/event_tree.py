@@ -18,11 +18,14 @@ States = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True, slots=True)
 class _Row:
-    """A path: the states that it takes, and what stands at its end."""
+    """A path through an event tree, drawn as one row."""
 
     states: States
+    """Functional events passed, in order, with the state taken: ((function, state), ...)."""
     sequence: str
+    """Name of the sequence that ends the path; `→ NAME` where it links to another tree."""
     end_state: str
+    """Name of the end state; equal to `sequence` where it links to another tree."""
 
 
 def event_tree_svg(tree: EventTree) -> str:

@@ -38,15 +38,17 @@ class Distribution(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Lognormal:
-    """Lognormal about the point value; `error_factor` is its 95th percentile over its median.
+    """Lognormal about the point value, which is its median or its mean.
 
-    The point value is the median, or the mean where `value_is` says so.
     Source of the error factor: "PRA Procedures Guide", NUREG/CR-2300 (1983), 5.6.
+
     Raises ModelError when the error factor is not a finite number from 1 up.
     """
 
     error_factor: float
+    """95th percentile divided by the median; finite, 1 or above."""
     value_is: Literal["median", "mean"] = "median"
+    """What the point value of the parameter stands for."""
 
     def __post_init__(self) -> None:
         if not 1.0 <= self.error_factor < math.inf:
@@ -79,14 +81,17 @@ class Lognormal:
 
 @dataclass(frozen=True, slots=True)
 class Uniform:
-    """Uniform from `low` to `high`, or its logarithm where `log` says so.
+    """Uniform between two bounds, in the value itself or in its logarithm.
 
     Raises ModelError when the bounds are not finite, not in order, or not positive for `log`.
     """
 
     low: float
+    """Lower bound, in the unit of the parameter."""
     high: float
+    """Upper bound, in the unit of the parameter; not below `low`."""
     log: bool = False
+    """Whether the logarithm of the value is uniform instead of the value."""
 
     def __post_init__(self) -> None:
         if not -math.inf < self.low <= self.high < math.inf:
@@ -112,13 +117,15 @@ class Uniform:
 
 @dataclass(frozen=True, slots=True)
 class Beta:
-    """Beta with the shape parameters `alpha` and `beta`: what is left after observed demands.
+    """Beta distribution of a probability, as observed demands leave it.
 
     Raises ModelError when one is not a finite number above zero.
     """
 
     alpha: float
+    """First shape parameter: failures observed, plus the prior's; above 0."""
     beta: float
+    """Second shape parameter: successes observed, plus the prior's; above 0."""
 
     def __post_init__(self) -> None:
         _check_positive("beta distribution", alpha=self.alpha, beta=self.beta)
@@ -142,13 +149,15 @@ class Beta:
 
 @dataclass(frozen=True, slots=True)
 class Gamma:
-    """Gamma with a `shape` and a `scale`, whose product is the mean: a rate after failures.
+    """Gamma distribution of a rate, as observed failures leave it; its mean is shape times scale.
 
     Raises ModelError when one is not a finite number above zero.
     """
 
     shape: float
+    """Shape parameter: failures observed, plus the prior's; above 0."""
     scale: float
+    """Scale parameter, in the unit of the parameter: one over the time observed; above 0."""
 
     def __post_init__(self) -> None:
         _check_positive("gamma distribution", shape=self.shape, scale=self.scale)
@@ -166,13 +175,15 @@ class Gamma:
 
 @dataclass(frozen=True, slots=True)
 class Normal:
-    """Normal with a `mean_value` and a `deviation`, cut to the values from zero up.
+    """Normal distribution cut to the values from zero up.
 
     Raises ModelError when the mean or the deviation is not a finite number above zero.
     """
 
     mean_value: float
+    """Mean before the cut, in the unit of the parameter; above 0."""
     deviation: float
+    """Standard deviation before the cut, in the unit of the parameter; above 0."""
 
     def __post_init__(self) -> None:
         _check_positive("normal distribution", mean=self.mean_value, deviation=self.deviation)

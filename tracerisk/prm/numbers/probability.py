@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 
     class _Pair(NamedTuple):
         p: float
+        """Probability of the event, in [0, 1]."""
         q: float
+        """Probability of the complement, in [0, 1], not rounded through 1 - p."""
 
 else:
     _Pair = namedtuple("_Pair", ("p", "q"))

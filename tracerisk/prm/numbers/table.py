@@ -32,6 +32,7 @@ class Table(Generic[Row]):
     """Rows of one kind, in an order that says something."""
 
     rows: tuple[Row, ...]
+    """Records of one type with unique names; their numeric fields are the columns."""
 
     def __len__(self) -> int:
         return len(self.rows)

@@ -24,10 +24,12 @@ SURE, NEVER = Probability(1.0, 0.0), Probability(0.0, 1.0)
 
 
 class Conditional(NamedTuple):
-    """What the pair of a gate or top is, given that a node happens and given that it does not."""
+    """The probability of a gate or top, conditional on a node below it."""
 
     given: Probability
+    """Probability given that the node happens."""
     without: Probability
+    """Probability given that the node does not happen."""
 
     @property
     def complement(self) -> Conditional:

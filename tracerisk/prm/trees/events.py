@@ -61,7 +61,9 @@ class BasicEvent:
 
 @dataclass(frozen=True, slots=True)
 class HouseEvent:
-    """A condition that is known to hold (`state` true: it happens) or known not to."""
+    """A condition whose truth is known."""
 
     name: str
+    """Unique in the tree."""
     state: bool
+    """Whether the event happens."""

@@ -49,8 +49,10 @@ class Constant:
     """
 
     needs_mission_time: ClassVar[bool] = False
+    """False: the probability holds without a mission time."""
 
     p: float
+    """Probability of failure in a mission, in [0, 1]."""
 
     def __post_init__(self) -> None:
         check_share("p", self.p)
@@ -63,13 +65,14 @@ class Constant:
 
 @dataclass(frozen=True, slots=True)
 class Exponential:
-    """A constant failure rate: 1 - exp(-rate t), without repair, [1/h].
+    """A constant failure rate: 1 - exp(-rate t), without repair.
 
     Source: Rausand and Hoyland, chapter 2.
     Raises ModelError when the rate is negative or not finite.
     """
 
     rate: float
+    """Failure rate [1/h], not negative."""
 
     def __post_init__(self) -> None:
         check_not_negative("rate", self.rate, "1/h")
@@ -82,14 +85,16 @@ class Exponential:
 
 @dataclass(frozen=True, slots=True)
 class Erlang:
-    """So many phases of one constant rate, the last of which ends in failure, [1/h].
+    """So many phases of one constant rate, the last of which ends in failure.
 
     Source: Rausand and Hoyland, chapter 2.
     Raises ModelError when the rate is negative or `phases` not a whole number from 1 to 10,000.
     """
 
     rate: float
+    """Rate at which each phase ends [1/h], not negative."""
     phases: int
+    """Number of phases until failure, 1 to 10,000."""
 
     def __post_init__(self) -> None:
         check_not_negative("rate", self.rate, "1/h")
@@ -131,14 +136,16 @@ class Erlang:
 
 @dataclass(frozen=True, slots=True)
 class Lognormal:
-    """A time to failure whose logarithm is normal, with `mean` and `deviation` of the logarithm.
+    """A time to failure whose logarithm is normal.
 
-    The logarithm is that of hours. Source: Rausand and Hoyland, chapter 2.
+    Source: Rausand and Hoyland, chapter 2.
     Raises ModelError when the deviation is not positive or the mean not finite.
     """
 
     mean: float
+    """Mean of the natural logarithm of the time to failure in hours."""
     deviation: float
+    """Standard deviation of the natural logarithm of the time, above 0."""
 
     def __post_init__(self) -> None:
         check_positive("deviation", self.deviation, "")
@@ -155,19 +162,24 @@ class Lognormal:
 
 @dataclass(frozen=True, slots=True)
 class Weibull:
-    """A failure rate that grows (`shape` above 1) or falls with age: Weibull's law.
+    """A failure rate that grows or falls with age: Weibull's law.
 
     The accumulated hazard at age x is ((x - location) / scale)^shape, zero before `location_h`.
-    A unit that starts the mission at age `age_h` has survived until then: its probability is
-    conditional on that, 1 - exp(-(H(age + t) - H(age))).
+    The probability is conditional on survival until the mission starts,
+    1 - exp(-(H(age + t) - H(age))).
     Source: Rausand and Hoyland, chapter 2; with age 0, the Open-PSA built-in `Weibull`.
+
     Raises ModelError when scale or shape are not positive, or location or age negative.
     """
 
     scale_h: float
+    """Characteristic life after `location_h` [h], above 0."""
     shape: float
+    """Shape parameter, above 0; the failure rate grows with age where it is above 1."""
     location_h: float = 0.0
+    """Age before which no failure happens [h]."""
     age_h: float = 0.0
+    """Age of the unit when the mission starts [h]."""
 
     def __post_init__(self) -> None:
         check_positive("scale_h", self.scale_h, "h")
@@ -199,14 +211,18 @@ class GLM:
     """A unit that fails at demand, fails while it runs, and is repaired: gamma, lambda, mu.
 
     It is down at time t with lambda/(lambda+mu) (1 - exp(-(lambda+mu) t)) + gamma
-    exp(-(lambda+mu) t); `failure_on_demand` is gamma, the rates lambda and mu are [1/h].
+    exp(-(lambda+mu) t).
     Source: the Open-PSA built-in `GLM`; the form without differences is own derivation.
+
     Raises ModelError when gamma is not a probability or a rate negative.
     """
 
     failure_on_demand: float
+    """Probability gamma that the unit fails at the start of the mission."""
     failure_rate: float
+    """Failure rate lambda while the unit runs [1/h]."""
     repair_rate: float
+    """Repair rate mu while the unit is down [1/h]."""
 
     def __post_init__(self) -> None:
         check_share("failure_on_demand", self.failure_on_demand)
@@ -231,16 +247,18 @@ class GLM:
 
 @dataclass(frozen=True, slots=True)
 class PerDemand:
-    """A probability of failure per demand, for a number of independent demands in the mission.
+    """Independent demands in a mission, each of which may fail: 1 - (1 - p)^demands.
 
-    1 - (1 - p)^demands.
     Raises ModelError when `p` is not a probability or `demands` not a whole number from 0 on.
     """
 
     needs_mission_time: ClassVar[bool] = False
+    """False: the probability holds without a mission time."""
 
     p: float
+    """Probability of failure per demand, in [0, 1]."""
     demands: int = 1
+    """Number of demands in a mission, 0 or more."""
 
     def __post_init__(self) -> None:
         check_share("p", self.p)

@@ -34,7 +34,7 @@ _pair = tuple.__new__
 
 @dataclass(frozen=True, slots=True)
 class FaultTree(DisplayedGraph):
-    """A fault tree: named gates over named basic and house events, `top` one of them.
+    """A fault tree: named gates over named basic and house events.
 
     Raises ModelError when a name is used twice, an input is unknown, a gate stands above
     itself, a gate or event is not below the top, a gate's `k` or inputs do not fit its kind, or
@@ -42,12 +42,19 @@ class FaultTree(DisplayedGraph):
     """
 
     top: str
+    """Name of the gate or event that is the top event."""
     gates: tuple[Gate, ...]
+    """Gates in any order, all below the top."""
     events: tuple[BasicEvent, ...]
+    """Basic events, all below the top."""
     houses: tuple[HouseEvent, ...] = ()
+    """House events, all below the top."""
     _numbering: Numbering = field(init=False, repr=False, compare=False)
+    """Events and gates by number, from the leaves up."""
     _shared: Mapping[str, tuple[str, ...]] = field(init=False, repr=False, compare=False)
+    """Gates fed by each node that feeds several gates, or one gate twice."""
     _solver: SharedTree | None = field(init=False, repr=False, compare=False, default=None)
+    """Decision diagrams of a tree that shares nodes; `None` until first needed."""
 
     def __post_init__(self) -> None:
         numbering = numbered(self)

@@ -20,12 +20,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class EventImportance:
-    """How much a top event's probability P hangs on the probability p of one figure.
+    """How much a top event's probability P depends on the probability p of one figure.
 
-    `birnbaum` is dP/dp, `criticality` p/P times it; with P0 and P1 the top's probability at
-    p = 0 and p = 1, `fussell_vesely` is (P-P0)/P, `risk_reduction_worth` P/P0, infinite where P0
-    is zero, and `risk_achievement_worth` P1/P. `diagnostic_importance` is p P1/P: how probable it
-    is that the event has happened where the top has.
+    P0 and P1 are the top's probability at p = 0 and p = 1.
     Where P is zero, criticality, Fussell-Vesely and the diagnostic importance are zero, the ratios
     one or infinite.
     Source: M. van der Borst, H. Schoonakker, "An overview of PSA importance measures",
@@ -33,25 +30,33 @@ class EventImportance:
     """
 
     name: str
+    """Name of the parameter, or of the event in a table by event."""
     probability: float
+    """Probability p of one event."""
     birnbaum: float
+    """Derivative dP/dp."""
     criticality: float
+    """p/P dP/dp."""
     fussell_vesely: float
+    """(P-P0)/P."""
     risk_reduction_worth: float
+    """P/P0; infinite where P0 is zero."""
     risk_achievement_worth: float
+    """P1/P."""
     diagnostic_importance: float
+    """p P1/P: probability that the event has happened, given that the top has."""
 
 
 @dataclass(frozen=True, slots=True)
 class FaultTreeSolution:
-    """A fault tree with the values that it was solved for.
-
-    `values` are the probabilities of its parameters.
-    """
+    """A fault tree with the values that it was solved for."""
 
     tree: FaultTree
+    """The tree that was solved."""
     values: Mapping[str, float]
+    """Probability of one event, by parameter."""
     top: Probability
+    """Probability of the top event, with its complement."""
 
     @property
     def probability(self) -> float:

@@ -68,17 +68,21 @@ _ALLOWED_INPUTS = {
 
 @dataclass(frozen=True, slots=True)
 class Gate:
-    """A gate over the gates and events named by `inputs`.
+    """A gate over gates and events.
 
-    `k` is for ATLEAST and CARDINALITY only, `most` for CARDINALITY only.
-    An OR without inputs never happens: a function that leans on no hardware.
+    An OR without inputs never happens: a function that uses no hardware.
     """
 
     name: str
+    """Unique in the tree."""
     kind: GateKind
+    """How the inputs are joined."""
     inputs: tuple[str, ...]
+    """Names of the gates and events below it, in order; IMPLY and INHIBIT depend on the order."""
     k: int | None = None
+    """Least number of inputs that must happen, of ATLEAST and CARDINALITY; else `None`."""
     most: int | None = None
+    """Greatest number of inputs that may happen, of CARDINALITY; else `None`."""
 
     @property
     def threshold(self) -> int:

@@ -18,16 +18,19 @@ _UNSEEN, _OPEN, _DONE = range(3)
 
 @dataclass(frozen=True, slots=True)
 class Numbering:
-    """Events first, then house events, then gates, each after those below it.
+    """The nodes of a tree by number: events, then house events, then gates, each after its inputs.
 
-    `gates` are in that order, `inputs` the numbers of each gate's inputs; the top comes last
-    unless it is an event itself.
+    The top comes last unless it is an event itself.
     """
 
     names: tuple[str, ...]
+    """Name of each node, (n_nodes,)."""
     gates: tuple[Gate, ...]
+    """The gates in the order of their numbers, (n_gates,)."""
     inputs: tuple[tuple[int, ...], ...]
+    """Numbers of the inputs of each gate, (n_gates, n_inputs of the gate)."""
     top: int
+    """Number of the top event."""
 
     @property
     def shared(self) -> dict[str, tuple[str, ...]]:

@@ -32,13 +32,13 @@ _SMALLEST = 1e-290
 class Spares:
     """How the units of a group wait that are not required.
 
-    One that waits fails at `dormancy` times the rate of a working one. When a working unit fails
-    the next takes over at once, but for the probability `switch`, with which the group fails.
     Raises ModelError when one of them is outside [0, 1].
     """
 
     dormancy: float = 1.0
+    """Failure rate of a waiting unit divided by the rate of a working one, in [0, 1]."""
     switch: float = 0.0
+    """Probability that the take-over by a spare fails, which fails the group, in [0, 1]."""
 
     def __post_init__(self) -> None:
         for name in ("dormancy", "switch"):
@@ -48,10 +48,12 @@ class Spares:
 
 
 class Outcome(NamedTuple):
-    """What comes of a group in a visit: survived with 0, 1, 2... more failed units, or failed."""
+    """What comes of a group in a visit."""
 
     survived: tuple[float, ...]
+    """Probability of survival with 0, 1, 2... more failed units, (n_spares + 1,)."""
     failed: float
+    """Probability that the group fails."""
 
     @property
     def pair(self) -> Probability:
@@ -60,15 +62,18 @@ class Outcome(NamedTuple):
 
 
 class SpareGroup(NamedTuple):
-    """So many like units, `required` of which must work while the others wait.
+    """A group of like units of which some work while the others wait.
 
     With m failed units, m up to s = units - required, and k required, one more fails at the rate
     k (1 - switch) + (s - m) dormancy, the group at k switch; with m = s the group fails at k.
     """
 
     units: int
+    """Number of all units."""
     required: int
+    """Number of units that must work, 1 to `units`."""
     spares: Spares
+    """How the others wait and take over."""
 
     def rates(self, lost: int) -> tuple[float, float]:
         """Return the rates of one more failed unit, and of the group's failure, by the hazard."""

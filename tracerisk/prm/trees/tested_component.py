@@ -29,35 +29,39 @@ UP, HIDDEN, REPAIR, HOURS_UP, HOURS_DOWN = range(5)
 
 @dataclass(frozen=True, slots=True)
 class PeriodicTest:
-    """Hidden failures at `rate`, found by tests every `interval_h`, the first at `first_test_h`.
+    """Hidden failures found by periodic tests and then repaired.
 
-    A found failure is repaired at `repair_rate`, or at once where that is infinite.
-    A test lasts `test_duration_h`; it breaks a good unit with `failure_at_test`, lets it fail at
-    `rate_in_test` while it lasts, leaves it in service or not (`available_in_test`), and finds a
-    failure with `detection`. A repaired unit is restarted badly, and nobody notices, with
-    `bad_restart`.
-    The probability is that of being down when the mission ends; with `averaged`, the mean over the
-    mission, which is the average probability of failure on demand of IEC 61508-6, annex B.
     An end within rounding of a test counts as the moment before it.
-
     Source: the Open-PSA built-in `periodic-test`, its forms with 4, 5 and 11 arguments, see
     `of_open_psa`; the solution is own derivation. Relative error below 1e-12 for a thousand
     periods, and growing with their number beyond.
-    Rates are [1/h]. Raises ModelError when a figure is outside its range or a test lasts longer
-    than the interval.
+
+    Raises ModelError when a figure is outside its range or a test lasts longer than the interval.
     """
 
     rate: float
+    """Rate of hidden failures between tests [1/h]."""
     interval_h: float
+    """Time from the start of a test to the start of the next [h], above 0."""
     first_test_h: float = 0.0
+    """Time of the first test [h]."""
     repair_rate: float = math.inf
+    """Rate of repair after a failure is detected [1/h]; infinite: at once."""
     rate_in_test: float = 0.0
+    """Failure rate during a test [1/h]."""
     failure_at_test: float = 0.0
+    """Probability that a test breaks a working unit."""
     test_duration_h: float = 0.0
+    """Duration of a test [h], at most `interval_h`."""
     available_in_test: bool = True
+    """Whether the unit stays in service during a test."""
     detection: float = 1.0
+    """Probability that a test detects a failure."""
     bad_restart: float = 0.0
+    """Probability that a repaired unit is restarted badly, and stays failed unnoticed."""
     averaged: bool = False
+    """Whether the probability is the mean over the mission (average probability of failure on
+    demand, IEC 61508-6, annex B) instead of the value at its end."""
 
     def __post_init__(self) -> None:
         check_not_negative("rate", self.rate, "1/h")

@@ -22,18 +22,23 @@ _TANGENT = 2.0 / 3.0
 
 
 class Moments(NamedTuple):
-    """The mean of F of one group, between `least` and `most`, and that of its square at most."""
+    """What is known of the failure probability F of one group over the paths of a mission."""
 
     least: float
+    """Lower bound of the mean of F, in [0, 1]."""
     most: float
+    """Upper bound of the mean of F, in [0, 1]."""
     square: float
+    """Upper bound of the mean of F squared, in [0, 1]."""
 
 
 class Range(NamedTuple):
-    """A probability that is between two others."""
+    """Bounds of a probability."""
 
     least: float
+    """Lower bound, in [0, 1]."""
     most: float
+    """Upper bound, in [0, 1]."""
 
 
 def any_group(groups: Sequence[Moments], *, is_certain: bool) -> Range:

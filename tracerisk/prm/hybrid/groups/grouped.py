@@ -26,10 +26,12 @@ _MOST_PAIRS = 200
 
 
 class Bound(NamedTuple):
-    """A mission's outcome with the groups' failures at most, and its failure at least."""
+    """The outcome of a mission, bounded from both sides."""
 
     outcome: Probability
+    """Failure and success of the mission with the groups' failures at their upper bound."""
     least: float
+    """Lower bound of the mission's failure probability."""
 
 
 class Grouped:

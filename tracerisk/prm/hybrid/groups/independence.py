@@ -15,10 +15,12 @@ from tracerisk.prm.hybrid.hidden.hidden_states import HiddenStates
 
 
 class Block(NamedTuple):
-    """Groups, by number, that share parts of the path; where it `is_certain` they fail apart."""
+    """Groups that share parts of the path, independent of all other blocks."""
 
     groups: tuple[int, ...]
+    """Numbers of the groups, in ascending order."""
     is_certain: bool
+    """Whether every visit of these parts is certain, so that the groups fail independently."""
 
 
 def blocks_of(

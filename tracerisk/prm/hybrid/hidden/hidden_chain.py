@@ -26,24 +26,28 @@ Spread = tuple[tuple[int, float], ...]
 class Flow(NamedTuple):
     """What flows through the chain from a start: by layer and function, by layer, by function.
 
-    `visits[l][f]` is how often function f is visited in layer l, `failures[l][f]` how often it
-    fails there, `done[l]` how often the mission ends well there, `back[l]` how often a round
-    ends there. The last layer is that of more failed units than
-    `hidden` holds; `beyond[f]` is how often f is the first function visited in it.
+    The last layer stands for more failed units than `hidden` holds.
     """
 
     visits: tuple[tuple[float, ...], ...]
+    """Expected visits of each function in each layer, (n_layers + 1, n_functions)."""
     failures: tuple[tuple[float, ...], ...]
+    """Expected failures of each function in each layer, (n_layers + 1, n_functions)."""
     done: tuple[float, ...]
+    """Probability that the mission ends well in each layer, (n_layers + 1,)."""
     back: tuple[float, ...]
+    """Probability that a round ends in each layer, (n_layers + 1,); 0 without a round."""
     beyond: tuple[float, ...]
+    """Probability that each function is the first visited in the last layer, (n_functions,)."""
 
 
 class Round(NamedTuple):
     """A part of a chain from its head on, until that is visited next or the part is left."""
 
     head: int
+    """Number of the function at which the round is entered and ends."""
     functions: frozenset[int]
+    """Numbers of the functions in the round, `head` among them."""
 
     def ends_at(self, function: int) -> bool:
         """Whether going to a function ends the round."""

@@ -30,29 +30,32 @@ Hidden = tuple[int, ...]
 
 
 class Part(NamedTuple):
-    """The classes of a part of a function's tree, `threshold` failed units of which fail it.
-
-    A group with spares is one class.
-    """
+    """A group of latent units in a function's tree, which fails the function by itself."""
 
     classes: tuple[int, ...]
+    """Numbers of the classes of its units; one only for a group with spares."""
     threshold: int
+    """Number of failed units that fails the part."""
     spares: SpareGroup | None = None
+    """The group with its waiting units; `None` where all units work."""
 
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function of the chain: its tree less the latent units, these, and what follows.
-
-    `parameters` gives each class that the tree has the parameter of its units there.
-    """
+    """A function of the chain: its tree less the latent units, these, and what follows."""
 
     state: FunctionState
+    """The function as the model has it."""
     rest: FaultTree
+    """Fault tree of the function with its latent units taken to work."""
     parts: tuple[Part, ...]
+    """Groups of latent units, any of which fails the function."""
     parameters: Mapping[int, str]
+    """Parameter name of the units here, by the number of their class."""
     steps: tuple[tuple[int, float], ...]
+    """Functions that may follow, ((number, probability), ...), `done` excluded."""
     done: float
+    """Probability that the mission ends well after a visit that did not fail."""
 
     @property
     def spares(self) -> dict[int, SpareGroup]:
@@ -64,21 +67,27 @@ class Function:
 class HiddenStates:
     """The functions that the entry leads to, and the hidden states in which they are met.
 
-    `hidden` comes with fewer failed units first, the state without any at the start; each is a
-    layer of the chain. `most` is the greatest number of failed units among them where not all
-    states fit, else `None`.
-    `more[l][c]` is the layer with one more failed unit of class c, -1 where there is none;
-    `held[f][l]` says whether a visit of function f goes on with so many failed units.
+    Each hidden state is a layer of the chain.
     """
 
     functions: tuple[Function, ...]
+    """The functions in the order of the model; their place here is their number."""
     entry: int
+    """Number of the function that runs first."""
     classes: tuple[tuple[str, ...], ...]
+    """Names of the units in each class, (n_classes, n_units of the class)."""
     hidden: tuple[Hidden, ...]
+    """Failed units of each class in each layer, (n_layers, n_classes); fewer failed units
+    first, none failed at the start."""
     most: int | None
+    """Greatest number of failed units in a layer where not all states fit; else `None`."""
     pattern: Pattern
+    """Elimination order of the functions, which all layers share."""
     more: tuple[tuple[int, ...], ...] = field(repr=False)
+    """Layer with one more failed unit of each class, -1 where there is none, (n_layers,
+    n_classes)."""
     held: tuple[tuple[bool, ...], ...] = field(repr=False)
+    """Whether a visit of each function can go on in each layer, (n_functions, n_layers)."""
 
     @cached_property
     def parts_of(self) -> tuple[tuple[Part, ...], ...]:

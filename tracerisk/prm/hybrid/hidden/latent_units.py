@@ -17,14 +17,14 @@ from tracerisk.prm.trees.spares import Spares
 
 
 class LatentPart(NamedTuple):
-    """Units of which `threshold` failed ones, hidden before or not, fail the visit.
-
-    With `spares` the units not required wait, and one whose take-over fails does so too.
-    """
+    """A group of latent units in a fault tree, which fails the visit by itself."""
 
     units: tuple[str, ...]
+    """Names of the basic events of the units."""
     threshold: int
+    """Number of failed units, hidden before or not, that fails the visit."""
     spares: Spares | None = None
+    """How the units not required wait; `None` where all units work."""
 
 
 def latent_parts(
