@@ -37,11 +37,14 @@ _CHANCE = 16.0
 
 @dataclass(frozen=True, slots=True)
 class UncertainInput:
-    """A parameter that is drawn: its point value, its distribution, whether it ends at one."""
+    """A parameter that is drawn."""
 
     value: float
+    """Point value, in the unit of the parameter."""
     distribution: Distribution
+    """Distribution of the parameter, possibly relative to the point value."""
     is_probability: bool = True
+    """Whether drawn values above 1 are set to 1."""
 
     @property
     def law(self) -> Hashable:

@@ -39,22 +39,23 @@ _STEP = 1e-100
 class PairImportance:
     """What two parameters do to the mission's failure probability F together.
 
-    `joint_birnbaum` is d2F/(dtheta_a dtheta_b): positive where both must fail, negative where
-    either is enough; of two groups with hidden failures, right to rounding of the greater of their
-    own Birnbaum importances times the visits.
-    `joint_criticality` is theta_a theta_b / F times it.
-    `fussell_vesely` is (F - F0)/F, F0 with neither failing, to full precision.
-    `interaction` is the part of F that goes with the first and with the second alone as well: the
-    sum of both parameters' own Fussell-Vesely less that of the pair, to rounding of these.
     Where F is zero, all but `joint_birnbaum` are zero.
     """
 
     first: str
+    """Name of the parameter a."""
     second: str
+    """Name of the parameter b."""
     joint_birnbaum: float
+    """d2F/(dtheta_a dtheta_b): positive where both must fail, negative where one is enough; for
+    latent groups right to rounding of their own Birnbaum importance times visits."""
     joint_criticality: float
+    """theta_a theta_b / F times `joint_birnbaum`."""
     fussell_vesely: float
+    """(F - F0)/F, with F0 for neither failing, to full precision."""
     interaction: float
+    """Part of F common to both: the sum of their own Fussell-Vesely importances less that of
+    the pair, to rounding of these."""
 
 
 def pair_importances(

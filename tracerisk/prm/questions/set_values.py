@@ -18,28 +18,36 @@ _PARTS = (Share.OWN, Share.COMMON_CAUSE)
 
 @dataclass(frozen=True, slots=True)
 class SetValue:
-    """A parameter or component that was set: what it was in the model, and what it is now."""
+    """A parameter or component whose value was set."""
 
     name: str
+    """Name of the parameter or component."""
     before: float
+    """Failure probability of one unit in one visit, in the model."""
     now: float
+    """Failure probability of one unit in one visit, as set."""
 
 
 @dataclass(frozen=True, slots=True)
 class SweepPoint:
-    """The mission's figures with the swept parameter at `value`."""
+    """One point of a sweep."""
 
     value: float
+    """Theta of the swept parameter."""
     mission: MissionFigures
+    """Failure probability of the mission at `value`, in each reading."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """A parameter swept over a range; `before` is its value in the model."""
+    """A parameter swept over a range."""
 
     name: str
+    """Name of the parameter or component."""
     before: float
+    """Theta in the model."""
     points: tuple[SweepPoint, ...]
+    """Solutions in the order of the values."""
 
 
 def value_of(model: HybridModel, name: str) -> float:

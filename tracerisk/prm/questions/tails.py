@@ -49,11 +49,14 @@ def intervals(results: Samples, percentiles: Sequence[float]) -> tuple[Interval,
 
 
 class TailMean(NamedTuple):
-    """A mean, its standard error, and what the greatest draw alone adds to it, 0 to 1."""
+    """A mean estimated with draws from the tails."""
 
     mean: float
+    """Estimated mean of the figure."""
     standard_error: float
+    """Standard error of `mean`, in the same unit."""
     greatest_share: float
+    """Share of `mean` that the greatest draw alone adds, in [0, 1]."""
 
 
 def tail_mean(

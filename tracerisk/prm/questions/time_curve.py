@@ -11,16 +11,15 @@ from tracerisk.errors import ModelError
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """Figures by name at some times from zero to the mission time, evenly spaced.
-
-    `times_h` are the times [h], (n+1,); `figures` the probabilities at each, (n+1,).
-    `means` are their means over the mission time, by the trapezoidal rule: of a protective system
-    that is asked once, at any time, the probability of failure on demand.
-    """
+    """Figures along the mission time."""
 
     times_h: tuple[float, ...]
+    """Evenly spaced times from zero to the mission time [h], (n + 1,)."""
     figures: Mapping[str, tuple[float, ...]]
+    """Probabilities at these times by name, (n + 1,) each."""
     means: Mapping[str, float]
+    """Mean over the mission time by name, by the trapezoidal rule: the probability of failure
+    on demand of a system that is asked once, at any time."""
 
     @property
     def sil_bands(self) -> Mapping[str, int | None]:

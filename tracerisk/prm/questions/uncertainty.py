@@ -33,60 +33,69 @@ MOST_OF_GREATEST, FEW = 0.02, 10.0
 
 @dataclass(frozen=True, slots=True)
 class FigureSpread:
-    """One of the figures that make up a component's: how far it may be off, drawn by itself.
+    """The uncertainty of one of the figures that make up a component's figure.
 
-    `share` is the part of the component's figure that goes with it; what the shares of one
-    component leave of 1 is certain. A component's only figure has no `name`.
-    Of a factor, by which the sum of the others is multiplied, `share` is the point value.
+    What the shares of one component leave of 1 is certain.
     """
 
     name: str
+    """What the figure is called; "" for a component's only figure."""
     share: float
+    """Part of the component's figure, in [0, 1]; the point value of a factor."""
     distribution: Distribution
+    """Distribution of the figure."""
     is_factor: bool = False
+    """Whether the figure multiplies the sum of the others instead of adding to it."""
 
 
 @dataclass(frozen=True, slots=True)
 class InputShare:
-    """An uncertain parameter: its point value, its percentiles, its share in the result's spread.
-
-    `share` is the first-order Sobol index: the part of the result's variance that would go if
-    the parameter were known. `cut` counts the samples above one that were taken as one.
-    """
+    """An uncertain parameter and its part in the spread of the result."""
 
     name: str
+    """Name of the parameter; `COMPONENT: FIGURE` where a component has several figures."""
     value: float
+    """Point value."""
     percentiles: tuple[float, ...]
+    """Values at the levels of the result, (n_levels,)."""
     share: float
+    """First-order Sobol index: part of the result's variance that knowing the parameter
+    removes."""
     cut: int
+    """Number of samples above 1 that were set to 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class Uncertainty:
-    """What the mission's failure probability may be, at the percentiles `levels` and in the mean.
-
-    `point` is the figure with every parameter at its own value; `inputs` with the greatest share
-    first.
-    `standard_error` is that of the mean of as many independent draws, which a Latin hypercube
-    hardly ever exceeds; `greatest_share` is what the greatest draw alone adds to the mean, 0 to 1.
-    `intervals` hold the percentiles with at least 95 %, whatever the figure's distribution; an end
-    is `None` where there are too few draws for it.
-    With `is_weighted` mean, standard error and greatest share are those of draws of which half
-    were taken from the tails, see `tails`.
-    """
+    """The distribution of the mission's failure probability."""
 
     samples: int
+    """Number of draws."""
     seed: int
+    """Seed of the random numbers."""
     point: float
+    """Figure with every parameter at its point value."""
     mean: float
+    """Mean of the figure over the draws."""
     deviation: float
+    """Standard deviation of the figure over the draws."""
     levels: tuple[float, ...]
+    """Levels of the percentiles [%], (n_levels,)."""
     percentiles: tuple[float, ...]
+    """Figure at each level, (n_levels,)."""
     inputs: tuple[InputShare, ...]
+    """Uncertain parameters, the greatest share first."""
     standard_error: float
+    """Standard error of the mean of as many independent draws; a Latin hypercube rarely exceeds
+    it."""
     greatest_share: float
+    """Share of the mean that the greatest draw alone adds, in [0, 1]."""
     intervals: tuple[tuple[float | None, float | None], ...] = ()
+    """Interval (low, high) that holds each percentile with at least 95 %, (n_levels, 2); `None`
+    for an end that needs more draws."""
     is_weighted: bool = False
+    """Whether `mean`, `standard_error` and `greatest_share` come from draws of which half were
+    taken from the tails, see `tails`."""
 
     @classmethod
     def of_draws(

@@ -90,10 +90,12 @@ def compare(
 
 
 class _Part(NamedTuple):
-    """A change before it is solved."""
+    """A change with the edits that make it."""
 
     change: RiskChange
+    """The change; its contribution is `None` until solved."""
     edits: tuple[Edit, ...]
+    """Functions that make the change in a model taken apart."""
 
 
 def _changes(

@@ -18,14 +18,17 @@ class ComponentItem(NamedTuple):
     """One change of one component in one function.
 
     Quantity and redundancy are one change where both differ, for either alone may make no sense.
-    `ratio` is the later probability over the earlier, where that is what changed; infinite for
-    one that was zero.
     """
 
     kind: ChangeKind
+    """What changed of the component."""
     fields: tuple[ChangedField, ...]
+    """Values that differ, at least one."""
     ratio: float | None
+    """Later probability over the earlier, infinite for one that was zero; `None` where
+    something else changed."""
     edit: Edit
+    """Makes the change in a model taken apart."""
 
     @property
     def field(self) -> ChangedField:

@@ -19,15 +19,17 @@ Edit = Callable[[ModelParts], None]
 
 
 class FlowItem(NamedTuple):
-    """One step of a change of the chain, the functions that it cannot be made without, and how.
-
-    `needs` are the functions that only one version has and that this item speaks of.
-    """
+    """One step of a change of the chain."""
 
     field: ChangedField
+    """The value or block that differs."""
     mark: Mark | None
+    """What a reviewer should see of it; `None` for nothing."""
     needs: frozenset[str]
+    """Functions in only one version that the step mentions; steps that share one are one
+    change."""
     edit: Edit
+    """Makes the step in a model taken apart."""
 
 
 def flow_items(before: RiskVersion, after: RiskVersion) -> tuple[list[FlowItem], int]:

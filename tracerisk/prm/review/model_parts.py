@@ -17,11 +17,14 @@ Steps = tuple[NextStep, ...]
 
 
 class RiskVersion(NamedTuple):
-    """One version of a controller's blocks, by function, the model they make, and its figures."""
+    """One version of a controller's risk model."""
 
     blocks: Mapping[str, RiskBlock]
+    """Risk blocks by qualified name of the function."""
     model: HybridModel
+    """Model that the blocks make."""
     figures: ModelFigures
+    """Solution of the model."""
 
     @classmethod
     def of_blocks(cls, blocks: Sequence[RiskBlock], name: str) -> RiskVersion:

@@ -19,11 +19,17 @@ from tracerisk.prm.review.risk_change import PinChange, is_noise
 
 class _Pin(NamedTuple):
     text: str
+    """The value as its line states it; `block`, `component` or `omit` for a whole entry."""
     value: Any
+    """The value as read; `None` for a whole entry."""
     computed: str | None
+    """Text of the computed value beside the pin; `None` where there is none."""
     reason: str | None
+    """The user's reason; `None` where none is given."""
     location: Location | None
+    """Line of the pin; `None` for a block without a file."""
     kind: FieldKind | None
+    """Which value of the block it is; `None` for a whole entry."""
 
 
 def pin_changes(

@@ -47,6 +47,7 @@ class ChangedField:
     function: str
     """The function of the block; of the entry, the one that runs first in the later version."""
     component: str | None
+    """Name of the component; `None` for the function's own values and for the entry."""
     key: str | None
     """The key of the value in its block, or `ENTRY`; `None` for a whole block or component."""
     before: str | None
@@ -56,7 +57,9 @@ class ChangedField:
     location: Location | None
     """The place in the later version; in the earlier one if `is_gone`."""
     is_gone: bool = False
+    """Whether only the earlier version has it."""
     causes: tuple[Cause, ...] = ()
+    """Why the value changed, in order; empty until known."""
 
     @property
     def stated(self) -> tuple[tuple[str, str | None], ...]:
@@ -72,19 +75,22 @@ class ChangedField:
 
 @dataclass(frozen=True, slots=True)
 class RiskChange:
-    """One change of the model, and what the mission's figure does when only it is made.
-
-    `contribution` is that figure less the earlier version's; `None` where the change alone gives
-    a model without a solution.
-    """
+    """One change of the model, and its effect on the mission's failure probability F."""
 
     kind: ChangeKind
+    """What changed."""
     summary: str
+    """The change in words, without cause and figure."""
     component: str | None
+    """Name of the component; `None` for a change of the chain."""
     functions: tuple[str, ...]
+    """Functions in which it was made."""
     fields: tuple[ChangedField, ...]
+    """Values that differ, at least one."""
     marks: tuple[Mark, ...]
+    """What a reviewer should see of it, whatever its contribution."""
     contribution: float | None = None
+    """F(before with only this change) - F(before); `None` where that model has no solution."""
 
     @property
     def causes(self) -> tuple[Cause, ...]:
@@ -123,23 +129,26 @@ class CauseShare:
 
 @dataclass(frozen=True, slots=True)
 class FunctionFigures:
-    """A function in one version: its top event's probability a visit, its expected visits."""
+    """The figures of a function in one version."""
 
     top_event: float
+    """Probability that one visit fails."""
     expected_visits: float
+    """Mean number of visits in a mission."""
 
 
 @dataclass(frozen=True, slots=True)
 class FunctionChange:
-    """A function in both versions; `None` for the figures of a version that lacks it.
-
-    `was` is its earlier name where it was renamed.
-    """
+    """A function in both versions."""
 
     name: str
+    """Qualified name, in the later version where that has the function."""
     was: str | None
+    """Earlier name of a renamed function; `None` where it was not renamed."""
     before: FunctionFigures | None
+    """Figures of the earlier version; `None` where it lacks the function."""
     after: FunctionFigures | None
+    """Figures of the later version; `None` where it lacks the function."""
 
     @property
     def status(self) -> Literal["added", "removed", "renamed", "changed", "unchanged"]:
@@ -158,41 +167,50 @@ class FunctionChange:
 
 @dataclass(frozen=True, slots=True)
 class PinChange:
-    """What became of a value, a component or a block that a user set.
-
-    "drifted": the user's value stands, and what tracerisk computes beside it has changed.
-    """
+    """What became of a value, a component or a block that a user set."""
 
     kind: Literal["new", "removed", "changed", "drifted"]
+    """Kind of change; "drifted" where the user's value stands and the computed value changed."""
     path: str
+    """Dotted path of the value, such as `place.gripper.probability`."""
     before: str | None
+    """Text of the earlier pin; `None` where there was none."""
     after: str | None
+    """Text of the later pin; `None` where there is none."""
     computed_before: str | None
+    """Computed value beside the earlier pin; `None` where none is stated."""
     computed_after: str | None
+    """Computed value beside the later pin; `None` where none is stated."""
     reason: str | None
+    """The user's reason, the later one if both have one; `None` where none is given."""
     location: Location | None
+    """Line of the pin, in the earlier version where the later has none."""
 
 
 @dataclass(frozen=True, slots=True)
 class SinglePoint:
-    """A component that fails the mission alone, and did not before; the functions where."""
+    """A component one unit of which newly fails the mission alone."""
 
     component: str
+    """Name of the component."""
     functions: tuple[str, ...]
+    """Functions in which it does, in the later version."""
     is_new: bool
+    """Whether the earlier version does not use the component at all."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunVerdicts:
-    """The verdicts of the runs behind two versions; `None` where one is unknown.
-
-    A version without blocks has none: it is not `in_before`, or not `in_after`.
-    """
+    """The verdicts of the runs behind two versions."""
 
     before: Verdict | None
+    """Verdict of the earlier run; `None` where unknown."""
     after: Verdict | None
+    """Verdict of the later run; `None` where unknown."""
     in_before: bool = True
+    """Whether the earlier version has blocks."""
     in_after: bool = True
+    """Whether the later version has blocks."""
     renamed: Mapping[str, str] = field(default_factory=dict)
     """The later name of functions that were renamed, by their earlier one."""
 
@@ -286,35 +304,40 @@ def _key(reason: Reason, renamed: Mapping[str, str]) -> tuple[str, str, str]:
 
 @dataclass(frozen=True, slots=True)
 class RiskDiff:
-    """The difference in risk between two versions of one controller.
-
-    `before` or `after` is `None` where that version has no risk blocks.
-    `changes` come by the size of their contribution; `interaction` is what the mission's figure
-    changes by beyond the sum of contributions, noise included. `causes` put the changes together by
-    component and kind of cause, the greatest contribution first.
-    `within_noise` counts the values that changed by less than 1 %: they are reported as unchanged.
-    `inputs` describes what the runs behind the blocks depended on that differs, `of_run`
-    what the later run showed that the earlier one did not: contacts that were not to be expected,
-    motions of which there is no risk data. `unrun` are the later version's files whose code is not
-    the one that ran. `verdicts` are those of the two runs, `None` where the
-    blocks alone are compared: neither version has a lock entry for a run.
-    """
+    """The difference in risk between two versions of one controller."""
 
     name: str
+    """Path of the controller, in the later version where that has it."""
     was: str | None
+    """Earlier path of a moved controller; `None` where it was not moved."""
     before: MissionFigures | None
+    """Figures of the earlier version; `None` where it has no blocks."""
     after: MissionFigures | None
+    """Figures of the later version; `None` where it has no blocks."""
     changes: tuple[RiskChange, ...]
+    """Changes of the model, the greatest contribution first."""
     interaction: float | None
+    """Change of the mission's figure beyond the sum of the contributions, noise included;
+    `None` where a version has no blocks."""
     functions: tuple[FunctionChange, ...]
+    """Functions of either version, the later version's first."""
     pins: tuple[PinChange, ...]
+    """Changes of values that users set, by path."""
     single_points: tuple[SinglePoint, ...]
+    """Components that newly fail the mission alone, by name."""
     within_noise: int
+    """Number of values that changed by less than 1 % and count as unchanged."""
     inputs: tuple[str, ...] = ()
+    """Inputs of the runs behind the blocks that differ, one sentence each."""
     of_run: tuple[str, ...] = ()
+    """What only the later run showed, such as unexpected contacts and motions without risk
+    data; one sentence each."""
     verdicts: RunVerdicts | None = None
+    """Verdicts of both runs; `None` where neither version has a run in its lock."""
     causes: tuple[CauseShare, ...] = ()
+    """The changes by component and kind of cause, the greatest contribution first."""
     unrun: tuple[str, ...] = ()
+    """Files of the later version whose code is not the code that ran."""
     outcome: OutcomeChanges | None = None
     """How what the later run brought about differs; `None` where it is unknown of one of them."""
 
@@ -381,18 +404,20 @@ class RiskDiff:
 
 @dataclass(frozen=True, slots=True)
 class Review:
-    """What changed in risk between two versions, by controller, the greatest change first.
-
-    `before` and `after` name the versions as the user called them; `prefixes` is what stands
-    before the files of each version in places (`HEAD:` as git writes it).
-    """
+    """What changed in risk between two versions of a repository."""
 
     before: str
+    """The earlier version as the user named it."""
     after: str
+    """The later version as the user named it."""
     controllers: tuple[RiskDiff, ...]
+    """Differences by controller, the greatest change first."""
     notes: tuple[str, ...] = ()
+    """Remarks on the comparison, one sentence each."""
     prefixes: tuple[str, str] = ("", "")
+    """Text before file names of the earlier and the later version, as git writes it (`HEAD:`)."""
     statement: str = FIGURE_STATEMENT
+    """What the figures are and are not, for every output."""
 
     def is_worth_telling(self, threshold: float) -> bool:
         """Return whether a reviewer should hear of it: a figure changed by more, or a mark.

@@ -34,17 +34,18 @@ _TOLERANCE = 1e-9
 class BayesianNetwork(Displayed):
     """Conditions with their distributions, and basic events whose probability depends on them.
 
-    `conditions` gives each condition the distribution over its states, alone or given others.
-    `events` gives parameters of fault trees their probability given conditions; events of one
-    parameter are independent of each other in every state.
     A basic event that is itself a condition has the probabilities 0 and 1 given its states.
+
     Raises ModelError, naming the condition or event, when a parent or state is unknown, a state
     of the parents has no entry, a distribution does not sum to one, a probability is outside
     [0, 1], or conditions depend on each other in a circle.
     """
 
     conditions: Mapping[str, Distribution | Given[Distribution]]
+    """Distribution over the states of each condition, alone or given other conditions."""
     events: Mapping[str, Given[Figure]] = field(default_factory=dict)
+    """Probability of fault-tree parameters given conditions; events of one parameter are
+    independent in every state."""
 
     def __post_init__(self) -> None:
         for name, condition in self.conditions.items():

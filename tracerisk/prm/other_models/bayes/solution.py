@@ -19,24 +19,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class SolvedCase:
-    """A joint state of the conditions: its probability, and the top event's given it."""
+    """A joint state of the conditions, with the top event in it."""
 
     states: States
+    """State of each condition that bears on the tree."""
     probability: float
+    """Probability of the joint state, given the evidence."""
     top: Probability
+    """Probability of the top event in this state."""
 
 
 @dataclass(frozen=True, slots=True)
 class BayesianSolution:
     """The top event over all states of the conditions that bear on it.
 
-    `top` is the sum over the cases, which are products of non-negative numbers: both halves of
-    the pair keep their relative precision.
+    Sums over the cases are of products of non-negative numbers: both halves of the pair keep
+    their relative precision.
     """
 
     network: BayesianNetwork
+    """The network that was solved."""
     evidence: States
+    """Known states of conditions."""
     cases: tuple[SolvedCase, ...]
+    """The joint states, which exclude each other and cover everything."""
 
     @property
     def top(self) -> Probability:

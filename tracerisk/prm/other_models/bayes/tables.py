@@ -16,13 +16,12 @@ Entry = TypeVar("Entry")
 
 @dataclass(frozen=True, slots=True)
 class Given(Generic[Entry]):
-    """A table over the states of one or several parents.
-
-    The keys of `table` are states of the parent, or tuples of one state for each parent.
-    """
+    """A table over the states of one or several parents."""
 
     parents: str | tuple[str, ...]
+    """Name of the parent condition, or names of several."""
     table: Mapping[str | tuple[str, ...], Entry]
+    """Entry for each state of the parent, or for each tuple of one state for each parent."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -45,11 +44,11 @@ Figure: TypeAlias = "float | FailureModel"
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A joint state of conditions: its probability, and what it gives to the events.
-
-    `values` are the probabilities of the fault trees' parameters.
-    """
+    """A joint state of conditions, and what it gives to the events."""
 
     states: States
+    """State of each condition."""
     probability: float
+    """Probability of the joint state, given the evidence."""
     values: Mapping[str, float]
+    """Probability of each fault-tree parameter in this state."""

@@ -20,15 +20,15 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class CutSet:
-    """Events that together make the top happen, none of them needless.
-
-    `absent` are events that must not happen: a prime implicant of a tree that is not coherent.
-    `probability` is the product of its events', `None` where no values were given.
-    """
+    """Events that together make the top happen, none of them needless."""
 
     events: tuple[str, ...]
+    """Names of the events that must happen."""
     absent: tuple[str, ...] = ()
+    """Names of the events that must not happen, in a tree that is not coherent."""
     probability: float | None = None
+    """Product of the probabilities of `events` and of the complements of `absent`; `None` where
+    no values were given."""
 
     @property
     def order(self) -> int:
@@ -38,14 +38,14 @@ class CutSet:
 
 @dataclass(frozen=True, slots=True)
 class CutSets:
-    """The minimal cut sets of a tree, held as families of sets of its modules.
-
-    `max_order` is the order above which sets were left out, `None` for none.
-    """
+    """The minimal cut sets of a tree, held as families of sets of its modules."""
 
     max_order: int | None
+    """Order above which sets were left out; `None` for no limit."""
     _graph: LogicGraph = field(repr=False)
+    """Logic graph of the tree, by whose literals the families are built."""
     _families: Mapping[int, Family] = field(repr=False)
+    """Family of the minimal solutions of each module, by literal of its root."""
     _parameters: Mapping[str, str] = field(repr=False)
     """The parameter of each event."""
 

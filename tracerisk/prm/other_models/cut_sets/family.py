@@ -22,14 +22,20 @@ EMPTY_SET = 1
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """A family of sets of literals, see `kernel`; `literals` are its elements by level."""
+    """A family of sets of literals, see `tracerisk.prm.trees.bdd.families`."""
 
     root: int
+    """Node of the whole family."""
     literals: tuple[int, ...]
+    """Element of each level, (n_levels,)."""
     level: Any
+    """Level of each node's element, (n_nodes,) integers."""
     low: Any
+    """Node of the sets without the element, (n_nodes,) integers."""
     high: Any
+    """Node of the sets with the element, without it, (n_nodes,) integers."""
     loops: Loops
+    """Functions that compute on the sequences above, compiled or in Python."""
 
     @property
     def nodes(self) -> tuple[Any, Any, Any]:

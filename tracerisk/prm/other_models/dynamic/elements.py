@@ -42,17 +42,20 @@ class RestrictionKind(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class DynamicEvent:
-    """The failure of one unit; while it waits as a spare its rate is `dormancy` times as high.
+    """The failure of one unit, which may wait as a spare.
 
-    Dormancy is 0 of a cold spare, 1 of a hot one. In the group of a dynamic gate an event needs a
-    constant rate (`Exponential`, `Erlang`), or a probability of being failed from the start,
-    waiting or not (`Constant`, `PerDemand`).
+    In the group of a dynamic gate an event needs a constant rate (`Exponential`, `Erlang`), or a
+    probability of being failed from the start, waiting or not (`Constant`, `PerDemand`).
+
     Raises ModelError when the dormancy is outside [0, 1].
     """
 
     name: str
+    """Unique in the tree."""
     model: FailureModel
+    """Failure model of the unit in service."""
     dormancy: float = 1.0
+    """Failure rate while waiting over the rate in service: 0 for a cold spare, 1 for a hot one."""
 
     def __post_init__(self) -> None:
         check_share(f"event '{self.name}': dormancy", self.dormancy)
@@ -62,18 +65,19 @@ class DynamicEvent:
 class DynamicGate:
     """A gate for which the order of failures counts.
 
-    Inputs that fail at the same instant count as in order for PAND and POR where they are
-    `inclusive`, and as out of order otherwise.
-    `switch` is the probability that a spare of a SPARE gate fails to take over, with which the gate
-    happens.
     Raises ModelError when it has no input or the switch does not fit.
     """
 
     name: str
+    """Unique in the tree."""
     kind: DynamicKind
+    """How the inputs are joined."""
     inputs: tuple[str, ...]
+    """Names of the gates and events below it, in the order that counts."""
     inclusive: bool = True
+    """Whether inputs that fail at the same instant count as in order, of PAND and POR."""
     switch: float = 0.0
+    """Probability that a spare fails to take over, which makes a SPARE gate happen."""
 
     def __post_init__(self) -> None:
         if not self.inputs:
@@ -89,18 +93,23 @@ class DynamicGate:
 
 @dataclass(frozen=True, slots=True)
 class Dependency:
-    """When the trigger happens, all the dependent events do too, with `probability`.
+    """When the trigger happens, all the dependent events may do too.
 
     They happen together, just after the trigger. Where several dependencies have the same instant
     they act in the order in which they stand in the tree; one that a restriction rules out waits
     until it may.
+
     Raises ModelError when there are no dependents, or the probability is not above 0 and at most 1.
     """
 
     name: str
+    """Unique in the tree."""
     trigger: str
+    """Name of the gate or event that brings the others about."""
     dependents: tuple[str, ...]
+    """Names of the dependent events, at least one."""
     probability: float = 1.0
+    """Probability that the trigger brings them about, above 0."""
 
     def __post_init__(self) -> None:
         if not self.dependents or self.trigger in self.dependents:
@@ -128,8 +137,11 @@ class Restriction:
     """
 
     name: str
+    """Unique in the tree."""
     kind: RestrictionKind
+    """What is ruled out."""
     inputs: tuple[str, ...]
+    """Names of the gates and events concerned, at least two, in order."""
 
     def __post_init__(self) -> None:
         if len(set(self.inputs)) < max(len(self.inputs), 2):

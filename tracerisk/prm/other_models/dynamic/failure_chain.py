@@ -36,16 +36,16 @@ NEGLIGIBLE = 1e-17
 
 @dataclass(frozen=True, slots=True)
 class FailureChain:
-    """A chain in continuous time that starts in `initial` and fails when it enters state 0.
-
-    `initial` holds pairs of a state and its probability, `transitions` a state, the one entered and
-    the rate, [1/h]; nothing leaves state 0.
-    """
+    """A chain in continuous time that fails when it enters state 0, which nothing leaves."""
 
     states: int
+    """Number of states."""
     initial: tuple[tuple[int, float], ...]
+    """Initial distribution, ((state, probability), ...)."""
     transitions: tuple[tuple[int, int, float], ...]
+    """Transitions ((source, target, rate), ...), rates in [1/h]."""
     _fastest: float = field(init=False, repr=False, compare=False)
+    """Greatest total rate out of a state [1/h]."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_fastest", max(self._leaving(), default=0.0))

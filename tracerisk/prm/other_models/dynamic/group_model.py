@@ -19,7 +19,9 @@ class DynamicGroup:
     """A dynamic tree that is solved as a whole by one Markov chain: a failure model."""
 
     tree: DynamicTree
+    """The dynamic tree of the group alone."""
     _chain: FailureChain | None = field(init=False, repr=False, compare=False, default=None)
+    """Markov chain of the group's states; `None` until first needed."""
 
     @property
     def chain(self) -> FailureChain:

@@ -37,31 +37,46 @@ _STATIC = (GateKind.OR, GateKind.AND, GateKind.ATLEAST, GateKind.INHIBIT, GateKi
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The events of a group, then its gates from below upwards, and their bytes in a state.
+    """The elements of a group by place, and their bytes in a state.
 
-    `owner` is for each element the innermost spare whose part it is, if any and if it can wait;
-    `parts` the elements of each spare; `rates` the rate of each phase of an event in service,
-    `starting` its probability of being failed from the start; each of these has a dependency of
-    its own, where there are restrictions. Events that can change places without a difference
-    are `alike`.
+    The places are of the events, then of the gates from below upwards. A state has a byte for each
+    element, for each dependency and for each spare unit, in this order.
     """
 
     names: tuple[str, ...]
+    """Name of each element, (n_elements,)."""
     top: int
+    """Place of the top."""
     events: tuple[DynamicEvent, ...]
+    """The events in the order of their places, (n_events,)."""
     gates: Mapping[int, AnyGate]
+    """Gate by place."""
     inputs: Mapping[int, tuple[int, ...]]
+    """Places of a gate's inputs, by the gate's place."""
     parents: tuple[tuple[int, ...], ...]
+    """Places of the gates above each element, (n_elements, n_parents of the element)."""
     dependencies: tuple[tuple[int, tuple[int, ...], float], ...]
+    """Dependencies (trigger, dependents, probability), by place; events failed from the start
+    have one with the trigger `START` where there are restrictions."""
     restrictions: tuple[tuple[RestrictionKind, tuple[int, ...]], ...]
+    """Restrictions (kind, inputs), by place."""
     owner: tuple[int | None, ...]
+    """Place of the innermost spare unit that each element is part of, (n_elements,); `None`
+    where it is in service from the start."""
     spare_slots: Mapping[int, int]
+    """Byte of a spare unit in a state, by the unit's place."""
     rates: tuple[float, ...]
+    """Rate of each phase of an event in service [1/h], (n_events,); 0 where it has no rate."""
     phases: tuple[int, ...]
+    """Number of phases until an event fails, (n_events,)."""
     starting: Mapping[int, float]
+    """Probability of being failed from the start, by place, of events that have no rate."""
     spare_gates: tuple[int, ...]
+    """Places of the SPARE gates, from below upwards."""
     parts: Mapping[int, tuple[int, ...]]
+    """Places of the elements of each spare unit, by the unit's place."""
     alike: tuple[tuple[int, ...], ...]
+    """Groups of places of events that can change places without a difference."""
 
     @property
     def first_dependency_slot(self) -> int:

@@ -19,31 +19,37 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DynamicImportance:
-    """How much a top event's probability P hangs on one event.
+    """How much a top event's probability P depends on one event.
 
-    With P0 the top's probability where the event never happens, and P1 where it is failed from the
-    start: `fussell_vesely` is (P-P0)/P, `risk_reduction_worth` P/P0, infinite where P0 is zero, and
-    `risk_achievement_worth` P1/P; `tenfold` is P with ten times the event's rate or probability,
-    over P. `probability` is that of the event in service for the whole mission.
+    P0 is the top's probability where the event never happens, P1 where it is failed from the start.
     An event of a gate for which order counts may prevent more than it causes: then P0 is greater
     than P.
     """
 
     name: str
+    """Name of the event."""
     probability: float
+    """Probability of the event in service for the whole mission."""
     fussell_vesely: float
+    """(P-P0)/P."""
     risk_reduction_worth: float
+    """P/P0; infinite where P0 is zero."""
     risk_achievement_worth: float
+    """P1/P."""
     tenfold: float
+    """P with ten times the event's rate or probability, over P."""
 
 
 @dataclass(frozen=True, slots=True)
 class DynamicSolution:
-    """A dynamic tree and the mission it was solved for, [h]."""
+    """A dynamic tree and the mission it was solved for."""
 
     tree: DynamicTree
+    """The tree that was solved."""
     mission_time_h: float
+    """Length of the mission [h]."""
     top: Probability
+    """Probability of the top event, with its complement."""
 
     @property
     def probability(self) -> float:

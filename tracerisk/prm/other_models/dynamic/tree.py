@@ -44,12 +44,19 @@ class DynamicTree(AsGraph):
     """
 
     top: str
+    """Name of the gate or event that is the top event."""
     gates: tuple[AnyGate, ...]
+    """Static and dynamic gates, in any order."""
     events: tuple[DynamicEvent, ...]
+    """Basic events."""
     dependencies: tuple[Dependency, ...] = ()
+    """Dependencies, in the order in which they act at one instant."""
     restrictions: tuple[Restriction, ...] = ()
+    """Restrictions on what can happen."""
     state_limit: int = STATE_LIMIT
+    """Most states of the Markov chain of one group."""
     _upwards: tuple[AnyGate, ...] = field(init=False, repr=False, compare=False)
+    """The gates, each after those below it."""
 
     def __post_init__(self) -> None:
         _check_names(self)

@@ -17,53 +17,62 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """A gate, basic event or house event that happens on a path, or does not."""
+    """What a path collects of a fault tree."""
 
     node: str
+    """Name of the gate, basic event or house event."""
     happens: bool = True
+    """Whether it happens on the path."""
 
 
 @dataclass(frozen=True, slots=True)
 class Weight:
-    """The probability of a path given what stands before it, or the complement of it.
-
-    A failure model gives it for the length of the mission; `ExpressionModel` is one.
-    """
+    """The probability of a path given what stands before it."""
 
     value: float | FailureModel
+    """Probability, or a failure model that gives it for the length of the mission."""
     complement: bool = False
+    """Whether the path has the complement of `value`."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetHouse:
-    """A state that a house event has in all conditions that the path collects from here on."""
+    """A house event set in all conditions that the path collects from here on."""
 
     house: str
+    """Name of the house event."""
     state: bool
+    """Whether it happens."""
 
 
 @dataclass(frozen=True, slots=True)
 class InState:
-    """A test: the path has taken `state` at the fork of a functional event."""
+    """A test of the state that the path took at a fork."""
 
     functional_event: str
+    """Name of the functional event of the fork."""
     state: str
+    """Name of the state that must have been taken."""
 
 
 @dataclass(frozen=True, slots=True)
 class Initiated:
-    """A test: the course began with this initiating event."""
+    """A test of what began the course."""
 
     initiating_event: str
+    """Name of the initiating event that must have begun it."""
 
 
 @dataclass(frozen=True, slots=True)
 class When:
-    """Instructions that are followed if a test holds, and others if it does not."""
+    """Instructions that depend on a test."""
 
     test: InState | Initiated
+    """What is tested."""
     then: tuple[Instruction, ...]
+    """Instructions followed where the test holds."""
     otherwise: tuple[Instruction, ...] = ()
+    """Instructions followed where it does not."""
 
 
 Instruction: TypeAlias = Condition | Weight | SetHouse | When
@@ -71,16 +80,18 @@ Instruction: TypeAlias = Condition | Weight | SetHouse | When
 
 @dataclass(frozen=True, slots=True)
 class End:
-    """The end of a path: a sequence of the tree."""
+    """The end of a path."""
 
     sequence: str
+    """Name of the sequence of the tree that it ends in."""
 
 
 @dataclass(frozen=True, slots=True)
 class Resume:
-    """A path that goes on as a named branch of the tree, which others may share."""
+    """A path that goes on as a branch that others may share."""
 
     branch: str
+    """Name of the branch of the tree."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +99,7 @@ class Link:
     """A path that goes on at the start of another event tree."""
 
     event_tree: str
+    """Name of the other event tree."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +107,11 @@ class Path:
     """One way out of a fork."""
 
     state: str
+    """Name of the functional event's state on this path."""
     target: Target
+    """Where the path leads."""
     instructions: tuple[Instruction, ...] = ()
+    """What the path collects and sets, in order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +119,9 @@ class Fork:
     """The alternatives at one functional event."""
 
     functional_event: str
+    """Name of the functional event."""
     paths: tuple[Path, ...]
+    """The alternatives, at least one, with different states."""
 
 
 Target: TypeAlias = Fork | End | Resume | Link
@@ -112,20 +129,27 @@ Target: TypeAlias = Fork | End | Resume | Link
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """What is collected, and where it leads; `name` where others resume it."""
+    """A part of an event tree: what is collected, and where it leads."""
 
     target: Target
+    """Where the branch leads."""
     instructions: tuple[Instruction, ...] = ()
+    """What is collected and set before, in order."""
     name: str = ""
+    """Name by which paths resume it; "" where none does."""
 
 
 @dataclass(frozen=True, slots=True)
 class EventSequence:
-    """A named end of paths; several may have one `end_state`, by default each has its own."""
+    """A named end of paths."""
 
     name: str
+    """Unique in the event tree."""
     end_state: str = ""
+    """Name of the outcome, which several sequences may share; the sequence's own where none is
+    given."""
     instructions: tuple[Instruction, ...] = ()
+    """What a path collects and sets when it ends here, in order."""
 
     def __post_init__(self) -> None:
         if not self.end_state:
@@ -134,11 +158,14 @@ class EventSequence:
 
 @dataclass(frozen=True, slots=True)
 class InitiatingEvent:
-    """What begins the course: a probability, or a frequency `per` unit of time ("year")."""
+    """What begins the course."""
 
     name: str
+    """Name of the event."""
     value: float = 1.0
+    """Probability in [0, 1], or frequency [1/`per`]."""
     per: str = ""
+    """Unit of time of a frequency, such as `year`; "" for a probability."""
 
     def __post_init__(self) -> None:
         greatest = math.inf if self.per else 1.0

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class EventTree(Displayed):
-    """An event tree; `functional_events` in the order in which paths may fork over them.
+    """An event tree.
 
     Raises ModelError, naming the element, when a name is used twice or unknown, a fork has no
     path or two of one state, a path forks twice over one functional event or against their
@@ -36,13 +36,21 @@ class EventTree(Displayed):
     """
 
     name: str
+    """Name of the tree, by which other trees link to it."""
     functional_events: tuple[str, ...]
+    """Names of the functional events, in the order in which paths may fork over them."""
     start: Branch
+    """Where every course begins."""
     sequences: tuple[EventSequence, ...]
+    """Ends of paths, with unique names."""
     branches: tuple[Branch, ...] = ()
+    """Branches that several paths share, with unique names."""
     initiating: InitiatingEvent | None = None
+    """What begins the course; `None` for certainty, under the name of the tree."""
     _branches: Mapping[str, Branch] = field(init=False, repr=False, compare=False)
+    """The branches by name."""
     _sequences: Mapping[str, EventSequence] = field(init=False, repr=False, compare=False)
+    """The sequences by name."""
 
     def __post_init__(self) -> None:
         check_names_of(self)

@@ -24,11 +24,14 @@ Occurrence = tuple[str, bool, Settings]
 
 @dataclass(frozen=True, slots=True)
 class Forest:
-    """Gates, basic events and house events that several fault trees share, by their names."""
+    """Gates, basic events and house events that several fault trees share."""
 
     gates: Mapping[str, Gate]
+    """Gates by name."""
     events: Mapping[str, BasicEvent]
+    """Basic events by name."""
     houses: Mapping[str, HouseEvent]
+    """House events by name."""
 
     @classmethod
     def of(cls, trees: FaultTree | Iterable[FaultTree]) -> Forest:

@@ -35,24 +35,30 @@ class Taken(NamedTuple):
     """A state that a path takes at the fork over a functional event."""
 
     event_tree: str
+    """Name of the event tree of the fork."""
     functional_event: str
+    """Name of the functional event."""
     state: str
+    """Name of the state taken."""
 
 
 @dataclass(frozen=True, slots=True)
 class CollectedPath:
-    """One course from the initiating event to an end, with all that it collected.
-
-    `weights` are probabilities, each with the state of the fork that gave it, or `None` where it
-    was collected elsewhere.
-    """
+    """One course from the initiating event to an end, with all that it collected."""
 
     event_tree: str
+    """Name of the event tree in which the path ends."""
     sequence: str
+    """Name of the sequence that ends it."""
     end_state: str
+    """Name of the outcome."""
     states: tuple[Taken, ...]
+    """States taken at the forks, in order."""
     occurrences: tuple[Occurrence, ...]
+    """Gates and events that must happen, or must not, each once."""
     weights: tuple[tuple[Taken | None, Weight], ...]
+    """Probabilities on the path, each with the state of the fork that gave it; `None` for one
+    collected elsewhere."""
 
     def weight(self, mission_time_h: float | None) -> float:
         """Return the product of the probabilities that the path collected.
@@ -142,10 +148,12 @@ def _path_count(tree: EventTree, trees: Mapping[str, EventTree]) -> int:
 
 @dataclass(frozen=True, slots=True)
 class _Walk:
-    """The event trees that a path may enter, and what began it."""
+    """What all courses through event trees have in common."""
 
     trees: Mapping[str, EventTree]
+    """Event trees that a path may enter, by name."""
     initiating_event: str
+    """Name of the initiating event that began the course."""
 
     def holds(self, test: InState | Initiated, course: _Course) -> bool:
         if isinstance(test, Initiated):
@@ -158,11 +166,17 @@ class _Course:
     """How far a path has come."""
 
     tree: EventTree
+    """The event tree in which the path is."""
     entered: tuple[str, ...]
+    """Names of the event trees entered so far, from the first."""
     states: tuple[Taken, ...] = ()
+    """States taken at the forks so far."""
     occurrences: tuple[Occurrence, ...] = ()
+    """Gates and events that must happen, or must not, so far."""
     weights: tuple[tuple[Taken | None, Weight], ...] = ()
+    """Probabilities so far, each with the state of the fork that gave it, or `None`."""
     settings: Settings = ()
+    """House events set so far, by name."""
 
     def taking(self, fork: Fork, path: Path, walk: _Walk) -> _Course:
         taken = Taken(self.tree.name, fork.functional_event, path.state)

@@ -30,25 +30,30 @@ _Choosing: TypeAlias = tuple[CollectedPath, dict[object, object]]
 
 @dataclass(frozen=True, slots=True)
 class SequenceFigure:
-    """A sequence: its probability given the initiating event, and its value with it.
-
-    `value` is a probability, or a frequency in the unit of the initiating event.
-    """
+    """The figures of a sequence."""
 
     event_tree: str
+    """Name of the event tree of the sequence."""
     name: str
+    """Name of the sequence."""
     end_state: str
+    """Name of the outcome."""
     probability: float
+    """Probability given the initiating event."""
     value: float
+    """Probability or frequency with the initiating event, in the unit of the latter."""
 
 
 @dataclass(frozen=True, slots=True)
 class EventTreeSolution:
-    """The figures of an event tree, its sequences in the order in which paths reach them."""
+    """The figures of an event tree."""
 
     event_tree: str
+    """Name of the event tree."""
     initiating: InitiatingEvent
+    """What began the course."""
     sequences: tuple[SequenceFigure, ...]
+    """Figures of the sequences, in the order in which paths reach them."""
 
     @property
     def outcomes(self) -> dict[str, float]:

@@ -21,6 +21,7 @@ class _Operation(Expression):
     """An operation on one or more terms, from left to right."""
 
     terms: tuple[Expression, ...]
+    """Operands from left to right, at least one."""
 
     def __post_init__(self) -> None:
         if not self.terms:
@@ -97,6 +98,7 @@ class Negation(Expression):
     """The term with its sign changed."""
 
     term: Expression
+    """Expression whose sign is changed."""
 
     @property
     def arguments(self) -> tuple[Expression, ...]:
@@ -114,14 +116,16 @@ class Negation(Expression):
 
 @dataclass(frozen=True, slots=True)
 class Call(Expression):
-    """A function by its Open-PSA name, see `FUNCTIONS`, of `terms`.
+    """A function of Open-PSA, see `FUNCTIONS`.
 
     Truth is 1 and falsehood 0, any number but 0 counts as true.
     `switch` takes pairs of a condition and its value, and last the value where none holds.
     """
 
     function: str
+    """Open-PSA name of the function, a key of `FUNCTIONS`."""
     terms: tuple[Expression, ...]
+    """Arguments, as many as the function takes."""
 
     def __post_init__(self) -> None:
         if self.function not in FUNCTIONS:

@@ -31,10 +31,12 @@ class Deviate(Expression):
 
 @dataclass(frozen=True, slots=True)
 class UniformDeviate(Deviate):
-    """Uniform from `lower` to `upper`."""
+    """A uniform deviate."""
 
     lower: Expression
+    """Lower bound."""
     upper: Expression
+    """Upper bound, above `lower`."""
 
     @property
     def arguments(self) -> tuple[Expression, ...]:
@@ -57,10 +59,12 @@ class UniformDeviate(Deviate):
 
 @dataclass(frozen=True, slots=True)
 class NormalDeviate(Deviate):
-    """Normal with `mean` and standard deviation `sigma`."""
+    """A normal deviate."""
 
     mean: Expression
+    """Mean, which is also the point value."""
     sigma: Expression
+    """Standard deviation, above 0."""
 
     @property
     def arguments(self) -> tuple[Expression, ...]:
@@ -83,14 +87,11 @@ class NormalDeviate(Deviate):
 
 @dataclass(frozen=True, slots=True)
 class LognormalDeviate(Deviate):
-    """Lognormal, in either form of Open-PSA.
-
-    With three terms: its mean, its error factor and the level of that, commonly 0.95; the error
-    factor is the quantile at the level over the median.
-    With two: mean and standard deviation of its logarithm.
-    """
+    """Lognormal, in either form of Open-PSA."""
 
     terms: tuple[Expression, ...]
+    """Mean, error factor (quantile over median) and the level of the error factor, commonly
+    0.95; or mean and standard deviation of the logarithm."""
 
     def __post_init__(self) -> None:
         if len(self.terms) not in (2, 3):
@@ -135,10 +136,12 @@ class LognormalDeviate(Deviate):
 
 @dataclass(frozen=True, slots=True)
 class GammaDeviate(Deviate):
-    """Gamma with `shape` and `scale`."""
+    """A gamma deviate, whose mean is shape times scale."""
 
     shape: Expression
+    """Shape parameter, above 0."""
     scale: Expression
+    """Scale parameter, above 0."""
 
     @property
     def arguments(self) -> tuple[Expression, ...]:
@@ -162,10 +165,12 @@ class GammaDeviate(Deviate):
 
 @dataclass(frozen=True, slots=True)
 class BetaDeviate(Deviate):
-    """Beta with the shapes `alpha` and `beta`."""
+    """A beta deviate, with values from 0 to 1."""
 
     alpha: Expression
+    """First shape parameter, above 0."""
     beta: Expression
+    """Second shape parameter, above 0."""
 
     @property
     def arguments(self) -> tuple[Expression, ...]:
@@ -189,13 +194,12 @@ class BetaDeviate(Deviate):
 
 @dataclass(frozen=True, slots=True)
 class Histogram(Deviate):
-    """Constant density within each bin: between its boundary and that before it.
-
-    There is one `boundaries` more than `weights`.
-    """
+    """A deviate with constant density within each bin."""
 
     boundaries: tuple[Expression, ...]
+    """Bounds of the bins in ascending order, (n_bins + 1,)."""
     weights: tuple[Expression, ...]
+    """Relative probability of each bin, (n_bins,), not negative and not all 0."""
 
     def __post_init__(self) -> None:
         if not self.weights or len(self.boundaries) != len(self.weights) + 1:

@@ -185,7 +185,9 @@ class Definitions:
     """
 
     entries: tuple[tuple[str, Expression], ...] = ()
+    """Names with their expressions, in order: ((name, expression), ...)."""
     by_name: Mapping[str, Expression] = field(init=False, repr=False, compare=False)
+    """The same by name."""
 
     def __post_init__(self) -> None:
         by_name: dict[str, Expression] = {}
@@ -198,16 +200,17 @@ class Definitions:
 
 @dataclass(frozen=True, slots=True)
 class ExpressionModel:
-    """The failure model of a basic event whose probability an expression gives.
-
-    `location` is where the expression stands, or what finds it: only a message needs it.
-    """
+    """The failure model of a basic event whose probability an expression gives."""
 
     expression: Expression
+    """Expression of the probability."""
     definitions: Definitions = Definitions()
+    """Parameters to which the expression refers."""
     location: Location | Callable[[], Location | None] | None = field(
         default=None, compare=False, repr=False
     )
+    """Place of the expression, or a function that returns it, for messages only; `None` where
+    unknown."""
 
     @property
     def needs_mission_time(self) -> bool:

@@ -43,10 +43,12 @@ class _Law(Expression):
 
 @dataclass(frozen=True, slots=True)
 class Exponential(_Law):
-    """Failure within `time` [h] at a constant `rate` [1/h]: 1 - exp(-rate time)."""
+    """Failure at a constant rate: 1 - exp(-rate time)."""
 
     rate: Expression
+    """Failure rate [1/h]."""
     time: Expression
+    """Time in operation [h]."""
 
     @property
     def arguments(self) -> tuple[Expression, ...]:
@@ -70,15 +72,16 @@ class Exponential(_Law):
 
 @dataclass(frozen=True, slots=True)
 class Glm(_Law):
-    """Unavailability at `time` of a unit that fails and is repaired at constant rates [1/h].
-
-    `on_demand` is its unavailability at time 0 (gamma, lambda and mu of Open-PSA's GLM).
-    """
+    """Unavailability of a unit that fails and is repaired at constant rates: Open-PSA's GLM."""
 
     on_demand: Expression
+    """Unavailability at time 0 (gamma)."""
     rate: Expression
+    """Failure rate (lambda) [1/h]."""
     repair_rate: Expression
+    """Repair rate (mu) [1/h]."""
     time: Expression
+    """Time at which the unit is needed [h]."""
 
     @property
     def arguments(self) -> tuple[Expression, ...]:
@@ -103,12 +106,16 @@ class Glm(_Law):
 
 @dataclass(frozen=True, slots=True)
 class Weibull(_Law):
-    """Failure within `time`: 1 - exp(-((time - shift) / scale)^shape), 0 up to `shift` [h]."""
+    """Failure by Weibull's law: 1 - exp(-((time - shift) / scale)^shape), 0 up to `shift`."""
 
     scale: Expression
+    """Characteristic life after `shift` [h]."""
     shape: Expression
+    """Shape parameter, above 0."""
     shift: Expression
+    """Age before which no failure happens [h]."""
     time: Expression
+    """Age at the end [h]."""
 
     @property
     def arguments(self) -> tuple[Expression, ...]:
@@ -135,16 +142,16 @@ class Weibull(_Law):
 class PeriodicTest(_Law):
     """Unavailability at the mission's end of a unit whose failures only tests reveal.
 
-    `terms` are Open-PSA's, of which there are
-    4: rate, interval of tests, time of the first test, time (repair takes no time);
-    5: rate, repair rate, interval, first test, time (the test takes no time);
-    11: rate, rate during the test, repair rate, interval, first test, failure due to the test,
-    duration of the test, whether it is available while tested, detection by the test, failure at
-    restart after repair, time.
-    Rates in 1/h, times in h.
+    Open-PSA has forms of
+    4 terms: rate, interval of tests, time of the first test, time (repair takes no time);
+    5 terms: rate, repair rate, interval, first test, time (the test takes no time);
+    11 terms: rate, rate during the test, repair rate, interval, first test, failure due to the
+    test, duration of the test, whether it is available while tested, detection by the test, failure
+    at restart after repair, time.
     """
 
     terms: tuple[Expression, ...]
+    """The terms of one of these forms, rates in [1/h], times in [h]."""
 
     def __post_init__(self) -> None:
         if len(self.terms) not in (4, 5, 11):

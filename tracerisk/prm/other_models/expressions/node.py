@@ -59,10 +59,12 @@ class Expression:
 
 @dataclass(frozen=True, slots=True)
 class Number(Expression):
-    """A constant; `form` is how it is written in Open-PSA: `float`, `int` or `bool`."""
+    """A constant."""
 
     number: float
+    """Its value, finite; 0 or 1 for a `bool`."""
     form: str = "float"
+    """How it is written in Open-PSA: `float`, `int` or `bool`."""
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.number):
@@ -81,9 +83,10 @@ class Number(Expression):
 
 @dataclass(frozen=True, slots=True)
 class Reference(Expression):
-    """The value of the parameter called `name`; whoever evaluates looks it up."""
+    """The value of a parameter, which the evaluation looks up."""
 
     name: str
+    """Name of the parameter."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,17 +59,21 @@ class CommonCauseLaw(enum.Enum):
 class CommonCauseGroup:
     """Basic events of one probability that a common cause can hit together.
 
-    `factors` are those of the law, in the order of their levels: of BETA its one, of MGL from level
-    2, of ALPHA and PHI from level 1. `staggered` testing is for ALPHA only; the factors of the
-    other laws say for themselves from which tests they were estimated.
     Raises ModelError when members or factors do not fit the law.
     """
 
     name: str
+    """Name of the group, for messages and parameters."""
     members: tuple[str, ...]
+    """Names of the basic events, at least two."""
     law: CommonCauseLaw
+    """How a member's probability is shared among the events that hit several."""
     factors: tuple[float, ...]
+    """Factors of the law in the order of their levels: one of BETA, from level 2 of MGL, from
+    level 1 of ALPHA and PHI."""
     staggered: bool = False
+    """Whether the units are tested one after the other, for ALPHA only; other laws' factors
+    imply their tests."""
 
     def __post_init__(self) -> None:
         where = f"common cause group '{self.name}'"
@@ -148,13 +152,12 @@ class ShareOf:
 
 @dataclass(frozen=True, slots=True)
 class CommonCauseTree:
-    """A fault tree whose common cause groups are expanded.
-
-    `shares` gives each parameter that was added the one it is a share of, and the share.
-    """
+    """A fault tree whose common cause groups are expanded."""
 
     tree: FaultTree
+    """The expanded tree."""
     shares: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    """Parameter and share of it, (whole, share), by parameter that the expansion added."""
 
     def values(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return the values of the tree's parameters from those before the expansion.

@@ -32,22 +32,25 @@ class Attribute:
     """A remark of a tool on an element, with no meaning for the model."""
 
     name: str
+    """Name of the remark."""
     value: str
+    """Text of the remark."""
     type: str = ""
+    """Type that the tool gives the value; "" where none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where an element is defined, and what is said of it.
-
-    `home` is the path of its fault tree or component, `pumps.train`, or empty for the model; the
-    full name of a `private` element begins with it, and only those of its home see its short name.
-    """
+    """Where an element is defined, and what is said of it."""
 
     home: str = ""
+    """Path of its fault tree or component, such as `pumps.train`; "" for the model."""
     private: bool = False
+    """Whether only elements of its home see its short name; its full name begins with `home`."""
     label: str = ""
+    """Text that describes the element; "" for none."""
     attributes: tuple[Attribute, ...] = ()
+    """Remarks of tools on the element, in order."""
 
 
 NOWHERE = Place()
@@ -55,11 +58,14 @@ NOWHERE = Place()
 
 @dataclass(frozen=True, slots=True)
 class GateDefinition:
-    """A gate; a `nested` one is written inside the formula of the only gate that it feeds."""
+    """A gate as a file defines it."""
 
     gate: Gate
+    """The gate, with the full names of its inputs."""
     place: Place = NOWHERE
+    """Where it is defined."""
     nested: bool = False
+    """Whether it is written inside the formula of the only gate that it feeds."""
 
     @property
     def name(self) -> str:
@@ -69,19 +75,24 @@ class GateDefinition:
 
 @dataclass(frozen=True, slots=True)
 class EventDefinition:
-    """A basic event and the expression of its probability, if one is given."""
+    """A basic event as a file defines it."""
 
     name: str
+    """Full name, unique among gates and events."""
     expression: Expression | None = None
+    """Expression of its probability; `None` where none is given."""
     place: Place = NOWHERE
+    """Where it is defined."""
 
 
 @dataclass(frozen=True, slots=True)
 class HouseDefinition:
-    """A house event."""
+    """A house event as a file defines it."""
 
     house: HouseEvent
+    """The house event."""
     place: Place = NOWHERE
+    """Where it is defined."""
 
     @property
     def name(self) -> str:
@@ -91,33 +102,46 @@ class HouseDefinition:
 
 @dataclass(frozen=True, slots=True)
 class ParameterDefinition:
-    """A parameter, to which expressions refer by its name; `unit` is a remark: `hours-1`."""
+    """A parameter, to which expressions refer by its name."""
 
     name: str
+    """Full name, unique among parameters."""
     expression: Expression
+    """Expression of its value."""
     unit: str = ""
+    """Unit as a remark, such as `hours-1`; "" for none."""
     place: Place = NOWHERE
+    """Where it is defined."""
 
 
 @dataclass(frozen=True, slots=True)
 class GroupDefinition:
-    """A common cause group whose figures are expressions; each factor with its level."""
+    """A common cause group whose figures are expressions."""
 
     name: str
+    """Name of the group."""
     law: CommonCauseLaw
+    """How a member's probability is shared among the events that hit several."""
     members: tuple[str, ...]
+    """Full names of the basic events."""
     distribution: Expression
+    """Expression of the probability of one member."""
     factors: tuple[tuple[int, Expression], ...]
+    """Factors of the law with their levels, ((level, expression), ...)."""
     place: Place = NOWHERE
+    """Where it is defined."""
 
 
 @dataclass(frozen=True, slots=True)
 class EventTreeDefinition:
-    """An event tree; `notes` are labels and attributes of its parts, by kind and name."""
+    """An event tree as a file defines it."""
 
     tree: EventTree
+    """The event tree."""
     place: Place = NOWHERE
+    """Where it is defined."""
     notes: tuple[tuple[str, str, Place], ...] = ()
+    """Labels and attributes of its parts, ((kind, name, place), ...)."""
 
     @property
     def name(self) -> str:
@@ -130,9 +154,13 @@ class Phase:
     """A share of the mission time with states of house events."""
 
     name: str
+    """Name of the phase."""
     fraction: float
+    """Share of the mission time, in [0, 1]."""
     houses: tuple[tuple[str, bool], ...] = ()
+    """House events set in the phase, ((name, state), ...)."""
     place: Place = NOWHERE
+    """Where it is defined."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,33 +168,46 @@ class Alignment:
     """The phases of a mission."""
 
     name: str
+    """Name of the alignment."""
     phases: tuple[Phase, ...]
+    """The phases in order."""
     place: Place = NOWHERE
+    """Where it is defined."""
 
 
 @dataclass(frozen=True, slots=True)
 class Substitution:
-    """Where the gate `hypothesis` happens, so does `target` (False: such courses are left out).
+    """A rule on what happens together with a hypothesis.
 
     With `sources` it is a replacement of events in cut sets, which has no exact probability.
     """
 
     name: str
+    """Name of the rule."""
     hypothesis: str
+    """Full name of the gate that states when the rule applies."""
     target: str | bool
+    """Full name of the event that happens then; `False` where such courses are left out."""
     sources: tuple[str, ...] = ()
+    """Full names of the events that `target` replaces; empty for none."""
     type: str = ""
+    """Type that the file states for the rule; "" where none."""
     place: Place = NOWHERE
+    """Where it is defined."""
 
 
 @dataclass(frozen=True, slots=True)
 class Container:
-    """A fault tree of the file, or a component in one; `path` is its full name."""
+    """A fault tree of the file, or a component in one."""
 
     path: str
+    """Full name."""
     private: bool = False
+    """Whether its elements are private unless they say otherwise."""
     label: str = ""
+    """Text that describes it; "" for none."""
     attributes: tuple[Attribute, ...] = ()
+    """Remarks of tools on it, in order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,30 +215,47 @@ class LogicModel:
     """Gates and events by name, all that they are computed from, and event trees over them.
 
     Gates, basic events and house events share one space of names, parameters have another.
-    `findings` are remarks of whoever read the model, `locations` where each element stands.
+
     Raises ElementError when a name is used twice or unknown, a gate stands above itself or has
     inputs that do not fit its kind, or a parameter is defined by itself.
     """
 
     name: str = ""
+    """Name of the model; "" for none."""
     gates: tuple[GateDefinition, ...] = ()
+    """Gates in the order of the file, nested ones after the gate that they feed."""
     events: tuple[EventDefinition, ...] = ()
+    """Basic events."""
     houses: tuple[HouseDefinition, ...] = ()
+    """House events."""
     parameters: tuple[ParameterDefinition, ...] = ()
+    """Parameters of expressions."""
     groups: tuple[GroupDefinition, ...] = ()
+    """Common cause groups."""
     event_trees: tuple[EventTreeDefinition, ...] = ()
+    """Event trees over the gates and events."""
     initiating_events: tuple[InitiatingEvent, ...] = ()
+    """Initiating events that begin no event tree."""
     alignments: tuple[Alignment, ...] = ()
+    """Divisions of the mission into phases."""
     substitutions: tuple[Substitution, ...] = ()
+    """Rules on what happens together."""
     containers: tuple[Container, ...] = ()
+    """Fault trees and components of the file."""
     label: str = ""
+    """Text that describes the model; "" for none."""
     attributes: tuple[Attribute, ...] = ()
+    """Remarks of tools on the model, in order."""
     findings: tuple[str, ...] = field(default=(), compare=False)
+    """Remarks of the reader, one sentence each."""
     locations: Mapping[tuple[str, str], Location] = field(
         default_factory=dict, compare=False, repr=False
     )
+    """Place in the file by (kind, name) of an element; empty where unknown."""
     gates_by_name: Mapping[str, Gate] = field(init=False, compare=False, repr=False)
+    """The gates by full name."""
     definitions: Definitions = field(init=False, compare=False, repr=False)
+    """The parameters by name, as expressions see them."""
 
     def __post_init__(self) -> None:
         gates = {each.gate.name: each.gate for each in self.gates}

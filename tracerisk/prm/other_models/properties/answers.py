@@ -27,15 +27,16 @@ _COMPARED = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operat
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The value of a property: the least and the greatest over the states to start from.
-
-    `holds` says whether all of them keep to its limit; `None` where it has none.
-    """
+    """The value of a property over the states to start from."""
 
     question: Property
+    """The property that was asked."""
     least: float
+    """Least value over these states."""
     greatest: float
+    """Greatest value over these states."""
     holds: bool | None = None
+    """Whether all values keep to the property's limit; `None` where it has none."""
 
     @property
     def value(self) -> float:
@@ -86,13 +87,22 @@ class _Questions:
     """A chain, what names mean in its questions, and what was found of it."""
 
     chain: ExplicitChain
+    """The chain that is asked."""
     states: Sequence[State]
+    """Values of the model's variables in each state, (n_states, n_variables); no variables for
+    a chain without a model."""
     known: Scope
+    """Constants, variables and formulas of the model."""
     given: PropertyFile
+    """The properties with their own constants, formulas and labels."""
     constants: Mapping[str, Value]
+    """Values of the constants that the properties leave open."""
     _values: ChainValues = field(init=False)
+    """Values of paths, rewards and the long run by state."""
     _scope: Scope = field(init=False)
+    """What names mean in the properties."""
     _work: int = 0
+    """Operations spent on expressions so far."""
 
     def __post_init__(self) -> None:
         self._values = ChainValues(self.chain)

@@ -25,14 +25,18 @@ Sets = Sequence[bool]
 class ChainValues:
     """A chain and what its questions share.
 
-    Sets and values are lists with an entry per state. Rows of a dtmc are read as divided by
-    their sums; times are steps of a dtmc, and in the unit of the rates of a ctmc.
+    Sets and values are lists with an entry per state. Times are steps of a dtmc, and in the unit
+    of the rates of a ctmc.
     """
 
     chain: ExplicitChain
+    """The chain as it was read."""
     rows: list[dict[int, float]] = field(init=False)
+    """Probability or rate by target of each state, (n_states,); rows of a dtmc sum to 1."""
     _sources: list[list[int]] | None = None
+    """States from which each state is entered, (n_states,); `None` until first needed."""
     _classes: list[list[int]] | None = None
+    """Recurrent classes, lists of states; `None` until first needed."""
 
     def __post_init__(self) -> None:
         discrete = self.discrete

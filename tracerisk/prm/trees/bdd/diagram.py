@@ -21,22 +21,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What the exact solution of a tree that shares events may use.
-
-    `nodes` are the budgets of nodes for one module's diagram, tried in turn with several orders
-    of its events; a node takes about 40 bytes while the diagram is built.
-    `pairs` is the most pairs of nodes kept for a difference, 16 bytes each, and `samples_bytes`
-    what the sweep of many samples holds at once.
-    `bound_nodes` is the size of the diagrams by which bounds are found where no budget suffices.
-    `swapped` lets each two neighbours of an order change places, which gives a second diagram to
-    check a first by.
-    """
+    """What the exact solution of a tree that shares events may use."""
 
     nodes: tuple[int, ...] = (2_000, 8_000, 128_000, 512_000, 2_000_000, 8_000_000, 25_000_000)
+    """Budgets of nodes for one module's diagram, tried in turn with several orders of its
+    events; about 40 bytes a node."""
     pairs: int = 1 << 24
+    """Most pairs of nodes kept for a difference, 16 bytes each."""
     samples_bytes: int = 1 << 26
+    """Memory that the sweep of many samples may hold at once [bytes]."""
     bound_nodes: int = 20_000
+    """Size of the diagrams that give bounds where no budget suffices [nodes]."""
     swapped: bool = False
+    """Whether neighbours in an order swap places, for a second diagram to check the first."""
 
 
 DEFAULT_LIMITS = Limits()
@@ -51,17 +48,20 @@ _NEARLY = 0.95
 
 @dataclass(frozen=True, slots=True)
 class Diagram:
-    """A module's decision diagram: nodes after those below them, edges as `kernel` has them.
-
-    `order` are the module's inputs by level; `level`, `low` and `high` are (n_nodes,).
-    """
+    """A module's decision diagram: nodes after those below them, edges as `kernel` has them."""
 
     order: tuple[int, ...]
+    """Inputs of the module by level, as node numbers of the logic graph, (n_levels,)."""
     root: int
+    """Edge of the function that the diagram represents."""
     level: Any
+    """Level of the variable of each node, (n_nodes,) integers."""
     low: Any
+    """Edge taken where the variable does not happen, (n_nodes,) integers."""
     high: Any
+    """Edge taken where the variable happens, (n_nodes,) integers."""
     loops: Loops
+    """Functions that compute on the sequences above, compiled or in Python."""
 
     @property
     def nodes(self) -> tuple[Any, Any, Any]:
@@ -288,9 +288,13 @@ class _Local:
     """A module's gates over its variables by level, as `kernel.build` takes them."""
 
     order: tuple[int, ...]
+    """Inputs of the module by level, as node numbers of the logic graph, (n_levels,)."""
     offsets: list[int]
+    """Start of each gate's arguments in `literals`, and the end, (n_gates + 1,)."""
     literals: list[int]
+    """Arguments of all gates, deepest first: twice the local number, plus 1 if complemented."""
     last: list[int]
+    """Place in `literals` of the last use of each gate, (n_gates,); 0 for the root."""
 
 
 def local_of(graph: LogicGraph, module: Module, order: tuple[int, ...]) -> _Local:

@@ -103,18 +103,25 @@ def _sides(node: int, sign: int, low: Integers, high: Integers, is_rising: int) 
 
 @dataclass(slots=True)
 class _Families:
-    """The nodes of families, the table by which they are found, and what is known of them.
+    """The nodes of families under construction, with a table to look nodes up.
 
-    The sequences are those of `minimal_solutions`.
+    The sequences are described in `minimal_solutions`.
     """
 
     level: Integers
+    """Level of each node's element, (budget,)."""
     low: Integers
+    """Node of the sets without the element, (budget,)."""
     high: Integers
+    """Node of the sets with the element, without it, (budget,)."""
     table: Integers
+    """Hash table of node numbers by level, low and high; 0 is free; a power of two long."""
     cache: Integers
+    """Results of `without`, three numbers an entry: both operands and the result."""
     frames: Integers
+    """Stack of `without`, four numbers a frame, (4 (n_levels + 3),)."""
     count: int = 2
+    """Number of nodes made, with the two constants."""
 
     def node_of(self, level: int, low: int, high: int) -> int:
         """Return the node of a level, made where there is none, or OUT_OF_NODES."""

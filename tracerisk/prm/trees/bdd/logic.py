@@ -25,15 +25,18 @@ FIRST_EVENT = 2
 
 @dataclass(frozen=True, slots=True)
 class LogicGraph:
-    """A Boolean function of events: `arguments` of each node, empty for all that are no AND.
+    """A Boolean function of events as a graph of ANDs.
 
-    `top` is a literal; event number i is node i + 2.
     An AND's arguments are sorted by node, are at least two, and name each node once.
     """
 
     events: tuple[str, ...]
+    """Names of the events; event number i is node i + 2, (n_events,)."""
     arguments: tuple[tuple[int, ...], ...]
+    """Literals that each node is the AND of; empty where it is no AND, (n_nodes, n_arguments of
+    the node)."""
     top: int
+    """Literal of the top event; negative for the complement of its node."""
 
     @property
     def first_gate(self) -> int:

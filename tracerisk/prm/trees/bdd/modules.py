@@ -17,15 +17,14 @@ _MOST_MASK_BITS = 2_000_000_000
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """A gate over inputs of its own: events (by node) and other modules (by node).
-
-    `gates` are the nodes from its inputs up to `root`, each after its arguments; `is_simple` is
-    whether it is one AND over independent inputs.
-    """
+    """A gate over inputs that no gate outside it uses."""
 
     root: int
+    """Node of the gate."""
     inputs: tuple[int, ...]
+    """Nodes of the events and of the modules below it, in ascending order."""
     gates: tuple[int, ...]
+    """Nodes of the gates from the inputs up to `root`, each after its arguments."""
 
     @property
     def is_simple(self) -> bool:

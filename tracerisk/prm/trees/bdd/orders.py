@@ -29,8 +29,11 @@ class _Shape:
     """What the walks go by, for each node of a module."""
 
     height: dict[int, int]
+    """Longest way down to an input, by node; 0 for an input."""
     uses: dict[int, int]
+    """Number of gates in the module that the node feeds, by node."""
     below: dict[int, int]
+    """Number of inputs below the node, by node; 1 for an input."""
 
 
 _WALKS: dict[str, Callable[[_Shape, int], tuple[int, int]]] = {

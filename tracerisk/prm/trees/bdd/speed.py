@@ -18,30 +18,49 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Loops:
-    """The functions of `kernel`, `sweeps`, `thinning`, `force` and `families`.
+    """The functions of `kernel`, `sweeps`, `thinning`, `force` and `families`, at one speed.
 
-    And how the sequences that they take are made.
+    The last fields make the sequences that the functions take.
     """
 
     build: Callable[..., int]
+    """`kernel.build`: makes the decision diagram of gates."""
     extract: Callable[..., int]
+    """`kernel.extract`: copies the nodes below an edge."""
     sweep: Callable[..., None]
+    """`sweeps.sweep`: probability of each node."""
     edge_gains: Callable[..., int]
+    """`sweeps.edge_gains`: probability of each high edge less that of the low edge."""
     derivatives: Callable[..., None]
+    """`sweeps.derivatives`: derivative of the root's probability by each variable."""
     differences: Callable[..., None]
+    """`sweeps.differences`: change of each node between two assignments."""
     thinned: Callable[..., int]
+    """`thinning.thinned`: smaller function that implies a given one."""
     collect: Callable[..., None]
+    """`kernel.collect`: frees nodes that no edge needs."""
     draw: Callable[..., None]
+    """`force.draw`: order of variables by rounds of FORCE."""
     minimal_solutions: Callable[..., int]
+    """`families.minimal_solutions`: minimal sets that make an edge true."""
     compact: Callable[..., int]
+    """`families.compact`: frees nodes that a family does not need."""
     totals: Callable[..., None]
+    """`families.totals`: sum of the products of each family's sets."""
     greatest: Callable[..., None]
+    """`families.greatest`: greatest product of one set of each family."""
     lightest: Callable[..., None]
+    """`families.lightest`: least weight of one set of each family."""
     integers: Callable[[int], Any]
+    """Makes a sequence of so many zeros, integers."""
     floats: Callable[[int], Any]
+    """Makes a sequence of so many zeros, floats."""
     listed: Callable[[Any], Any]
+    """Makes a sequence of given integers."""
     listed_floats: Callable[[Any], Any]
+    """Makes a sequence of given floats."""
     sweep_many: Callable[..., None] | None = None
+    """Probability of each node for many samples at once; `None` where not compiled."""
 
 
 @cache
