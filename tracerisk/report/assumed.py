@@ -22,14 +22,14 @@ LEAST_SHARE = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class AssumedFigure:
-    """A component whose figures are assumed: its share of the mission's failure, and its word.
-
-    `fussell_vesely` is the part of the mission's failure probability that goes with it.
-    """
+    """A component whose figures are assumed."""
 
     component: str
+    """Name of the component."""
     fussell_vesely: float
+    """Part of the mission's failure probability that goes with it, in [0, 1]."""
     source: str
+    """What the hardware description states as the source of the figures."""
 
 
 def assumed_figures(

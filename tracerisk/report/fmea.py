@@ -71,9 +71,13 @@ class FmeaRow:
     """One line: a component's mode in a function, over the instants at which it was tried."""
 
     component: str
+    """Name of the component."""
     mode: str
+    """Name of the failure mode."""
     function: str
+    """Qualified name of the function in which the failure happened."""
     cells: tuple[Cell, ...]
+    """The failures tried, with their effects; at least one."""
 
     @property
     def failed(self) -> int:

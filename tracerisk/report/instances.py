@@ -47,17 +47,17 @@ def component_shares(assessment: Assessment) -> dict[str, float]:
 
 @dataclass(frozen=True, slots=True)
 class InstanceImportance:
-    """One instance beside its component.
-
-    `share` is the part of the component's failures that is the instance's, `fussell_vesely` the
-    part of the mission's failure probability that goes with it: the component's, times that of
-    the instance within it (docs/theory.md#instances).
-    """
+    """One instance beside its component (docs/theory.md#instances)."""
 
     component: str
+    """Name of the component."""
     instance: Instance
+    """The instance, such as one joint."""
     share: float
+    """Part of the component's failures that the instance has, in [0, 1]."""
     fussell_vesely: float
+    """Part of the mission's failure probability that goes with it: the component's part times
+    the instance's part within it."""
 
 
 def instance_importances(

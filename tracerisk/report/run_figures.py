@@ -25,11 +25,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RunFigures:
-    """The instances of a run's components with their importance, and its assumed figures."""
+    """What a run knows of its figures beyond the model."""
 
     instances: tuple[ComponentInstances, ...]
+    """Components with their instances."""
     importances: tuple[InstanceImportance, ...]
+    """Instances with their importance, the most important component first."""
     assumed: tuple[AssumedFigure, ...]
+    """Assumed figures that are part of the result, the most important first."""
 
     def tables(self, width: int = 80) -> list[RenderableType]:
         """Return the tables for a terminal; none where instances are alike and none is assumed."""

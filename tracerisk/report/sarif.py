@@ -25,12 +25,16 @@ Level = Literal["error", "warning", "note"]
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A kind of alert: its id, what it says in one line, why it matters and what to do."""
+    """A kind of alert."""
 
     id: str
+    """Identifier in the log, such as `stale-block`."""
     level: Level
+    """Severity in SARIF."""
     says: str
+    """What an alert of the kind means, one sentence."""
     help: str
+    """Why it matters and what to do."""
 
     @property
     def name(self) -> str:
@@ -177,23 +181,28 @@ _RULES = {rule.id: index for index, rule in enumerate(RULES)}
 
 @dataclass(frozen=True, slots=True)
 class Alert:
-    """One alert of a rule of `RULES`, at a place of a source.
+    """One alert at a place of a source.
 
-    `file` is relative to the root of the repository, with `/`; `line` counts from 1.
-    `function` and `component` are qualified names, empty where it concerns none; with rule and
-    file they are what identifies the alert when lines have shifted.
-    `subject` distinguishes alerts of one rule, function and component (the field of a block, the
-    other body of a contact).
+    Rule, file, function, component and subject identify the alert when lines have shifted.
     """
 
     rule: str
+    """Id of one of `RULES`."""
     message: str
+    """What was found."""
     file: str
+    """Path from the root of the repository, with `/`."""
     line: int | None = None
+    """Line of the place, from 1; `None` for the whole file."""
     column: int | None = None
+    """Column of the place, from 1; `None` for the whole line."""
     function: str = ""
+    """Qualified name of the function concerned; "" for none."""
     component: str = ""
+    """Name of the component concerned; "" for none."""
     subject: str = ""
+    """Distinguishes alerts of one rule, function and component, such as the field of a block;
+    "" for none."""
 
     @property
     def fingerprint(self) -> str:

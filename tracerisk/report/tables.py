@@ -79,6 +79,7 @@ class Column:
     """A column of a table of text."""
 
     heading: str
+    """Text of the heading."""
     is_number: bool = False
     """To the right, and never broken; else a cell that is too long goes on below."""
 

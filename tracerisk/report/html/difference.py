@@ -17,11 +17,14 @@ _NONE = "none"
 
 @dataclass(frozen=True, slots=True)
 class _Controller:
-    """What is shown of one controller: its name, tables, and lines below them."""
+    """What is shown of one controller."""
 
     name: str
+    """Path of the controller, with the earlier one where it was moved."""
     tables: tuple[Table, ...]
+    """Tables of the mission, the changes and the functions."""
     lines: tuple[str, ...]
+    """Sentences below the tables."""
 
 
 def difference_section(report: ReportInput) -> Section | None:

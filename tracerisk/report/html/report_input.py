@@ -18,55 +18,64 @@ from tracerisk.trace import Trace
 
 @dataclass(frozen=True, slots=True)
 class SourceBlock:
-    """The risk block of a function within a source, lines from 1 on.
-
-    `function` is its name in the model, `line` that of its definition.
-    """
+    """The risk block of a function within a source, lines from 1 on."""
 
     function: str
+    """Name of the function in the model."""
     line: int
+    """Line of the function's definition."""
     first_line: int
+    """First line of the block."""
     last_line: int
+    """Last line of the block."""
 
 
 @dataclass(frozen=True, slots=True)
 class SourceFile:
-    """An annotated source, as text, under the name by which messages call it."""
+    """An annotated source."""
 
     name: str
+    """Path by which messages call it."""
     text: str
+    """The whole source."""
     blocks: tuple[SourceBlock, ...] = ()
+    """Its risk blocks, in the order of the lines."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReportInput:
-    """All that a report is made of.
-
-    `trace` is that of the run behind the blocks; without it `no_trace` says in a sentence why.
-    `verdict` are the lines of the verdict of that run, the first of which says it all.
-    `outcome` are lines on what became of the things of the scene.
-    `exposures` are the seconds active by function and component, over all visits of the run.
-    `findings` are those that are not the assessment's, `assumptions` likewise; functions without
-    risk data come from the trace.
-    `figures` are what a run knows of them: the instances of components, and what is assumed.
-    `names` are those of the functions of the run in the model.
-    `review` is what changed since an earlier version, where that was asked.
-    `sections` are put behind the summary: what is drawn of the run.
-    """
+    """All that a report is made of."""
 
     assessment: Assessment
+    """Solution of the model."""
     model: HybridModel
+    """Model that the blocks make."""
     sources: tuple[SourceFile, ...] = ()
+    """Annotated sources with the blocks."""
     pins: tuple[Override, ...] = ()
+    """Values that users set in the blocks."""
     trace: Trace | None = None
+    """Trace of the run behind the blocks; `None` where it is missing."""
     no_trace: str = ""
+    """Why there is no trace, one sentence; "" where there is one."""
     outcome: tuple[str, ...] = ()
+    """What became of the things of the scene, one line each."""
     exposures: Mapping[str, Mapping[str, float]] | None = None
+    """Time active over all visits of the run, by function and component [s]; `None` without a
+    run."""
     findings: tuple[str, ...] = ()
+    """Findings beside the assessment's, one sentence each."""
     assumptions: tuple[str, ...] = ()
+    """Assumptions beside the assessment's, one sentence each."""
     hardware: Hardware | None = None
+    """Hardware description; `None` where it is unknown."""
     figures: RunFigures | None = None
+    """Instances of components and assumed figures; `None` without a run."""
     names: Mapping[FunctionRef, str] = field(default_factory=dict)
+    """Name in the model of each function of the run."""
     verdict: tuple[str, ...] = ()
+    """Lines of the verdict of the run, the first of which is the whole in short."""
     review: Review | None = None
+    """Changes since an earlier version; `None` where not asked for."""
     sections: tuple[Section, ...] = field(default=())
+    """Sections on the run, to put behind the summary."""

@@ -13,11 +13,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Data:
-    """Data within the page: `name` is the id of its element, `text` safe in a script element."""
+    """Data within the page for a script."""
 
     name: str
+    """Id of the element that holds it."""
     text: str
+    """Content, safe in a script element."""
     kind: str
+    """Media type of the content."""
 
     @classmethod
     def of_json(cls, name: str, value: Any) -> Data:
@@ -32,22 +35,24 @@ class Data:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A part of the page below a heading of its own.
-
-    `name` is its id and the target of links, `title` its heading, `html` what stands below the
-    heading, escaped; `css` and `js` are its own, `data` what its script reads.
-    `summary` is what navigation says of it, its title if empty.
-    One that `is_bare` brings style and script alone, and is not seen.
-    """
+    """A part of the page below a heading of its own."""
 
     name: str
+    """Id of the section, and the target of links."""
     title: str
+    """Heading of the section."""
     html: Markup
+    """Content below the heading, escaped."""
     css: str = ""
+    """Style of the section; "" for none."""
     js: str = ""
+    """Script of the section; "" for none."""
     data: tuple[Data, ...] = ()
+    """Data that the script reads."""
     summary: str = ""
+    """Text for the navigation; the title if ""."""
     is_bare: bool = False
+    """Whether it brings only style and script and is not seen."""
 
 
 def json_in_script(value: Any) -> str:

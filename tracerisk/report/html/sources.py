@@ -13,22 +13,30 @@ from tracerisk.report.html.tokens import Token, tokens_of
 
 @dataclass(frozen=True, slots=True)
 class SourceLine:
-    """A line: its number, its id, its tokens, and the block or definition that it belongs to."""
+    """A line of a source as the page shows it."""
 
     number: int
+    """Line number, from 1."""
     name: str
+    """Id of the line in the page."""
     tokens: tuple[Token, ...]
+    """Words of the line by kind, in order."""
     function: str | None
+    """Function whose block or definition it belongs to; `None` for neither."""
     is_block: bool
+    """Whether the line is part of a block."""
 
 
 @dataclass(frozen=True, slots=True)
 class ShownSource:
-    """A source as the page has it, with a link to each of its blocks."""
+    """A source as the page shows it."""
 
     file: SourceFile
+    """The source."""
     lines: tuple[SourceLine, ...]
+    """Its lines in order."""
     links: tuple[tuple[str, str], ...]
+    """Links to its blocks, ((function, target), ...)."""
 
 
 def sources_section(report: ReportInput) -> Section | None:

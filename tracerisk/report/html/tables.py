@@ -12,28 +12,34 @@ from tracerisk.report.html.page import rendered
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column: its heading, what the heading means in a few words, whether it holds numbers."""
+    """A column of a table."""
 
     heading: str
+    """Text of the heading."""
     meaning: str = ""
+    """What the heading means, in a few words; "" for nothing."""
     is_number: bool = False
+    """Whether the column holds numbers, aligned to the right."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A cell: its text, a link to follow from it, a share from 0 to 1 drawn as a bar.
-
-    With a `function` or a `component` the text is a button that chooses it.
-    `note` stands below the text. The cell spans `rows`, none where one above reaches down here.
-    """
+    """A cell of a table."""
 
     text: str
+    """Text of the cell."""
     link: str = ""
+    """Target of a link on the text; "" for none."""
     share: float | None = None
+    """Length of a bar in the cell, in [0, 1]; `None` for no bar."""
     function: str | None = None
+    """Function that the text as a button chooses; `None` for none."""
     component: str | None = None
+    """Component that the text as a button chooses; `None` for none."""
     note: str = ""
+    """Text below; "" for none."""
     rows: int = 1
+    """Number of rows that the cell spans; 0 where a cell above reaches down here."""
 
 
 def texts(*headings: str) -> tuple[Column, ...]:
@@ -53,11 +59,14 @@ def share_cell(share: float) -> Cell:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A row, and the function or component that it describes."""
+    """A row of a table."""
 
     cells: tuple[Cell, ...]
+    """Cells, one for each column; the first is the heading of the row."""
     function: str | None = None
+    """Function that the row describes; `None` for none."""
     component: str | None = None
+    """Component that the row describes; `None` for none."""
 
 
 def row_of(*cells: Cell | str, function: str | None = None, component: str | None = None) -> Row:
@@ -68,12 +77,16 @@ def row_of(*cells: Cell | str, function: str | None = None, component: str | Non
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table with its id, caption, columns and rows; the first cell of a row is its heading."""
+    """A table of the page."""
 
     name: str
+    """Id of the table."""
     caption: str
+    """Title above the table."""
     columns: tuple[Column, ...]
+    """Columns from left to right."""
     rows: tuple[Row, ...]
+    """Rows from the top down."""
 
     def __html__(self) -> Markup:
         """Return the table as HTML."""

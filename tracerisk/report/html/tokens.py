@@ -12,10 +12,12 @@ _MOST_CHARACTERS = 400_000
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A part of a line, and what it is: a class of the page's style, empty for plain text."""
+    """A part of a source line."""
 
     text: str
+    """The characters."""
     kind: str = ""
+    """Class in the page's style; "" for plain text."""
 
 
 def tokens_of(file: str, lines: Sequence[str]) -> Iterator[tuple[Token, ...]]:

@@ -21,11 +21,14 @@ _ABOUT = 1.25  # things so many times as far from its middle as the robot goes a
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """Where the picture is taken from: `eye` looks at `target` [m]; `field` of view [rad]."""
+    """Where a picture is taken from."""
 
     eye: tuple[float, float, float]
+    """Position of the camera in the world [m]."""
     target: tuple[float, float, float]
+    """Point that it looks at, in the world [m]."""
     field: float = FIELD
+    """Angle of view across the height of the picture [rad]."""
 
 
 def camera_of(bodies: Sequence[Body], pictures: Sequence[Sequence[Placed]]) -> Camera:

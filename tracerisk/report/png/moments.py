@@ -25,18 +25,21 @@ _ROUNDING = 1e-6  # of a frame
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """A time in a visit of a function, and what each element did then.
-
-    `visit` counts the visits of the function from 1, `n_visits` is how many there were.
-    `frame` is that of the poses nearest to it. `states` holds only elements that the visit used.
-    """
+    """A time in a visit of a function, and what each element did then."""
 
     function: FunctionRef
+    """The function whose visit it is."""
     visit: int
+    """Number of the visit among the function's, from 1."""
     n_visits: int
+    """Number of visits of the function."""
     time_s: float
+    """Time since the run began [s]."""
     frame: int
+    """Index of the nearest frame of poses."""
     states: Mapping[str, tuple[State, ...]]
+    """What each element that the visit used was doing, by name; the first state decides its
+    colour."""
 
 
 def function_moments(trace: Trace, count: FrameCounts) -> tuple[Moment, ...]:

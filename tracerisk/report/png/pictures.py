@@ -50,41 +50,50 @@ Active = dict[str, dict[str, tuple[State, ...]]]
 
 @dataclass(frozen=True, slots=True)
 class Solid:
-    """A shape in the world; `size` as of a Shape. `kind` `mesh` has `triangles` instead.
-
-    `element` is the part of the robot whose state colours it, if any.
-    """
+    """A shape in the world."""
 
     kind: str
+    """Kind of a Shape, or `mesh` for triangles."""
     size: tuple[float, ...]
+    """Size as a Shape has it [m]; empty for a mesh."""
     xyz: tuple[float, float, float]
+    """Position in the world [m]."""
     quaternion: tuple[float, float, float, float]
+    """Orientation in the world (w, x, y, z)."""
     colour: str
+    """Colour as `#rrggbb`."""
     element: str | None = None
+    """Part of the robot whose state gives the colour; `None` for none."""
     triangles: tuple[float, ...] = ()
+    """Corners of a mesh in its own frame, nine numbers a triangle [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class CaptionRow:
-    """A line below the picture: a swatch of a colour, or none, and words."""
+    """A line below the picture."""
 
     text: str
+    """Words of the line."""
     colour: str | None = None
+    """Colour of the swatch before it, as `#rrggbb`; `None` for no swatch."""
 
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A still of a function: its file's name, what is seen and what is said of it.
-
-    `entry` is what the legend says of it.
-    """
+    """A still of a function."""
 
     file: str
+    """Name of its file."""
     title: str
+    """Name of the function, printable."""
     rows: tuple[CaptionRow, ...]
+    """Lines below the picture."""
     camera: Camera
+    """Where it is taken from."""
     solids: tuple[Solid, ...]
+    """What is seen."""
     entry: Mapping[str, Any]
+    """What the legend file holds of it."""
 
 
 def make_pictures(

@@ -13,10 +13,12 @@ from tracerisk.report.html.run.replay_model import Body
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A pose in the world: position [m] and quaternion (w, x, y, z)."""
+    """A pose in the world."""
 
     xyz: Vector
+    """Position [m]."""
     quaternion: Quaternion
+    """Orientation (w, x, y, z)."""
 
     def point(self, inside: Sequence[float]) -> Vector:
         """Return where a point of this frame is in the world [m]."""

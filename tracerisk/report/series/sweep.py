@@ -23,9 +23,10 @@ _FONT = {"font-family": "monospace", "font-size": "12"}
 
 @dataclass(frozen=True, slots=True)
 class SweepPoint:
-    """One point of a sweep: a value of each factor, and what the run with them gave."""
+    """One point of a sweep."""
 
     values: Mapping[str, Any]
+    """Value of each factor by name."""
     failure_probability: float | None = None
     """That of the mission; `None` where the run gave none."""
     verdict: str = ""

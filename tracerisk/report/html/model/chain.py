@@ -34,26 +34,31 @@ _ASIDE = 112.0
 
 @dataclass(frozen=True, slots=True)
 class _Arrow:
-    """A transition: what is written at it, whether it fails, its share of all that follows."""
+    """How a transition is drawn."""
 
     label: str
+    """Text beside the arrow: a share or a probability."""
     title: str
+    """Text shown when pointed at: from, to and probability."""
     fails: bool = False
+    """Whether the arrow leads to a failure state."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Places:
-    """Where states are, in which lane ways run that do not lead to the next state, the extent.
-
-    A lane is given by where it is across, with the heights at which its way leaves and arrives.
-    `beside` is the room that a failure has across.
-    """
+    """Where the parts of the drawing are; x to the right and y down."""
 
     centres: Mapping[str, Point]
+    """Centre (x, y) of each state by name [px]."""
     lanes: Mapping[Edge, tuple[float, float, float]]
+    """Ways that do not lead straight down, (x of the lane, y where it leaves, y where it
+    arrives) by (source, target) [px]."""
     beside: float
+    """Width of the column of failure states [px]."""
     width: float
+    """Horizontal extent of the drawing [px]."""
     height: float
+    """Vertical extent of the drawing [px]."""
 
 
 def chain_section(report: ReportInput) -> Section:

@@ -47,12 +47,19 @@ class _Tree:
     """A function's tree, as the page shows it."""
 
     name: str
+    """Qualified name of the function."""
     probability: str
+    """Probability of the top event in one visit, as text."""
     drawing: Markup
+    """The drawing as SVG."""
     left_out: int
+    """Number of gates and events that the drawing leaves out."""
     outline: tuple[_Outline, ...]
+    """The gates of the drawing in words."""
     notes: tuple[str, ...]
+    """Remarks on the leaves, one sentence each."""
     has_units: bool
+    """Whether some leaves are units of the robot with figures of their own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +67,11 @@ class _Outline:
     """A gate in words, for who does not see the drawing."""
 
     gate: str
+    """Name of the gate."""
     joins: str
+    """When the gate fails, in words."""
     inputs: str
+    """Labels of the inputs, separated by commas."""
 
 
 def fault_trees_section(report: ReportInput) -> Section:

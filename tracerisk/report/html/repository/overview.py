@@ -22,8 +22,11 @@ class OverviewRow:
     """One controller, as the page shows it."""
 
     name: str
+    """Path of the controller."""
     verdict: Verdict | None
+    """Verdict of the run behind the blocks; `None` where unknown."""
     assessment: Assessment | None
+    """Solution of the model; `None` where there is none."""
     error: str = ""
     """Why there is no figure."""
     link: str = ""

@@ -32,26 +32,32 @@ _FREE_QUANTA = [1e-4] * 3 + [2e-4] * 4  # position [m], parts of a quaternion
 
 @dataclass(frozen=True, slots=True)
 class RecordedRun:
-    """What was simulated, its samples, and the bodies that the controller declared meanwhile."""
+    """A run on the twin with what is needed to show it."""
 
     samples: Samples
+    """Samples of each physics step."""
     robot: Robot
+    """The robot that was simulated."""
     scene: Scene
+    """The scene that was simulated."""
     declared: tuple[DeclaredChange, ...] = ()
+    """Changes of the bodies that the controller put into the scene, in order."""
 
 
 @dataclass(frozen=True, slots=True)
 class Replay:
-    """A run that can be shown: bodies, the frames that pose them, what each element did.
-
-    `activity` has one entry every `step_s` [s]. `notes` say what is not shown.
-    """
+    """A run that can be shown."""
 
     bodies: tuple[Body, ...]
+    """All bodies, each after its parent."""
     frames: Frames
+    """Packed values of joints and free bodies over time."""
     activity: Mapping[str, ElementActivity]
+    """What each element did, by name, one entry every `step_s`."""
     step_s: float
+    """Time between two entries of `activity` [s]."""
     notes: tuple[str, ...] = ()
+    """What is not shown, one sentence each."""
 
 
 def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:

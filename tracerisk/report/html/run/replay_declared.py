@@ -19,15 +19,15 @@ _PLANE = 1.5  # half the side of the square that is shown of a plane [m]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeclaredBodies:
-    """Bodies with the time in which each is there, and the columns of those that can move.
-
-    values: (n_frames, 7 n_free), before and after its time as at its ends. `left_out` counts the
-    bodies beyond `MOST_BODIES`.
-    """
+    """Bodies that the controller put into the scene."""
 
     bodies: tuple[Body, ...]
+    """Bodies with the time in which each is there, at most `MOST_BODIES`."""
     values: Array
+    """Poses of those that can move, (n_frames, 7 n_free); before and after its time a body is
+    where it was at the ends [m; quaternion]."""
     left_out: int
+    """Number of bodies beyond `MOST_BODIES`."""
 
 
 def declared_bodies(

@@ -21,16 +21,18 @@ _MOST_DELTA = 32_767
 
 @dataclass(frozen=True, slots=True)
 class Frames:
-    """Packed values: frame i is at i `every_s` [s]; the greatest error is half a quantum.
-
-    `first` are the values of the first frame in quanta, one a column.
-    """
+    """Packed values over time; the greatest error is half a quantum."""
 
     count: int
+    """Number of frames."""
     every_s: float
+    """Time between two frames [s]; the first is at 0."""
     quanta: tuple[float, ...]
+    """Quantum of each column, in the unit of the column, (n_columns,)."""
     first: tuple[int, ...]
+    """Values of the first frame in quanta, (n_columns,)."""
     packed: bytes
+    """Deflated differences between frames, see the module."""
 
 
 def pack_frames(values: Array, quanta: Array, every_s: float) -> Frames:

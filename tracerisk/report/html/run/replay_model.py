@@ -23,27 +23,34 @@ FREE_COLUMNS = 7  # position and quaternion (w, x, y, z)
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A body in the frame of its parent, or of the world where `parent` is -1.
-
-    `joint` moves it: `hinge` or `slide` along `axis` by the value of its `column`, `free` to where
-    the seven values from `column` on say. `element` is the part of the robot that drives it.
-    `triangles` are those of shapes that are no primitives, nine numbers each.
-    It is there in `[since_s, until_s)` [s], `None` for ever.
-    """
+    """A body in the frame of its parent, and how a joint moves it."""
 
     name: str
+    """Name of the link, fixture, object or declared body."""
     kind: BodyKind
+    """What the body is."""
     parent: int
+    """Index of the parent body; -1 for the world."""
     xyz: tuple[float, float, float]
+    """Position in the parent's frame [m]."""
     quaternion: Quaternion
+    """Orientation in the parent's frame (w, x, y, z)."""
     shapes: tuple[Shape, ...]
+    """Primitive shapes in the body's frame."""
     joint: Literal["hinge", "slide", "free"] | None = None
+    """How the body moves: about or along `axis`, or freely; `None` for fixed."""
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """Unit vector of a hinge or slide in the body's frame."""
     column: int = -1
+    """First column of the frames that moves it: one [rad or m], seven for `free`; -1 for none."""
     element: str | None = None
+    """Name of the joint or gripper that drives it; `None` for none."""
     triangles: tuple[float, ...] = field(default=())
+    """Corners of shapes that are not primitives, nine numbers a triangle [m]."""
     since_s: float = 0.0
+    """Time from which it is there [s]."""
     until_s: float | None = None
+    """Time from which it is there no more [s]; `None` for ever."""
 
 
 def scene_bodies(robot: Robot, scene: Scene) -> tuple[Body, ...]:

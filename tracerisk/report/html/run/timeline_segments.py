@@ -30,25 +30,28 @@ _STEP_S = 0.002  # the longest physics step [s]
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A stretch in which an element's state stays the same; `state` is a sum of the bits above."""
+    """A stretch in which an element's state stays the same."""
 
     start_s: float
+    """Begin of the stretch [s]."""
     stop_s: float
+    """End of the stretch [s]."""
     state: int
+    """Sum of the bits above."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A component and its elements over time; `is_always` for one in use from begin to end.
-
-    `component` is empty for what no component of the hardware description is bound to.
-    `segments` have each bit that any element has.
-    """
+    """A component and its elements over time."""
 
     component: str
+    """Name of the component; "" for elements bound to no component."""
     segments: tuple[Segment, ...]
+    """Stretches of the component, with every bit that any of its elements has."""
     elements: Mapping[str, tuple[Segment, ...]]
+    """Stretches of each element by name; empty for a component that is always in use."""
     is_always: bool = False
+    """Whether the component is in use from begin to end."""
 
 
 def visit_spans(
