@@ -20,7 +20,7 @@ class Block(NamedTuple):
     groups: tuple[int, ...]
     """Numbers of the groups, in ascending order."""
     is_certain: bool
-    """Whether every visit of these parts is certain, so that the groups fail independently."""
+    """Whether it is certain how often each part is visited: the groups then fail independently."""
 
 
 def blocks_of(

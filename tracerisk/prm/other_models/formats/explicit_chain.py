@@ -31,33 +31,39 @@ class ChainKind(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Rewards:
-    """What each state earns: in one step, or in continuous time per unit of it.
-
-    `moves` is the part that goes with the moves out of the state, in the mean.
-    """
+    """What each state earns: in one step, or in continuous time per unit of time."""
 
     states: list[float]
+    """Reward for being in each state, (n_states,)."""
     moves: list[float]
+    """Expected reward for the moves out of each state, (n_states,)."""
 
 
 @dataclass(frozen=True, slots=True)
 class ExplicitChain:
     """A chain with numbered states, as PRISM and Storm hold it.
 
-    `rows[i][j]` is the probability or rate of going from state i to j; a state is absorbing when
-    its row is empty or leads to nothing but itself.
-    `labels` give sets of states a name; `notes` say what of a file was left out; `starts` are
-    the states in which the chain can begin, where these are more than the `initial` one.
+    A state is absorbing when its row is empty or leads to nothing but itself.
     """
 
     kind: ChainKind
+    """Whether the chain is in discrete or continuous time."""
     initial: int
+    """Number of the state in which the chain starts; the first where there are several."""
     rows: tuple[Mapping[int, float], ...]
+    """Probability or rate of going from each state to others, by number of the target,
+    (n_states,)."""
     labels: Mapping[str, frozenset[int]]
+    """Sets of states, as numbers, by label."""
     names: tuple[str, ...]
+    """Name of each state, (n_states,)."""
     notes: tuple[str, ...] = field(default=(), compare=False)
+    """What a reader left out or assumed, one sentence each."""
     starts: tuple[int, ...] = ()
+    """Numbers of the states in which the chain can begin; empty where `initial` is the only
+    one."""
     rewards: Mapping[str, Rewards] = field(default_factory=dict, compare=False)
+    """Reward structures by name."""
 
     @property
     def absorbing(self) -> tuple[int, ...]:

@@ -30,19 +30,24 @@ _ROW_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """The ways out of a state: places in the inputs, and the shares of what they leave of one."""
+    """The transitions out of a state."""
 
     explicit: dict[str, int]
+    """Place of the transition's value in the inputs, by target."""
     remainder: dict[str, float]
+    """Share of what the explicit transitions leave of one, by target."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChainToSolve:
-    """A chain; `inputs` are the expressions of its transitions that have one."""
+    """A chain made ready for solving."""
 
     chain: LinkedChain
+    """The chain as the model has it."""
     inputs: tuple[Expression, ...]
+    """Expressions of the transitions that have one, in order."""
     rows: Mapping[str, Row]
+    """Transitions by source state."""
 
     def check(self, link: Link) -> None:
         """Raise ModelError when a link asks for a state or a time that the chain has not."""

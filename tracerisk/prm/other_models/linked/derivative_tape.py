@@ -15,14 +15,14 @@ Lookup = Callable[[Expression], Probability]
 
 @dataclass(frozen=True, slots=True)
 class Tape:
-    """The nodes of an expression, each after its arguments, with the places of these.
-
-    `varies` says of each whether an element of the model is below it.
-    """
+    """The nodes of an expression, each after its arguments."""
 
     nodes: tuple[Expression, ...]
+    """The nodes; the expression itself comes last, (n_nodes,)."""
     places: tuple[tuple[int, ...], ...]
+    """Indices of the arguments of each node, (n_nodes, n_arguments of the node)."""
     varies: tuple[bool, ...]
+    """Whether each node depends on an element of the model, (n_nodes,)."""
 
     @classmethod
     def of(cls, expression: Expression) -> Tape:

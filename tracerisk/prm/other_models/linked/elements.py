@@ -36,16 +36,19 @@ UNITS = (
 
 @dataclass(frozen=True, slots=True)
 class ModelParameter:
-    """A named figure; `unit`, one of `UNITS`, is "" for a probability or another plain number.
+    """A named figure.
 
-    `distribution` says how far the value may be off; a deviate in `value` says so as well.
-    Raises ModelError when the unit is none of those.
+    Raises ModelError when the unit is none of `UNITS`.
     """
 
     name: str
+    """Unique among the parameters of the model."""
     value: Expression
+    """Expression of its value; a deviate also gives its distribution."""
     unit: str = ""
+    """One of `UNITS`; "" for a probability or another plain number."""
     distribution: Distribution | None = None
+    """Distribution of the value; `None` where only `value` may give one."""
 
     def __post_init__(self) -> None:
         if self.unit and self.unit not in UNITS:
@@ -59,10 +62,12 @@ class ModelParameter:
 
 @dataclass(frozen=True, slots=True)
 class LinkedEvent:
-    """A basic event of a tree, with the expression that gives its probability."""
+    """A basic event of a linked tree."""
 
     name: str
+    """Events of one name in joined trees are one event."""
     value: Expression
+    """Expression of its probability."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +78,9 @@ class Transfer:
     """
 
     name: str
+    """Name by which the gates refer to it."""
     tree: str
+    """Name of the other tree."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,11 +88,17 @@ class LinkedTree:
     """A fault tree whose events take their probabilities from expressions."""
 
     name: str
+    """Unique among the fault trees of the model."""
     top: str
+    """Name of the gate, event or transfer that is the top event."""
     gates: tuple[Gate, ...] = ()
+    """Gates of the tree."""
     events: tuple[LinkedEvent, ...] = ()
+    """Basic events of the tree."""
     houses: tuple[HouseEvent, ...] = ()
+    """House events of the tree."""
     transfers: tuple[Transfer, ...] = ()
+    """Inputs that stand for the tops of other trees."""
 
     @classmethod
     def of(cls, name: str, tree: FaultTree, values: Iterable[tuple[str, Expression]]) -> LinkedTree:
@@ -106,15 +119,19 @@ class LinkedTree:
 class Transition:
     """A way from one state of a chain to another.
 
-    `value` is its probability, or its rate [1/h] in continuous time.
-    Without one it takes `share` of the remainder: of what the other transitions of its source
-    leave of one. The shares of a state sum to one.
+    Without a value it takes a share of the remainder: of what the other transitions of its source
+    leave of one.
     """
 
     source: str
+    """Name of the state that it leaves."""
     target: str
+    """Name of the state that it leads to."""
     value: Expression | None = None
+    """Expression of its probability, or of its rate [1/h] in continuous time; `None` for a
+    share of the remainder."""
     share: Fraction = Fraction(1)
+    """Share of the remainder; the shares of a state sum to 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,9 +144,13 @@ class LinkedChain:
     """
 
     name: str
+    """Unique among the chains of the model."""
     entry: str
+    """Name of the state in which the chain starts."""
     transitions: tuple[Transition, ...]
+    """The transitions, each between two states only once."""
     time: TimeKind = "discrete"
+    """Whether values are probabilities of steps (`discrete`) or rates (`continuous`)."""
 
     def __post_init__(self) -> None:
         where = f"{self.key}"
@@ -180,10 +201,12 @@ class LinkedChain:
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A result of the model, by name."""
+    """A result of the model."""
 
     name: str
+    """Unique among the figures of the model."""
     value: Expression
+    """Expression over the elements of the model."""
 
 
 def check_mission_time(mission_time_h: float | None) -> None:

@@ -15,25 +15,29 @@ _PLAIN = ("", "unitless")
 
 @dataclass(frozen=True, slots=True)
 class ParameterImportance:
-    """The importance of one parameter, `value` theta, for a figure F.
+    """The importance of one parameter theta for a figure F.
 
-    `birnbaum` is dF/dtheta; `criticality` is theta/F times it.
-    `without` is F0, the figure with theta zero; `fussell_vesely` is (F-F0)/F, the difference
-    carried through the model; `risk_reduction_worth` is F/F0, infinite where F0 is zero.
-    `risk_achievement_worth` is the figure with theta one, over F, for probabilities only;
-    `tenfold` is F(10 theta)/F, a probability at most one.
     `None` stands for what has no value: a model that cannot be solved there.
     """
 
     name: str
+    """Name of the parameter."""
     value: float
+    """Theta, in the unit of the parameter."""
     birnbaum: float
+    """Derivative dF/dtheta."""
     criticality: float
+    """theta/F dF/dtheta."""
     fussell_vesely: float | None
+    """(F-F0)/F, with F0 as `without`; the difference is carried through the model."""
     without: float | None
+    """Figure F0 with theta zero."""
     risk_reduction_worth: float | None
+    """F/F0; infinite where F0 is zero."""
     risk_achievement_worth: float | None
+    """F with theta one, over F, for probabilities only."""
     tenfold: float | None
+    """F(10 theta)/F, with a probability at most 1."""
 
 
 def importances(model: LinkedModel, figure: str) -> tuple[ParameterImportance, ...]:

@@ -11,10 +11,12 @@ from tracerisk.prm.other_models.expressions import Difference, Expression, Numbe
 
 
 class ElementKey(NamedTuple):
-    """What names an element of a linked model: its kind ("parameter", "fault tree"...) and name."""
+    """What identifies an element of a linked model."""
 
     kind: str
+    """`parameter`, `fault tree` or `Markov chain`."""
     name: str
+    """Name of the element, unique within its kind."""
 
     def __str__(self) -> str:
         return f"{self.kind} '{self.name}'"
@@ -43,6 +45,7 @@ class TopEvent(Link):
     """The probability of the top event of a fault tree."""
 
     tree: str
+    """Name of the fault tree."""
 
     @property
     def element(self) -> ElementKey:
@@ -52,10 +55,12 @@ class TopEvent(Link):
 
 @dataclass(frozen=True, slots=True)
 class Absorption(Link):
-    """The probability that a chain in discrete time ends in one of the absorbing `states`."""
+    """The probability that a chain in discrete time ends in one of some states."""
 
     chain: str
+    """Name of the chain."""
     states: tuple[str, ...]
+    """Names of absorbing states, at least one."""
 
     @property
     def element(self) -> ElementKey:
@@ -65,17 +70,20 @@ class Absorption(Link):
 
 @dataclass(frozen=True, slots=True)
 class Occupancy(Link):
-    """The probability that a chain is in one of `states` at one time.
+    """The probability that a chain is in one of some states at one time.
 
-    A chain in continuous time is looked at after `time_h` hours, the mission time unless it is
-    given: the unavailability of a repairable part, a group with spares that has failed.
-    A chain in discrete time is looked at after `steps` steps.
+    In continuous time this is the unavailability of a repairable part, or the failure of a group
+    with spares.
     """
 
     chain: str
+    """Name of the chain."""
     states: tuple[str, ...]
+    """Names of states, at least one."""
     time_h: float | None = None
+    """Time in continuous time [h]; `None` for the mission time."""
     steps: int | None = None
+    """Number of steps in discrete time; `None` in continuous time."""
 
     @property
     def element(self) -> ElementKey:

@@ -33,32 +33,41 @@ Solvable = ChainToSolve | TreeToSolve
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """An element as it is solved: what it needs, as tapes; `None` stands for a parameter."""
+    """An element as it is solved."""
 
     key: ElementKey
+    """What identifies the element."""
     element: Solvable | None
+    """The fault tree or chain made ready for solving; `None` for a parameter."""
     tapes: tuple[Tape, ...]
+    """Tapes of the expressions that it needs, in the order of its inputs."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkedModel(AsGraph):
     """A risk model of parameters, fault trees and Markov chains, joined by expressions.
 
-    `figures` are its results, by name.
-    `mission_time_h` is needed where an expression or a chain in continuous time uses it.
     Raises ModelError, naming the element, when a name is used twice or unknown, elements depend
     on one another in a cycle, a chain lacks a state that is asked for, or a mission time is
     needed and not given.
     """
 
     name: str
+    """Name of the model."""
     parameters: tuple[ModelParameter, ...] = ()
+    """Named figures that expressions refer to."""
     trees: tuple[LinkedTree, ...] = ()
+    """Fault trees."""
     chains: tuple[LinkedChain, ...] = ()
+    """Markov chains."""
     figures: tuple[Figure, ...] = ()
+    """Results of the model, with unique names."""
     mission_time_h: float | None = None
+    """Length of the mission [h]; `None` where no expression or chain needs it."""
     prepared: tuple[Prepared, ...] = field(init=False, repr=False, compare=False)
+    """Elements ready for solving, each after those that it takes figures of."""
     figure_tapes: Mapping[str, Tape] = field(init=False, repr=False, compare=False)
+    """Tapes of the figures by name."""
 
     def __post_init__(self) -> None:
         check_mission_time(self.mission_time_h)

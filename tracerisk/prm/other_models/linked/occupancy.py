@@ -26,26 +26,32 @@ _MOST_NUMBERS = 5_000_000
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A transition whose value may change; what it takes is taken from `rest`, per share."""
+    """A transition whose value may change."""
 
     source: int
+    """Number of the state that it leaves."""
     target: int
+    """Number of the state that it leads to."""
     rest: Mapping[int, float]
+    """States that lose what the transition gains, with their shares, by number."""
     scale: float
+    """Change of the step's probability per change of the transition's value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """A chain in discrete time, and the probability of each number of steps.
-
-    `rows` gives each state its successors; `places` are the transitions that are inputs.
-    """
+    """A chain in discrete time, and the probability of each number of steps."""
 
     rows: Sequence[Mapping[int, float]]
+    """Probability of each successor by number, (n_states,)."""
     places: Sequence[Place]
+    """Transitions that are inputs, (n_inputs,)."""
     weights: Sequence[float]
+    """Probability of making 0, 1, 2... steps."""
     start: int
+    """Number of the state in which the chain starts."""
     targets: frozenset[int]
+    """Numbers of the states whose probability is the figure."""
 
 
 class Occupied:

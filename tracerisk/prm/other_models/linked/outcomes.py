@@ -52,11 +52,14 @@ def outcome_trees(
 
 @dataclass(frozen=True, slots=True)
 class FigureGiven:
-    """A figure in one joint state of the conditions, which has a probability of its own."""
+    """A figure in one joint state of the conditions."""
 
     states: Mapping[str, str]
+    """State of each condition."""
     probability: float
+    """Probability of the joint state, given the evidence."""
     figure: Probability
+    """Figure in this state, with its complement."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +67,7 @@ class FigureOverConditions:
     """A figure over all states of the conditions that bear on its model."""
 
     cases: tuple[FigureGiven, ...]
+    """The joint states, which exclude each other and cover everything."""
 
     @property
     def figure(self) -> Probability:

@@ -10,19 +10,24 @@ from tracerisk.prm.other_models.linked.model import LinkedModel
 
 @dataclass(frozen=True, slots=True)
 class FigurePoint:
-    """Every figure of the model with the swept parameter at `value`."""
+    """One point of a sweep."""
 
     value: float
+    """Value of the swept parameter."""
     figures: Mapping[str, float]
+    """Value of every figure of the model, by name."""
 
 
 @dataclass(frozen=True, slots=True)
 class FigureSweep:
-    """A parameter swept over a range; `before` is its value in the model."""
+    """A parameter swept over a range."""
 
     name: str
+    """Name of the parameter."""
     before: float
+    """Its value in the model."""
     points: tuple[FigurePoint, ...]
+    """Solutions in the order of the values."""
 
 
 def sweep(

@@ -28,11 +28,14 @@ _LOSES = 1e-2
 
 @dataclass(frozen=True)
 class TreeToSolve:
-    """A linked tree as one fault tree; `inputs` are the expressions of its events."""
+    """A linked tree as one fault tree, made ready for solving."""
 
     name: str
+    """Name of the linked tree."""
     tree: FaultTree
+    """The tree with those that it transfers to joined in."""
     inputs: tuple[Expression, ...]
+    """Expressions of the events' probabilities, in the order of the events."""
 
     @cached_property
     def compiled(self) -> SharedTree:

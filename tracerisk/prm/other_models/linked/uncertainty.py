@@ -27,6 +27,7 @@ class _OfDeviate:
     """The distribution that a deviate of constants states."""
 
     deviate: Deviate
+    """The deviate, with constants for its arguments."""
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""

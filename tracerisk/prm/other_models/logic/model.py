@@ -223,7 +223,7 @@ class LogicModel:
     name: str = ""
     """Name of the model; "" for none."""
     gates: tuple[GateDefinition, ...] = ()
-    """Gates in the order of the file, nested ones after the gate that they feed."""
+    """Gates in the order of the file, nested ones included."""
     events: tuple[EventDefinition, ...] = ()
     """Basic events."""
     houses: tuple[HouseDefinition, ...] = ()

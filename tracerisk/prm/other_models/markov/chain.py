@@ -24,15 +24,16 @@ _ROW_TOLERANCE = 1e-9
 class MarkovChain(DisplayedGraph):
     """An absorbing chain: a row of transition probabilities per transient state.
 
-    `transitions[s][t]` is the probability of going from `s` to `t`, a transient or an absorbing
-    state; what is not listed is zero.
     Rows are normalised: each is read as divided by its sum.
+
     Raises ModelError when a name is used twice or unknown, an entry is negative or not finite,
     a row's sum differs from one by more than 1e-9, or a state can never be absorbed.
     """
 
     transitions: Mapping[str, Mapping[str, float]]
+    """Probability of going to each target, by transient state and target; not listed is zero."""
     absorbing: tuple[str, ...]
+    """Names of the absorbing states, which have no row."""
 
     def __post_init__(self) -> None:
         known = distinct_names(self.transitions, self.absorbing)

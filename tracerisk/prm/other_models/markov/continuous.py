@@ -26,15 +26,16 @@ from tracerisk.prm.other_models.markov.uniformisation import distribution_at
 class ContinuousChain:
     """A chain in continuous time: a row of transition rates per state.
 
-    `rates[s][t]` is the rate of going from `s` to `t`, per unit of time; what is not listed is
-    zero, and a rate from a state to itself changes nothing.
-    `absorbing` states are never left, and have no row; where none is named, all states that rates
-    lead to and that have no row are.
+    A rate from a state to itself changes nothing.
+
     Raises ModelError when a name is used twice or unknown, or a rate is negative or not finite.
     """
 
     rates: Mapping[str, Mapping[str, float]]
+    """Rate of going to each target [1/unit of time], by state and target; not listed is zero."""
     absorbing: tuple[str, ...] = ()
+    """Names of the states that are never left and have no row; where none is named, all targets
+    without a row."""
 
     def __post_init__(self) -> None:
         if not self.absorbing:
@@ -187,7 +188,9 @@ class ContinuousSolution:
     """A chain in continuous time that starts in one state, until it is absorbed."""
 
     _times: Mapping[str, float]
+    """Mean total time in each transient state before absorption [unit of time], by name."""
     _solution: ChainSolution
+    """The chain after elimination."""
 
     def expected_times(self) -> dict[str, float]:
         """Return the mean total time in each state before absorption."""

@@ -10,11 +10,14 @@ from tracerisk.errors import ModelError
 
 @dataclass(frozen=True, slots=True)
 class CycleFigures:
-    """How one cycle ends: in failure, in another absorbing state, or back at the entry."""
+    """How one cycle ends; the three probabilities sum to 1."""
 
     failure: float
+    """Probability that the cycle ends in failure."""
     end: float
+    """Probability that the cycle ends in another absorbing state."""
     back: float
+    """Probability that the chain comes back to its entry."""
 
     def begun(self, number: int) -> float:
         """Return the probability that cycle `number` is begun; the first one has number 1.

@@ -13,17 +13,18 @@ from tracerisk.prm.other_models.markov.solver import WeightSolver
 
 @dataclass(frozen=True, slots=True)
 class ChainSolution:
-    """An absorbing chain after elimination, and the state in which it starts.
-
-    `transitions` holds probabilities or, of a chain in continuous time, rates; a visit of a
-    state counts `_totals` times what its weights alone would make of it.
-    """
+    """An absorbing chain after elimination, and the state in which it starts."""
 
     transitions: Mapping[str, Mapping[str, float]]
+    """Probability, or rate in continuous time, by transient state and target."""
     absorbing: tuple[str, ...]
+    """Names of the absorbing states."""
     entry: str
+    """Name of the transient state in which the chain starts."""
     _solver: WeightSolver
+    """Solver of the chain's equations."""
     _totals: tuple[float, ...]
+    """Factor from the solver's values to visits, by transient state: the sum of its weights."""
 
     def expected_visits(self) -> dict[str, float]:
         """Return how often each transient state is visited, the start counted as a visit."""

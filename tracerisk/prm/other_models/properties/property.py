@@ -31,7 +31,7 @@ class Asked:
     operator: str
     """One of `PATHS`, `S` for the long run, `C` and `I` for rewards up to and at a time."""
     right: Expression | None = None
-    """What is to hold at the end of U and W, or alone for the others; `None` for C and I."""
+    """What is to hold at the end of U and W, or alone for the others; `None` as for C and I."""
     left: Expression | None = None
     """What is to hold before the end of U and W; `None` for the others."""
     window: Window = Window()

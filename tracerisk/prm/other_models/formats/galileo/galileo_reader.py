@@ -59,18 +59,28 @@ _ATTRIBUTES = sorted({name for names in _LAWS for name in names} | {"dorm", "rep
 
 @dataclass(slots=True)
 class _Draft:
-    """What the statements said so far; `given` are the values of parameters."""
+    """What the statements said so far."""
 
     given: Mapping[str, float]
+    """Values of parameters from outside, by name."""
     parameters: set[str] = field(default_factory=set)
+    """Names that `param` declares."""
     places: dict[str, Location] = field(default_factory=dict)
+    """Place of each definition, by name."""
     gates: dict[str, Gate | DynamicGate] = field(default_factory=dict)
+    """Static and dynamic gates by name."""
     models: dict[str, FailureModel] = field(default_factory=dict)
+    """Failure models of events by name."""
     dormancies: dict[str, Word] = field(default_factory=dict)
+    """Values of `dorm` by name of the event."""
     dependencies: dict[str, Dependency] = field(default_factory=dict)
+    """Dependencies by name."""
     restrictions: dict[str, Restriction] = field(default_factory=dict)
+    """Restrictions by name."""
     waiting: list[tuple[str, str, Word]] = field(default_factory=list)
+    """Spares of cold and hot gates, (gate, kind of gate, spare)."""
     top: Word | None = None
+    """Name after `toplevel`; `None` until read."""
 
 
 def loads(text: str, file: str, parameters: Mapping[str, float] | None = None) -> DynamicTree:

@@ -21,11 +21,14 @@ _TOKEN = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """A word, a name in quotes or a mark, and where it stands."""
+    """A word, a name in quotes or a mark."""
 
     text: str
+    """The characters, without quotes."""
     place: Location
+    """Where it begins."""
     quoted: bool = False
+    """Whether it stands in quotes."""
 
     @property
     def is_equals(self) -> bool:
@@ -35,10 +38,12 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """What stands before one semicolon; `attributes` holds each `name=value`, `words` the rest."""
+    """What stands before one semicolon."""
 
     words: tuple[Word, ...]
+    """Words that belong to no attribute, in order."""
     attributes: tuple[tuple[Word, Word], ...]
+    """Attributes ((name, value), ...), in order."""
 
 
 def read_statements(text: str, file: str) -> Iterator[Statement]:

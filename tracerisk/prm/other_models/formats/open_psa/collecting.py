@@ -38,7 +38,9 @@ if TYPE_CHECKING:
         """Where a definition stands: the path of its home, and whether it is private there."""
 
         path: str
+        """Dotted path of the fault tree or component; "" for the model."""
         private: bool
+        """Whether what is defined there is private."""
 
 else:
     Home = namedtuple("Home", ("path", "private"))
@@ -52,9 +54,13 @@ class Pending:
     """A definition that can be read once all names are known."""
 
     element: Element
+    """The element of the definition."""
     name: str
+    """Full name."""
     place: Place
+    """Where it is defined."""
     body: Element | None = None
+    """Element of its expression; `None` where there is none."""
 
 
 class Collector:

@@ -58,11 +58,14 @@ _TESTS = ("and", "bool", "not", "or", "test-functional-event", "test-initiating-
 
 @dataclass(slots=True)
 class EventTrees:
-    """What was read: the trees, initiating events of no tree, and gates of complex conditions."""
+    """What was read of event trees."""
 
     trees: tuple[EventTreeDefinition, ...] = ()
+    """The event trees, in the order of the file."""
     initiating_events: tuple[InitiatingEvent, ...] = ()
+    """Initiating events that begin no event tree."""
     gates: list[Gate] = field(default_factory=list)
+    """Gates made for conditions that are formulas."""
 
 
 def read_event_trees(source: Collector, definitions: Definitions) -> EventTrees:

@@ -30,14 +30,20 @@ Find = Callable[[Element, str | None], str]
 
 @dataclass(frozen=True, slots=True)
 class Unresolved:
-    """A gate whose inputs are still elements, or names where they are nested gates or constants."""
+    """A gate whose inputs are not yet looked up."""
 
     name: str
+    """Full name of the gate."""
     kind: GateKind
+    """How the inputs are joined."""
     inputs: tuple[Element | str, ...]
+    """Elements that refer to events, and names of nested gates and constants."""
     element: Element
+    """Element of the formula, for messages."""
     k: int | None = None
+    """Least number of inputs that must happen, of `atleast` and `cardinality`; else `None`."""
     most: int | None = None
+    """Greatest number of inputs that may happen, of `cardinality`; else `None`."""
 
     def resolved(self, find: Find, plain: Mapping[str, str] | None = None) -> Gate:
         """Return the gate, its inputs found.

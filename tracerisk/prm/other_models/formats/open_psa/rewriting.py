@@ -76,8 +76,11 @@ class Form:
     """A formula: a connective over names and other formulas."""
 
     kind: GateKind
+    """How the inputs are joined."""
     inputs: tuple[str | Form, ...]
+    """Names of gates and events, and inner formulas, in order."""
     k: int | None = None
+    """Least number of inputs that must happen, of `atleast`; else `None`."""
 
 
 def accepted_form(gate: Gate) -> Form:
@@ -229,7 +232,9 @@ class Marked:
     """The gates of a formula, restored as far as their mark says and fits."""
 
     gates: Sequence[Gate]
+    """The gates, the outermost first."""
     nested: bool = False
+    """Whether the mark says that the gate is nested in another."""
 
 
 def read_mark(gates: list[Gate], place: Place, form: NameForm) -> tuple[Marked, Place]:

@@ -219,10 +219,12 @@ def _state(
 
 
 class _Course(NamedTuple):
-    """A path through an event tree: its sequence, and what it collects of functional events."""
+    """A path through an event tree."""
 
     sequence: str
+    """Name of the sequence that ends it."""
     states: dict[str, tuple[Instruction, ...]]
+    """What the path collects at each functional event that it passes, by name."""
 
 
 def _courses(tree: EventTree, where: str) -> list[_Course]:

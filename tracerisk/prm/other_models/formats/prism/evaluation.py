@@ -19,15 +19,16 @@ MOST_OPERATIONS = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Compiled:
-    """What gives an expression's value in a state, and how many operations that takes.
-
-    `fixed`: the value is the same in every state.
-    """
+    """An expression as a function of a state."""
 
     run: Run
+    """Returns the value of the expression in a state."""
     size: int = 1
+    """Number of operations that an evaluation takes."""
     depth: int = 0
+    """How deeply operations are nested; 0 for a leaf."""
     fixed: bool = False
+    """Whether the value is the same in every state."""
 
 
 _BINARY = {sign: both for sign, (_, both) in SIGNS.items() if both is not None}
@@ -35,16 +36,21 @@ _BINARY = {sign: both for sign, (_, both) in SIGNS.items() if both is not None}
 
 @dataclass(slots=True)
 class Scope:
-    """What names mean: constants, the places of variables in a state, formulas, labels.
+    """What names mean in expressions.
 
     A state of a text with labels has its number behind its values.
     """
 
     constants: dict[str, Value] = field(default_factory=dict)
+    """Values of constants by name."""
     places: dict[str, int] = field(default_factory=dict)
+    """Index of a variable's value in a state, by name."""
     formulas: Mapping[str, Expression] = field(default_factory=dict)
+    """Expressions of formulas by name."""
     labels: Mapping[str, Collection[int]] | None = None
+    """Numbers of the states by label; `None` where labels are not allowed."""
     _ready: dict[str, Compiled] = field(default_factory=dict)
+    """Formulas compiled so far, by name."""
 
     def compile(self, expression: Expression) -> Compiled:
         """Return what gives the value of an expression in a state.

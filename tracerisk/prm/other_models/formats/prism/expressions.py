@@ -27,12 +27,19 @@ class Expression:
     """
 
     operation: str
+    """`literal`, `name`, `label`, `call`, `minus`, `!`, `chain` or `?`."""
     location: Location
+    """Place of the expression in its text."""
     inputs: tuple[Expression, ...] = ()
+    """Operands in order; empty for a literal, a name and a label."""
     literal: Value = 0
+    """Value of a literal."""
     name: str = ""
+    """Name, label or function that is referred to; "" for other operations."""
     signs: tuple[str, ...] = ()
+    """Signs between the inputs of a chain, (n_inputs - 1,)."""
     depth: int = field(default=0, compare=False)
+    """How deeply operations are nested; 0 for a leaf."""
 
 
 @dataclass(slots=True)
@@ -40,7 +47,9 @@ class Cursor:
     """The words of a text and how far they are read."""
 
     tokens: list[Token]
+    """All words; the last one is the end."""
     position: int = 0
+    """Index of the next word."""
 
     @property
     def now(self) -> Token:
@@ -81,15 +90,22 @@ class Cursor:
 
 @dataclass(slots=True)
 class _Open:
-    """What has begun and waits for inputs: a chain, a sign before, a choice, a bracket, a call."""
+    """An operation that has begun and waits for inputs."""
 
     kind: str
+    """`chain`, `before` for a sign before its operand, `?`, `bracket` or `call`."""
     location: Location
+    """Where it begins."""
     level: int = 0
+    """How tightly it binds, higher is tighter; -1 for a bracket and a call."""
     signs: list[str] = field(default_factory=list)
+    """Signs read so far, of a chain and of a sign before."""
     name: str = ""
+    """Name of the function, of a call."""
     pairs: int = 0
+    """Number of arguments of a call, or of pairs of condition and value of a `?`."""
     chosen: bool = False
+    """Whether the value after the last `:` of a `?` is being read."""
 
 
 def parse_expression(cursor: Cursor) -> Expression:

@@ -21,11 +21,14 @@ __all__ = ["MOST_STATES", "PrismModel", "constant_values", "read_prism", "read_p
 
 @dataclass(frozen=True, slots=True)
 class PrismModel:
-    """A chain, the values of its variables in each state, and what names mean there."""
+    """A chain with the variables that its states stand for."""
 
     chain: ExplicitChain
+    """The chain."""
     states: tuple[State, ...]
+    """Values of the variables in each state, (n_states, n_variables)."""
     scope: Scope
+    """What names mean in expressions over the states."""
 
 
 def read_prism(

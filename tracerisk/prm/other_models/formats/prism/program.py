@@ -32,65 +32,92 @@ _READ = ("const", "formula", "global", "init", "label", "module", "rewards")
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """A constant; without a value it must be given one from outside."""
+    """A declared constant."""
 
     name: str
+    """Its name."""
     type: str
+    """`int`, `double`, `bool`, `rate` or `prob`."""
     value: Expression | None
+    """Expression of its value; `None` for one to be given from outside."""
     location: Location
+    """Place of its name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A variable: whole numbers from `low` to `high`, or a truth value where these are absent."""
+    """A declared variable: a whole number or a truth value."""
 
     name: str
+    """Its name."""
     low: Expression | None
+    """Least value; `None` for a truth value."""
     high: Expression | None
+    """Greatest value; `None` for a truth value."""
     start: Expression | None
+    """Initial value; `None` for the least value, or false."""
     location: Location
+    """Place of its name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """A probability or rate, and what is assigned to which variables."""
+    """One of the possible effects of a command."""
 
     weight: Expression | None
+    """Probability or rate; `None` for 1."""
     assignments: tuple[tuple[Token, Expression], ...]
+    """Variables with their new values, ((name, expression), ...)."""
     location: Location
+    """Where it begins."""
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What a module can do where its guard holds; with an action only together with others."""
+    """What a module can do in some states."""
 
     action: str
+    """Name of the action by which modules move together; "" for a move alone."""
     guard: Expression
+    """Condition on the state."""
     updates: tuple[Update, ...]
+    """Possible effects, of which one happens."""
     location: Location
+    """Where it begins."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reward:
-    """What a state earns, or with an action ("" for commands that have none) a move of it."""
+    """What states, or moves out of them, earn."""
 
     action: str | None
+    """Action of the moves that earn it, "" for those without an action; `None` for the states."""
     guard: Expression
+    """Condition on the state."""
     value: Expression
+    """Reward in a state where the guard holds."""
 
 
 @dataclass(slots=True)
 class Program:
-    """The declarations of a text, in order; `commands` by module, `rewards` by structure."""
+    """The declarations of a text, in order."""
 
     kind: ChainKind
+    """Whether the chain is in discrete or continuous time."""
     constants: list[Constant] = field(default_factory=list)
+    """Declared constants."""
     variables: list[Variable] = field(default_factory=list)
+    """Variables of all modules and global ones; their order is the order of a state's values."""
     formulas: dict[str, Expression] = field(default_factory=dict)
+    """Expressions of formulas by name."""
     labels: dict[str, Expression] = field(default_factory=dict)
+    """Expressions of sets of states by label."""
     commands: dict[str, list[Command]] = field(default_factory=dict)
+    """Commands by module."""
     rewards: dict[str, list[Reward]] = field(default_factory=dict)
+    """Rewards by name of the structure; "" for one without a name."""
     starts: Expression | None = None
+    """Condition on the initial states; `None` where the variables state their values."""
 
 
 def parse_program(text: str, file: str) -> Program:

@@ -22,12 +22,16 @@ _SUM_TOLERANCE = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Explored:
-    """The states, those in which the chain starts first, with their rows and rewards."""
+    """The reachable states of a program."""
 
     states: tuple[State, ...]
+    """Values of the variables in each state, (n_states, n_variables); initial states first."""
     starts: int
+    """Number of initial states."""
     rows: tuple[dict[int, float], ...]
+    """Probability or rate by number of the target, (n_states,); {} for an absorbing state."""
     rewards: Mapping[str, Rewards]
+    """Rewards of each structure by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,9 +39,13 @@ class _Move:
     """An update, ready to run."""
 
     weight: Run | None
+    """Gives the probability or rate in a state; `None` for 1."""
     assignments: tuple[tuple[int, Run, Location], ...]
+    """Index of a variable, function that gives its new value, and place, for each assignment."""
     location: Location
+    """Place of the update, for messages."""
     size: int
+    """Number of operations that running it takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +53,13 @@ class _Ready:
     """A command, ready to run."""
 
     action: str
+    """Name of the action; "" for none."""
     guard: Compiled
+    """Condition on the state."""
     moves: tuple[_Move, ...]
+    """The updates, ready to run."""
     location: Location
+    """Place of the command, for messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +67,11 @@ class _ReadyReward:
     """A reward, ready to run."""
 
     reward: Reward
+    """The reward as declared."""
     guard: Compiled
+    """Condition on the state."""
     value: Compiled
+    """Reward in a state where the guard holds."""
 
 
 Choice = tuple[tuple[float, State], ...]

@@ -20,11 +20,14 @@ _WORD = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A word of the text: its kind (number, name, text, sign or end) and where it stands."""
+    """A word of the text."""
 
     kind: str
+    """`number`, `name`, `text` (in quotes), `sign` or `end`."""
     text: str
+    """The characters, quotes included; "" for the end."""
     location: Location
+    """Where it begins."""
 
     def refuse(self, expected: str) -> NoReturn:
         """Raise ModelError: something else was expected here."""

@@ -42,13 +42,12 @@ _TRUSTED = 1e-13
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Certified:
-    """A solution and the greatest relative error that any of its entries above 1e-250 can have.
-
-    The bound is infinite where none could be had.
-    """
+    """A solution with a bound of its error."""
 
     values: Array
+    """Solution by transient state, (n,)."""
     bound: float
+    """Greatest relative error of the entries above 1e-250; infinite where none could be proven."""
 
 
 class Certifier:

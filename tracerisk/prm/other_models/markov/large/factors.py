@@ -33,18 +33,20 @@ from tracerisk.prm.other_models.markov.large.symbolic import (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weights:
-    """The weights between n transient states in compressed rows, without the diagonal.
-
-    indptr: (n + 1,) int64; indices: (nnz,) int32; data: (nnz,), above zero; slack: (n,), the sum
-    of `ends` ways each, and slack_low: (n,), what its rounding lost.
-    """
+    """The weights between n transient states in compressed rows, without the diagonal."""
 
     indptr: Array
+    """Start of each row in `indices` and `data`, and the end, (n + 1,) int64."""
     indices: Array
+    """Target state of each way, (nnz,) int32."""
     data: Array
+    """Weight of each way, above zero, (nnz,)."""
     slack: Array
+    """Weight that leaves all transient states, by state, (n,)."""
     slack_low: Array
+    """What the rounding of each entry of `slack` lost, (n,)."""
     ends: Array
+    """Number of ways that each entry of `slack` sums, (n,)."""
 
     @property
     def size(self) -> int:
@@ -59,46 +61,56 @@ class Weights:
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """How far elimination may fill a chain in before iteration takes its place.
-
-    `dense_rest` states at most may be left when each is joined to half of the others;
-    `entries` and `products` bound what is stored and computed before that.
-    Above `iterate_first` products iteration is tried first, and elimination only when its error
-    cannot be bounded.
-    """
+    """How far elimination may fill a chain in before iteration takes its place."""
 
     dense_rest: int = 12_000
+    """Most states that may be left when each is joined to half of the others."""
     entries: int = 250_000_000
+    """Most numbers stored before the dense rest."""
     products: float = 3e10
+    """Most products computed before the dense rest."""
     iterate_first: float = 1e10
+    """Number of products above which iteration is tried first, and elimination only when its
+    error cannot be bounded."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """An order of elimination, where it puts new ways, and about how many products it takes."""
+    """An order of elimination of n states, and where it puts new ways."""
 
     order: Array
+    """States in the order of elimination, (n,) int32."""
     rank: Array
+    """Place of each state in `order`, (n,) int32."""
     head: int
+    """Number of states eliminated as sparse rows; the rest is dense."""
     parent: Array
+    """Rank of the first later state that each elimination leads to, -1 for none, by rank, (n,)."""
     in_ptr: Array
+    """Start of the room for each state's weights into earlier states, by rank, (n + 1,) int64."""
     out_ptr: Array
+    """Start of the room for each state's shares into later states, by rank, (head + 1,) int64."""
     joined_ptr: Array
+    """Start of each state's neighbours in `joined`, and the end, (n + 1,)."""
     joined: Array
+    """Neighbours of the states, whatever the direction of the way."""
     products: float
+    """Approximate number of products that elimination takes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Factors:
-    """The eliminated chain: u G = start and G x = reward are solved without a subtraction.
-
-    leaving, rows, dense: as `eliminate_rows` returns them, the dense rest eliminated.
-    """
+    """The eliminated chain: u G = start and G x = reward are solved without a subtraction."""
 
     plan: Plan
+    """The order of elimination."""
     leaving: Array
+    """Weight that leaves each state, by rank, (n,)."""
     rows: tuple[Array, ...]
+    """Sparse rows as `eliminate_rows` returns them: pointers, ends, states and weights into
+    earlier states, then into later ones."""
     dense: Array
+    """The dense rest after elimination, (n - head, n - head + 1), slack in the last column."""
 
     def left(self, start: Array) -> Array:
         """Return u >= 0 with u G = start >= 0; both: (n,)."""

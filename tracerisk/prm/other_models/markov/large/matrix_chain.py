@@ -29,21 +29,27 @@ _NAMED_IN_ERRORS = 5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MatrixChain:
-    """An absorbing chain whose states are the rows of a matrix.
+    """An absorbing chain whose n states are the rows of a matrix.
 
-    indptr, indices, data: the matrix in compressed rows; absorbing: (n,) of booleans;
-    transient: the indices of the other states; totals: the sum of each transient row.
     Made by `MarkovChain.from_matrix`, which checks it.
     """
 
     indptr: Array
+    """Start of each row in `indices` and `data`, and the end, (n + 1,) int64."""
     indices: Array
+    """Target state of each entry, (nnz,) int32."""
     data: Array
+    """Probability of each entry, (nnz,)."""
     absorbing: Array
+    """Whether each state is absorbing, (n,) booleans."""
     transient: Array
+    """Indices of the other states, in ascending order, (n_transient,)."""
     totals: Array
+    """Sum of the row of each transient state, (n_transient,)."""
     weights: Weights
+    """The weights between the transient states."""
     names: tuple[str, ...] | None = None
+    """Name of each state, (n,); `None` where states have only indices."""
 
     @classmethod
     def from_matrix(

@@ -23,15 +23,19 @@ _ROUNDING = 2.0**-53
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MatrixSolution:
-    """A chain that starts in state `entry`; all arrays are (n,), by the states of the chain.
+    """A chain of n states solved from one of them; all arrays are (n,).
 
     Formulas as in `ChainSolution`.
     """
 
     chain: MatrixChain
+    """The chain that was solved."""
     entry: int
+    """Index of the state in which it starts."""
     _solver: CertifiedSolver
+    """Solver of the chain's equations, with bounds of its errors."""
     _stay: Certified
+    """Expected visits over the sum of the row, by transient state, (n_transient,)."""
 
     @property
     def method(self) -> str:
