@@ -92,7 +92,7 @@ class StateAssessment:
     name: str
     """Qualified name of the function."""
     call_sequence: int
-    """Rank of the function in the order of first calls, from its block."""
+    """Rank of the function by first visit, from 1; unique in the model."""
     failure_state: str
     """Name of the absorbing state that its failure leads to."""
     top_event: float

@@ -56,7 +56,7 @@ class FunctionState:
     name: str
     """Qualified name of the function, unique in the model."""
     call_sequence: int
-    """Rank of the function in the order of first calls, from its block."""
+    """Rank of the function by first visit, from 1; unique in the model."""
     tree: FaultTree
     """Fault tree of one visit."""
     probabilities: Mapping[str, float]

@@ -54,8 +54,8 @@ class PairImportance:
     fussell_vesely: float
     """(F - F0)/F, with F0 for neither failing, to full precision."""
     interaction: float
-    """Part of F common to both: the sum of their own Fussell-Vesely importances less that of
-    the pair, to rounding of these."""
+    """Part of F common to both: the sum of their own Fussell-Vesely importances less the
+    pair's, to rounding of these."""
 
 
 def pair_importances(

@@ -37,7 +37,7 @@ class HistoryPoint:
     date: str
     """Of the commit, as 2026-11-23; empty for the working tree."""
     subject: str
-    """First line of the commit message."""
+    """First line of the commit message; empty for the working tree."""
     path: str
     """Where its script is, from the top of the repository."""
     failure_probability: float | None

@@ -30,7 +30,7 @@ class Loops:
     sweep: Callable[..., None]
     """`sweeps.sweep`: probability of each node."""
     edge_gains: Callable[..., int]
-    """`sweeps.edge_gains`: probability of each high edge less that of the low edge."""
+    """`sweeps.edge_gains`: probability of each high edge less the low edge."""
     derivatives: Callable[..., None]
     """`sweeps.derivatives`: derivative of the root's probability by each variable."""
     differences: Callable[..., None]
