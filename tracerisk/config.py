@@ -59,76 +59,86 @@ _BLOCK_ENDS = "# ///"
 class Settings:
     """What a run and its model depend on beside the controller.
 
-    `duration_s` is simulated time [s], `None` for the default; `cpu_limit_s` is processor time
-    and `wall_limit_s` wall time [s]; `stall_limit_s` is time without simulated progress in which
-    the controller's process computes or sleeps, and that which a process that reads a file may
-    take [s]. `memory_limit_mb` is address space [MB]. These limits end a run and decide nothing
-    else.
-    `mission_cycles` is how many cycles a mission has whose loop has no end of its own.
-    `robot`, `scene` and `hardware` are names or paths, `None` for the default of the robot.
-    `ros_distro` is the distribution of ROS whose rules a run follows, `None` for that found in the
-    workspace.
-    `ros_prefixes` are folders with installed packages that count before those that the environment
-    names.
-    `scenario` is the file of what the controller's world gives it, `params` files of parameters,
-    `drivers` files that describe drivers.
-    `launch` is the launch file that starts the controller, `True` for that of its workspace,
-    `False` for none. `companions`: whether nodes of its workspace are started beside it that
-    provide what it waits for. `draft`: whether what it asks for in vain is drafted.
-    `args` are the controller's arguments, `answers` what its questions get, in turn.
-    `states` and `helpers` override, by qualified name, which functions are relevant.
-    `max_failure_probability` is the greatest of a mission that `check` lets pass;
-    `require_reason` makes a value set by hand without a reason an error there, `require_worlds`
-    one that the last run was not repeated in these worlds, or depends on one.
-    `fail_on` says which findings make `run` exit 1.
-    `accept` are the reasons of a verdict that the user accepts; `min_coverage` is the least
-    fraction of the functions that can command hardware which `check` lets pass.
-    `sandbox` says whether what is run of a workspace is contained; `readable` and `writable` are
-    files and folders that it may reach besides, `env` the names of variables that it gets.
-    `evidence`: whether the values of blocks take what failures on the twin showed;
-    `evidence_cells` is how many of them are drawn first.
-    `outcome_place_mm` [mm], `outcome_angle_deg` [deg] and `outcome_joint_mrad` [mrad, or mm] are by
-    how much what two runs brought about may differ and count as the same.
+    The limits on time and memory end a run and decide nothing else.
     """
 
     robot: str | None = None
+    """The name or file of the robot; `None`: inferred from the controller."""
     scene: str | None = None
+    """The name or file of the scene; `None`: the robot's default."""
     scenario: str | None = None
+    """The file with what the controller's world provides; `None`: none."""
     hardware: str | None = None
+    """The name or file of the hardware description; `None`: the robot's default."""
     ros_distro: RosDistro | None = None
+    """The ROS distribution whose rules apply; `None`: found in the workspace or assumed."""
     ros_prefixes: tuple[str, ...] = ()
+    """Folders of installed packages that precede those of the environment."""
     active: ActiveMode = "moving+holding"
+    """The time that counts as exposure."""
     duration_s: float | None = None
+    """The simulated time after which a run ends [s]; `None`: the default of 300."""
     cpu_limit_s: float = 120.0
+    """The processor time after which a run is stopped [s]."""
     wall_limit_s: float = 1800.0
+    """The wall time after which a run is stopped [s]."""
     stall_limit_s: float = 30.0
+    """The time without simulated progress, while the controller computes or sleeps, after which a
+    run is stopped; also the limit of a process that reads a file [s]."""
     memory_limit_mb: int = 8192
+    """The address space of the controller's process [MB]."""
     seed: int = 0
+    """The seed of everything random."""
     mission_cycles: int = 10
+    """The number of cycles in a mission whose loop is endless."""
     params: tuple[str, ...] = ()
+    """Files of ROS parameters."""
     drivers: tuple[str, ...] = ()
+    """Files that describe drivers."""
     launch: str | bool = True
+    """The launch file that starts the controller; `True`: search the workspace, `False`: none."""
     companions: bool = True
+    """Whether workspace nodes that provide what it waits for are started with it."""
     draft: bool = True
+    """Whether a value is drafted for what it requests in vain."""
     states: tuple[str, ...] = ()
+    """Qualified names of functions that are always relevant."""
     helpers: tuple[str, ...] = ()
+    """Qualified names of functions that are never relevant."""
     args: tuple[str, ...] = ()
+    """The controller's command-line arguments."""
     answers: tuple[str, ...] = ()
+    """The answers to its `input()` calls, in turn."""
     max_failure_probability: float | None = None
+    """The greatest failure probability of a mission that `check` accepts; `None`: any."""
     require_reason: bool = False
+    """Whether `check` requires a reason for each value set by hand."""
     require_worlds: tuple[str, ...] = ()
+    """Worlds in which `check` requires the last run to have been repeated without effect."""
     fail_on: FailOn | None = None
+    """The findings that make `run` exit 1; `None`: none of them."""
     accept: tuple[Acceptance, ...] = ()
+    """The reasons of a verdict that the user accepts."""
     min_coverage: float | None = None
+    """The least share of hardware-commanding functions that must have run, 0 to 1; `None`: any."""
     sandbox: SandboxMode = "auto"
+    """Whether workspace code runs contained: where supported, always, or never."""
     readable: tuple[str, ...] = ()
+    """Additional files and folders that a contained run may read."""
     writable: tuple[str, ...] = ()
+    """Folders that a contained run may write to permanently."""
     env: tuple[str, ...] = ()
+    """Names of additional environment variables that a contained run receives."""
     evidence: bool = False
+    """Whether blocks count only failures that ended the mission on the twin."""
     evidence_cells: int = 200
+    """The number of failures that the campaign draws first."""
     outcome_place_mm: float = 2.0
+    """The difference in place below which two outcomes are the same [mm]."""
     outcome_angle_deg: float = 2.0
+    """The difference in tilt or turn below which two outcomes are the same [deg]."""
     outcome_joint_mrad: float = 5.0
+    """The same for joints at rest [mrad, or mm]."""
 
     @property
     def run_duration_s(self) -> float:
@@ -196,13 +206,12 @@ def from_here(root: Path) -> Callable[[str], str]:
 
 
 class SettingOrigin(NamedTuple):
-    """Where a setting comes from: `location` is `None` for a default.
-
-    `is_own`: it is given for this controller alone, in its own table or in its file.
-    """
+    """Where a setting comes from."""
 
     location: Location | None = None
+    """The line that sets it; `None` for a default."""
     is_own: bool = False
+    """Whether it is set for this controller alone, in its own table or in its file."""
 
 
 class ProjectSettings:

@@ -26,11 +26,14 @@ class ExitCode(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """A place in a file; lines and columns count from 1."""
+    """A place in a file."""
 
     file: str
+    """The path of the file, as a message names it."""
     line: int | None = None
+    """The line, counted from 1; `None` for the whole file."""
     column: int | None = None
+    """The column in the line, counted from 1; `None` for the whole line."""
 
     def __str__(self) -> str:
         return ":".join(

@@ -88,87 +88,98 @@ GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idl
 
 @dataclass(frozen=True, slots=True, order=True)
 class Element:
-    """A part of the robot that the twin watches; `component` in a log of another tool.
-
-    `sensor` is the kind of a sensor; `part` the joint or link in which a sensor is, the link
-    that touches. `actuators` are those that drive a joint or gripper, where the robot's model
-    gives them names of their own.
-    """
+    """A part of the robot that the twin watches."""
 
     name: str
+    """The joint, gripper, sensor, contact or component, unique in the trace."""
     kind: ElementKind
+    """What sort of part it is; `component` only in a log of another tool."""
     sensor: SensorKind | None = None
+    """What a sensor measures; `None` for all other elements."""
     part: str | None = None
+    """The joint or link that a sensor is mounted on, or the link that touches; else `None`."""
     actuators: tuple[str, ...] = ()
+    """The actuators that drive a joint or gripper, where the model names them separately."""
 
 
 @dataclass(frozen=True, slots=True)
 class Exposure:
     """What one element did over some span of time.
 
-    `moving_s` and `holding_s` are disjoint, `grasping_s` may overlap either;
-    `active_s` is the time in any of the three [s].
-    `longest_moving_s` and `longest_active_s` are the longest uninterrupted stretches [s]; one
-    that fills the span, or an unbroken part of it, counts from its begin to its end in the run.
-    `starts` counts the motions begun, `grasps` the grasps closed, `releases` those opened.
-    `grasping_moving_s` is the time of both at once, `reading_s` the time in which the controller
-    reads a sensor [s].
-    `travel_s` is the time that the motion would take at rated speed [s], the integral of |v| over
-    the moving time; `wear[i]` that of |v| L^k with k = `WEAR_EXPONENTS[i]` [s], speed v and
-    torque L as fractions of the rated ones; empty where nothing moved. Both add up over visits.
-    `torque_rms` and `torque_cubic` are fractions of the rated limit: the root mean square over
-    the active time, and the speed-weighted cubic mean over the moving time.
-    `borderline` says that a deciding value lay within a factor of two of its threshold.
+     `moving_s` and `holding_s` are disjoint, `grasping_s` may overlap either. An uninterrupted
+    stretch that fills the span, or an unbroken part of it, counts from its begin to its end in the
+    run. `travel_s` and `wear` add up over visits. Torque and speed are fractions of the rated ones.
     """
 
     moving_s: float = 0.0
+    """The time in motion [s]."""
     holding_s: float = 0.0
+    """The time at rest under a torque above the threshold [s]."""
     grasping_s: float = 0.0
+    """The time with something grasped, or touched in the case of a contact [s]."""
     active_s: float = 0.0
+    """The time in any of moving, holding or grasping [s]."""
     longest_moving_s: float = 0.0
+    """The longest uninterrupted motion [s]."""
     longest_active_s: float = 0.0
+    """The longest uninterrupted stretch of activity [s]."""
     starts: int = 0
+    """The number of motions begun."""
     grasps: int = 0
+    """The number of grasps closed."""
     torque_rms: float = 0.0
+    """The root mean square of the torque over the active time, as a fraction of the limit."""
     torque_cubic: float = 0.0
+    """The speed-weighted cubic mean of the torque over the moving time, as a fraction."""
     borderline: bool = False
+    """Whether a deciding value lay within a factor of two of its threshold."""
     releases: int = 0
+    """The number of grasps opened."""
     grasping_moving_s: float = 0.0
+    """The time in which it moved and grasped at once [s]."""
     reading_s: float = 0.0
+    """The time in which the controller read it, for a sensor [s]."""
     travel_s: float = 0.0
+    """The time that the motion would take at rated speed: the integral of |v| over it [s]."""
     wear: tuple[float, ...] = ()
+    """The integral of |v| L^k over the motion, v speed, L torque, k = `WEAR_EXPONENTS[i]` [s],
+    (n_exponents,); empty where nothing moved."""
 
 
 @dataclass(frozen=True, slots=True)
 class Payload:
-    """What a gripper held during a visit.
-
-    `mass_kg` is the mass of the object, `held_s` the time for which it was held [s],
-    `pad_force_n` and `most_pad_force_n` mean and greatest of the lesser force on the pads [N].
-    """
+    """What a gripper held during a visit."""
 
     gripper: str
+    """The gripper that held it, or the link that it was welded to."""
     object: str
+    """The object's name in the scene."""
     mass_kg: float
+    """The object's mass [kg]."""
     held_s: float
+    """The time for which it was held in the visit [s]."""
     pad_force_n: float
+    """The lesser of the forces on the two pads, averaged over the time held [N]."""
     most_pad_force_n: float
+    """The greatest value of the same force [N]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A touch during a visit: a link of the robot, or a thing it holds, and another body.
-
-    `start_s` is when it began, `touching_s` how long it lasted in the visit [s], `force_n` the
-    greatest normal force [N]. `expected`: what is grasped, or meant to be.
-    """
+    """A touch during a visit: a link of the robot, or a thing it holds, and another body."""
 
     link: str
+    """The robot's link, or the object that it holds."""
     other: str
+    """The body that was touched."""
     start_s: float
+    """The simulated time at which the touch began [s]."""
     touching_s: float
+    """The time for which it lasted within the visit [s]."""
     force_n: float
+    """The greatest normal force [N]."""
     expected: bool
+    """Whether the other body is grasped, or meant to be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,27 +187,31 @@ class TracedFunction:
     """A relevant function: one block, one state of the chain."""
 
     ref: FunctionRef
+    """The file and qualified name of the function."""
     line: int
+    """The line of its `def`, from 1."""
     call_sequence: int
+    """Its rank by first visit, from 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class Visit:
-    """One activation of a relevant function.
-
-    `start_s` is the time of its first command, `duration_s` the time for which it was the
-    run's current visit [s].
-    `exposures` maps an element's name to its exposure; `None` where a log names an element
-    as active without saying for how long.
-    """
+    """One activation of a relevant function."""
 
     function: FunctionRef
+    """The function that was visited."""
     start_s: float
+    """The simulated time of its first command [s]; in a log its rank in the call sequence."""
     duration_s: float | None
+    """The time for which this was the run's current visit [s]; `None` where a log omits it."""
     outcome: VisitOutcome
+    """How the last command of the visit ended."""
     exposures: Mapping[str, Exposure | None]
+    """The exposure of each element in use, by name; `None` where a log gives no time."""
     payloads: tuple[Payload, ...] = ()
+    """What the grippers held, sorted by gripper and object."""
     contacts: tuple[Contact, ...] = ()
+    """The touches during the visit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,9 +243,13 @@ class Finding:
     """Something the run showed that a user should know; not an error."""
 
     kind: str
+    """The kind of finding, such as `planning_failure`; `NOTES` lists the harmless ones."""
     message: str
+    """The finding in one sentence, for the user."""
     time_s: float | None = None
+    """The simulated time at which it occurred [s]; `None` where it has no time."""
     location: Location | None = None
+    """The line of the controller that it concerns; `None` where none is known."""
     function: str = ""
     """The qualified name of the function in which it happened; empty where none is known."""
     object: str = ""
@@ -243,28 +262,35 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class ObjectOffset:
-    """Where a thing of the scene ended: horizontal offset from its goal [m], tilt [rad]."""
+    """Where a thing of the scene ended."""
 
     name: str
+    """The object's name in the scene."""
     goal: str | None
+    """The nearest goal of the scene; `None` where the scene has none."""
     offset_m: float
+    """The horizontal distance from that goal [m]; 0 where there is none."""
     tilt_rad: float
+    """The angle by which its z axis has left its initial direction [rad]."""
     upright: bool
+    """Whether it tilted less than 5 degrees and stands within 5 mm of the goal's height."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunEnd:
-    """How the run ended, at what simulated time [s]; `location` where the controller stood.
-
-    `scenario` are the lines of a scenario file that would give a controller what it asked for
-    in vain, where that may be why the run ended so.
-    """
+    """How the run ended."""
 
     cause: EndCause
+    """The cause of the end, such as `ended` or `raised`."""
     message: str
+    """The cause in one sentence, for the user."""
     simulated_s: float | None
+    """The simulated time at the end [s]; `None` where a log does not state it."""
     location: Location | None = None
+    """The line at which the controller was; `None` where none is known."""
     scenario: str = ""
+    """Lines of a scenario file that would provide what the controller requested in vain, if this
+    may be the cause; else empty."""
 
     @property
     def is_good(self) -> bool:
@@ -279,50 +305,60 @@ class RunEnd:
 
 @dataclass(frozen=True, slots=True)
 class Cycle:
-    """What a loop without an end repeats: `visits` from `first_visit` on, as often as was seen.
-
-    `mission_cycles` is how many of them a mission is declared to have.
-    """
+    """The cycle that an endless loop repeats: consecutive visits, as often as they were seen."""
 
     first_visit: int
+    """The index in `Trace.visits` of the first visit of the first cycle, from 0."""
     visits: int
+    """The number of visits in one cycle."""
     mission_cycles: int
+    """The number of cycles that a mission is declared to have."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trace:
     """All that one run of a controller showed.
 
-    `functions` are in the order of their call sequence, `visits` in the order they began.
-    `elements` are all that the twin watched; `active` is the exposure of each over the run.
     The exposures of an element over all visits sum to its entry in `active`.
-    `cycle` is what a run that ended by `cycles` repeated.
-    `files` are the controller's files that were imported, its script left out, sorted.
-    `verdict` says how far the run can be taken for the mission; `None` in the log of another tool.
-    `inputs` are the files from which it was given parameters without being asked to: launch
-    files, and the files of parameters that they name, from the controller's root, sorted.
-    `commands` are in the order of issue, those that were refused or ignored among them.
     """
 
     controller: str
+    """The path of the controller's script from its root; empty where it is not known."""
     robot: str
+    """The name of the robot; empty in the log of another tool."""
     scene: str
+    """The name of the scene; empty without a simulation."""
     end: RunEnd
+    """How and when the run ended."""
     elements: tuple[Element, ...]
+    """All elements that the twin watched."""
     functions: tuple[TracedFunction, ...]
+    """The relevant functions, in the order of their call sequence."""
     visits: tuple[Visit, ...]
+    """The visits, in the order of their begin."""
     active: Mapping[str, Exposure] = field(default_factory=dict)
+    """The exposure of each element over the whole run, by its name."""
     uncovered: tuple[Uncovered, ...] = ()
+    """The functions that can command hardware and did not run."""
     findings: tuple[Finding, ...] = ()
+    """What a user should know about the run, in the order of occurrence."""
     objects: tuple[ObjectOffset, ...] = ()
+    """Where the movable things of the scene ended."""
     assumptions: tuple[str, ...] = ()
+    """What the run assumed, a sentence each; `DRAFTED`, `MEASURED` and `LOST` mark some."""
     files: tuple[str, ...] = ()
+    """The controller's files that were imported, from its root, sorted, without its script."""
     inputs: tuple[str, ...] = ()
+    """The launch files and parameter files that gave it parameters unasked, from its root,
+    sorted."""
     cycle: Cycle | None = None
+    """The repeated cycle of a run that ended by `cycles`; else `None`."""
     verdict: Verdict | None = None
+    """How far the run represents the mission; `None` in the log of another tool."""
     outcome: Outcome | None = None
     """What the run brought about; `None` in a recording of a real robot and in a log."""
     commands: tuple[TracedCommand, ...] = ()
+    """All commands in the order of issue, those refused or ignored included."""
     worlds: tuple[WorldRun, ...] = ()
     """How runs in other worlds differ from it; empty where there were none."""
 
