@@ -41,16 +41,16 @@ from tracerisk.instrument.tracer import Frame
 
 @dataclass(frozen=True, slots=True)
 class HelperRule:
-    """Which functions help in a run; `states` are those that a user named as steps.
-
-    `enters_states`: a state machine or behaviour tree entered several states; `named_helpers` are
-    those of the helpers that a user named.
-    """
+    """Which functions of a run are steps of the task and which are helpers."""
 
     helpers: frozenset[FunctionRef]
+    """All helpers, by the rules or by the user's choice."""
     states: frozenset[FunctionRef] = frozenset()
+    """The functions that a user named as steps; they own what is issued below them."""
     enters_states: bool = False
+    """Whether a state machine or behaviour tree entered more than one state."""
     named_helpers: frozenset[FunctionRef] = frozenset()
+    """The helpers that a user named."""
 
     def owner_position(self, stack: Sequence[Frame]) -> int:
         """Return where on a command's stack its owner stands.
@@ -126,12 +126,19 @@ class _Calls:
     """The calls that led to commands, without those within a strongly connected component."""
 
     functions: set[FunctionRef] = field(default_factory=set)
+    """All functions that stood on a stack."""
     roots: set[FunctionRef] = field(default_factory=set)
+    """The functions that stood first on a stack or that no controller code called."""
     command_sites: dict[FunctionRef, set[Site]] = field(default_factory=dict)
+    """The places from which a function issued commands itself, by function."""
     callees: dict[FunctionRef, set[FunctionRef]] = field(default_factory=dict)
+    """The functions that a function called, by caller."""
     callers: dict[FunctionRef, set[FunctionRef]] = field(default_factory=dict)
+    """The functions that called a function, by callee, without done-callbacks."""
     done_callers: dict[FunctionRef, set[FunctionRef]] = field(default_factory=dict)
+    """The functions that called a function from a done-callback, by callee."""
     call_sites: dict[FunctionRef, set[tuple[FunctionRef, Site]]] = field(default_factory=dict)
+    """The callers of a function with the place of the call, by callee."""
 
     @classmethod
     def of(cls, paths: set[CallPath]) -> _Calls:

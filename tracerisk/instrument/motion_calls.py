@@ -67,7 +67,9 @@ class MissedCall:
     """A call that led to no command, although the same call did at another place."""
 
     file: str
+    """The path of the source from the controller's root."""
     line: int
+    """The line of the call, from 1."""
     written: str
     """As it is written: `self.arm.go`."""
     was_executed: bool
@@ -81,6 +83,7 @@ class Commanding:
     calls: frozenset[Place]
     """The places of all calls that did, whichever function they are in."""
     functions: frozenset[FunctionRef]
+    """The functions that stood on the stack of a command."""
 
 
 def missed_calls(
@@ -124,8 +127,12 @@ def missed_calls(
 
 @dataclass(frozen=True, slots=True)
 class _InSource:
+    """A call that may command, with its place in the controller's files."""
+
     marked: MarkedCall
+    """The call and the scope that it is in."""
     place: Place
+    """The file from the controller's root, with line and column."""
 
     @property
     def written(self) -> str:

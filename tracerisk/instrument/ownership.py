@@ -30,31 +30,31 @@ _OUTCOME_OF: dict[CommandEnd | None, VisitOutcome] = {
 
 @dataclass(frozen=True, slots=True)
 class OwnedVisit:
-    """One activation of an owner, or several that followed while a command was still live.
-
-    `line` is that of the owner's `def`; `commands` are the ids of the visit's commands in the
-    order of issue; `start_ns` is the issue of the first [ns]; `outcome` is that of the last,
-    or `unfinished` where the run ended before one of them did.
-    """
+    """One activation of an owner, or several that followed while a command was still live."""
 
     function: FunctionRef
+    """The owner, named by its instance where several instances of a state exist."""
     line: int
+    """The line of the owner's `def`, from 1."""
     start_ns: int
+    """The simulated time at which the first command was issued [ns]."""
     commands: tuple[int, ...]
+    """The ids of the commands of the visit, in the order of issue."""
     outcome: VisitOutcome
+    """How the last command ended; `unfinished` where the run ended before any of them."""
 
 
 @dataclass(frozen=True, slots=True)
 class LiveCommand:
-    """A command, the index of its visit, and until when it was live [ns].
-
-    `until_ns` is the end for each of the command's elements in turn: that of the command, or
-    the issue of a later command that addresses the element (it supersedes this one there).
-    """
+    """A command with its visit and the time until which it was live."""
 
     command: Command
+    """The command as it was recorded."""
     visit: int
+    """The index of its visit in `Attribution.visits`, from 0."""
     until_ns: tuple[int, ...]
+    """The end of the command, or the issue of the later command that superseded it, for each of its
+    elements [ns], (n_elements,); a single entry without elements."""
 
     @property
     def live_until_ns(self) -> int:
@@ -64,20 +64,22 @@ class LiveCommand:
 
 @dataclass(frozen=True, slots=True)
 class Attribution:
-    """Whose activity is whose in one run.
-
-    `functions` are the owners by their first visit, `visits` in the order of their first
-    command, `commands` in the order of issue; `helpers` never own anything but as a root.
-    """
+    """Which function owns which activity of one run."""
 
     functions: tuple[TracedFunction, ...] = ()
+    """The owners, in the order of their first visit."""
     visits: tuple[OwnedVisit, ...] = ()
+    """The visits, in the order of their first command."""
     commands: tuple[LiveCommand, ...] = ()
+    """The commands, in the order of issue."""
     helpers: frozenset[FunctionRef] = frozenset()
+    """The functions that own a command only as a root."""
     findings: tuple[Finding, ...] = ()
+    """A `concurrent_owners` for each pair of owners with commands live at the same time."""
     _current: dict[tuple[int, int], NDArray[np.int64]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+    """The results of `current`, each (n_steps,), by number and length of the steps [ns]."""
 
     def current(self, n_steps: int, step_ns: int) -> NDArray[np.int64]:
         """Return the run's current visit at each physics step.
@@ -171,13 +173,18 @@ def _live(
 
 @dataclass(slots=True)
 class _OpenVisit:
-    """A visit while the commands are read; `live` are those of its commands that may be live."""
+    """A visit while the commands are read."""
 
     index: int
+    """Its place in the order of the visits, from 0."""
     function: FunctionRef
+    """The owner of the visit."""
     line: int
+    """The line of the owner's `def`, from 1."""
     commands: list[Command] = field(default_factory=list)
+    """Its commands so far, in the order of issue."""
     live: list[Command] = field(default_factory=list)
+    """Those of its commands that may still be live."""
 
     def closed(self) -> OwnedVisit:
         outcome = _OUTCOME_OF.get(self.commands[-1].end, "unfinished")

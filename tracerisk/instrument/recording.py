@@ -37,40 +37,48 @@ STOPS = "stops"
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Free data that a room of the child left for its counterpart in the parent."""
+    """Data that a part of the child process left for its counterpart in the parent."""
 
     kind: str
+    """The name by which the counterpart finds it, such as `CELL`."""
     data: Mapping[str, Any]
+    """The content, as JSON has it."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecordedEnd:
-    """How the child said that the run ended, and when [ns]."""
+    """How the run ended, as the child process recorded it."""
 
     cause: EndCause
+    """The cause of the end."""
     message: str
+    """The cause in one sentence, for the user."""
     time_ns: int
+    """The simulated time of the end [ns]."""
     location: Location | None = None
+    """The line of the controller at the end; `None` where none is known."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """All that one run left in its events file.
-
-    `commands` are in the order of issue, and so are the `refused`, which moved nothing;
-    `functions_ran` in the order of their first run;
-    `sources` are the files of the controller that were compiled, with their bytes;
-    `last_ns` is the time of the last event [ns]; `end` is `None` where the child died untold.
-    """
+    """All that one run left in its events file."""
 
     commands: tuple[Command, ...] = ()
+    """The commands, in the order of issue."""
     refused: tuple[Command, ...] = ()
+    """The commands that moved nothing, in the order of issue."""
     functions_ran: tuple[FunctionSite, ...] = ()
+    """The functions that ran, in the order of their first run."""
     findings: tuple[Finding, ...] = ()
+    """The findings, in the order in which they were recorded."""
     notes: tuple[Note, ...] = ()
+    """The notes, in the order in which they were recorded."""
     end: RecordedEnd | None = None
+    """The recorded end; `None` where the child died without one."""
     last_ns: int = 0
+    """The simulated time of the last event [ns]."""
     sources: Mapping[str, bytes] = field(default_factory=dict)
+    """The bytes of the controller's compiled files, by path from its root."""
 
     def note(self, kind: str) -> Mapping[str, Any] | None:
         """Return the data of the last note of a kind, `None` where there is none."""
@@ -366,15 +374,26 @@ def read_recording(path: Path | str) -> Recording:
 
 @dataclass(slots=True)
 class _Reader:
+    """Gathers the events of a recording as its lines are read."""
+
     functions: list[FunctionSite] = field(default_factory=list)
+    """The functions by the number that stands for them in other events."""
     commands: dict[int, Command] = field(default_factory=dict)
+    """The commands so far, by id."""
     refused: list[Command] = field(default_factory=list)
+    """The commands that moved nothing, so far."""
     ran: dict[FunctionRef, FunctionSite] = field(default_factory=dict)
+    """The functions that ran, with the line of their `def`."""
     findings: list[Finding] = field(default_factory=list)
+    """The findings so far; a `recovered` event names one by its index."""
     notes: list[Note] = field(default_factory=list)
+    """The notes so far."""
     end: RecordedEnd | None = None
+    """The first recorded end; `None` before there is one."""
     last_ns: int = 0
+    """The greatest time of an event so far [ns]."""
     sources: dict[str, bytes] = field(default_factory=dict)
+    """The bytes of the compiled files, by path from the controller's root."""
 
     @property
     def handlers(self) -> dict[str, Callable[[dict[str, Any]], None]]:

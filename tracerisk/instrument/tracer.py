@@ -38,22 +38,21 @@ _UNNAMED = _COMPREHENSIONS | {"<lambda>"}
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One activation of a function on the stack of a command.
-
-    `line` is that of the `def`; `activation` is unique to this call in the run; `site` is
-    where this function made the call towards the next frame, or issued the command; where that
-    is not known, the line of its `def` and the column 0.
-    `root` says how the function came to run where no controller code called it, else `None`.
-    `instance` is not `None` where a state machine or behaviour tree entered one of its states
-    here: the label of the instance, empty where none is known.
-    """
+    """One activation of a function on the stack of a command."""
 
     function: FunctionRef
+    """The function that runs."""
     line: int
+    """The line of its `def`, from 1."""
     activation: int
+    """The number of this call, unique in the run."""
     site: Site
+    """Where it calls the next frame or issues the command; its `def` and column 0 if unknown."""
     root: RootKind | None = None
+    """How the function came to run where no controller code called it; else `None`."""
     instance: str | None = None
+    """The label of the state that a state machine or behaviour tree entered here; empty if unknown,
+    `None` where none was entered."""
     through: tuple[Place, ...] = ()
     """The other calls that led to it or on from it: those in lambdas, and the one that made it
     where it is a generator or a coroutine."""
@@ -66,11 +65,14 @@ class Frame:
 
 @dataclass(slots=True, eq=False)
 class _Record:
-    """A traced function: its name, the line of its `def` and its code."""
+    """A traced function."""
 
     ref: FunctionRef
+    """The file and qualified name of the function."""
     line: int
+    """The line of its `def`, from 1."""
     code: CodeType
+    """The code object that identifies its frames."""
 
 
 @dataclass(slots=True, eq=False)
@@ -78,8 +80,11 @@ class _Base:
     """The bottom of a stack: a root, or what a thread or a future inherited."""
 
     kind: RootKind
+    """How the code came to run."""
     activation: int
+    """The number of the activation."""
     inherited: tuple[Frame, ...] = ()
+    """The stack of the code that created the thread or future, outermost first."""
 
 
 # One link of a stack: (the caller's link or the base, the function, the activation, the keys of
@@ -93,6 +98,7 @@ class Captured:
     """The stack of the code that created a thread, a future or a task."""
 
     frames: tuple[Frame, ...]
+    """The frames of the stack, outermost first."""
 
 
 @dataclass(slots=True, eq=False)
@@ -100,8 +106,11 @@ class _Entered:
     """Context manager: the stack stands on `base` while it is open; may be entered again."""
 
     variable: ContextVar[Any]
+    """The variable that holds the innermost link of the running code."""
     base: _Base
+    """The bottom of the stack while it is open."""
     tokens: list[Token[Any]] = field(default_factory=list)
+    """What resets the variable, one for each entry that is still open."""
 
     def __enter__(self) -> None:
         self.tokens.append(self.variable.set(self.base))

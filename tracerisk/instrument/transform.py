@@ -32,17 +32,16 @@ DECORATOR = "__tracerisk_traced__"
 
 @dataclass(frozen=True, slots=True)
 class InstrumentedSource:
-    """A source with its decorators.
-
-    `file` is the path relative to the controller's root, as in every `FunctionRef`;
-    `original` the bytes on disk, `text` the instrumented source (decoded),
-    `functions` every traced function in the order of the file.
-    """
+    """A source with the tracer's decorators."""
 
     file: str
+    """The path from the controller's root, as in every `FunctionRef`."""
     original: bytes
+    """The bytes on disk."""
     text: str
+    """The instrumented source, decoded."""
     functions: tuple[FunctionSite, ...]
+    """Every traced function, in the order of the file."""
 
 
 def instrument_source(source: bytes, file: str) -> InstrumentedSource:

@@ -27,11 +27,14 @@ _MOST_WAITING = 100  # what one call made and nobody has begun; more of it says 
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """What one way through a function executed that was called at a place and returned."""
+    """One call of a function that returned, and what it executed."""
 
     place: Place
+    """The place of the call."""
     function: FunctionRef
+    """The function that was called."""
     executed: frozenset[Place]
+    """The places of the calls that it executed before it returned."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +42,13 @@ class Calls:
     """Which calls a run executed."""
 
     executed: frozenset[Place]
-    """Those that were reached."""
+    """The places of the calls that were reached, those that raised included."""
     turns: tuple[Turn, ...]
+    """The calls of functions that returned, each with what it executed."""
     raised: frozenset[Place]
-    """Those that a stand-in refused by an exception the last time."""
+    """The places of calls that a stand-in refused by an exception the last time."""
     waiting: frozenset[Place]
-    """Those that made generators or coroutines of which none ever began."""
+    """The places of calls that made generators or coroutines of which none ever began."""
 
     @classmethod
     def of(cls, note: Mapping[str, Any]) -> Calls:

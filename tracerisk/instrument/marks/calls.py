@@ -39,6 +39,7 @@ class MarkedCall:
     """A call of a source that may command."""
 
     node: ast.Call
+    """The call in the syntax tree."""
     scope: Function | None
     """The function around it, `None` in module-level code."""
     is_spare: bool

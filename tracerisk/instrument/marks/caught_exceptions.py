@@ -56,6 +56,7 @@ class CaughtFailure:
     call: str
     """What was called: the name of a function, or of a class."""
     message: str
+    """The type of the exception and its text, on one line."""
 
     @property
     def words(self) -> str:

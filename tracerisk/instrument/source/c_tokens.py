@@ -22,15 +22,16 @@ _SPACES = re.compile(rb"[ \t\f\v\r]+")
 
 
 class Token(NamedTuple):
-    """What may hold line ends or the signs of comments: a literal, a number, a comment.
-
-    `is_closed` is False of a comment in stars without an end.
-    """
+    """A token that may hold line ends or the signs of comments: a literal, number or comment."""
 
     start: int
+    """The offset of its first byte."""
     end: int
+    """The offset behind its last byte."""
     is_comment: bool
+    """Whether it is a comment of either form."""
     is_closed: bool = True
+    """Whether it has an end; False only of an unterminated `/*` comment."""
 
 
 def tokens(source: bytes, *, is_java: bool = False) -> Iterator[Token]:

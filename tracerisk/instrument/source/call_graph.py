@@ -29,16 +29,20 @@ from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource
 
 @dataclass(frozen=True, slots=True)
 class CalledBy:
-    """What one function calls: functions of the controller, and names of others'.
+    """What one function calls.
 
-    Those stand as they are written and by their last name (`self.arm.go` and `go`).
-    `unknown` are those of them that are called on something of which nothing is known.
+     Calls that lead out of the controller are named as written and by their last name
+    (`self.arm.go` and `go`).
     """
 
     line: int
+    """The line of the function's `def`, from 1."""
     functions: frozenset[FunctionRef]
+    """The controller's functions that it calls."""
     others: frozenset[str]
+    """The names of calls that lead out of the controller."""
     unknown: frozenset[str] = frozenset()
+    """Those of `others` that are called on an object of unknown type."""
 
     def with_more(self, more: CalledBy) -> CalledBy:
         """Return it with what another part of the same function calls."""
@@ -52,15 +56,14 @@ class CalledBy:
 
 @dataclass(frozen=True, slots=True)
 class CallGraph:
-    """Every function of one or more source files, `<module>` of each among them.
-
-    `imports` are, for each file, the last names of the modules that it may import. `regular` are
-    the calls without those in `except` clauses.
-    """
+    """The calls of every function of one or more source files, `<module>` of each included."""
 
     calls: Mapping[FunctionRef, CalledBy]
+    """What each function calls."""
     imports: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    """The last names of the modules that a file may import, by file."""
     regular: Mapping[FunctionRef, CalledBy] = field(default_factory=dict)
+    """The same as `calls`, without calls in `except` clauses."""
 
     @classmethod
     def joined(cls, graphs: Iterable[CallGraph]) -> CallGraph:
@@ -189,8 +192,11 @@ class _Use:
     """What a part of a function's body uses, before names are resolved."""
 
     called: list[tuple[cst.BaseExpression, Scope]] = field(default_factory=list)
+    """The expressions that are called, each with the scope of the call."""
     handed_on: list[tuple[cst.BaseExpression, Scope]] = field(default_factory=list)
+    """The expressions that are passed as arguments, each with the scope of the call."""
     read: list[tuple[cst.BaseExpression, Scope]] = field(default_factory=list)
+    """The names and attributes that are only read, each with its scope."""
 
 
 @dataclass(slots=True)
@@ -198,8 +204,11 @@ class _Uses:
     """What a function's body uses, in its regular course and in its `except` clauses."""
 
     line: int
+    """The line of the function's `def`, from 1."""
     regular: _Use = field(default_factory=_Use)
+    """The use outside `except` clauses."""
     handling: _Use = field(default_factory=_Use)
+    """The use in `except` clauses."""
 
 
 class _Reader(cst.CSTVisitor):

@@ -21,15 +21,14 @@ _LEAVES = frozenset(
 
 
 class Definition(NamedTuple):
-    """One `def` or `async def`: lines count from 1.
-
-    `line` is that of the `def`, `body_line` the first of its first statement, decorators
-    included.
-    """
+    """One `def` or `async def`."""
 
     name: QualifiedName
+    """The qualified name of the function."""
     line: int
+    """The line of the `def`, from 1."""
     body_line: int
+    """The first line of the first statement, decorators included, from 1."""
 
 
 def normal_name(name: str) -> str:

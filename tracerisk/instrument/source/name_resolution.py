@@ -24,17 +24,29 @@ class Scope:
     """A module, class or function body, and what is bound in it."""
 
     kind: Literal["module", "class", "function"]
+    """What the body belongs to."""
     qualified: str
+    """The qualified name of the class or function; empty for a module."""
     parent: Scope | None
+    """The enclosing scope; `None` for a module."""
     owner: FunctionRef
+    """The function whose calls the body's calls are; `<module>` outside functions."""
     klass: ClassBody | None = None
+    """The class of a class body, or of the method that a function is; else `None`."""
     self_name: str | None = None
+    """The first parameter of a method; `None` for all others."""
     cls_name: str | None = None
+    """The first parameter of a class method; `None` for all others."""
     functions: dict[str, list[FunctionRef]] = field(default_factory=dict)
+    """The functions that a name is bound to by `def`."""
     classes: dict[str, ClassBody] = field(default_factory=dict)
+    """The class that a name is bound to by `class`."""
     imported: set[str] = field(default_factory=set)
+    """The names bound by imports."""
     assigned: dict[str, list[cst.BaseExpression]] = field(default_factory=dict)
+    """The expressions assigned to a name."""
     annotated: dict[str, list[cst.BaseExpression]] = field(default_factory=dict)
+    """The annotations of a name; empty for a parameter that has none."""
 
     def prefix(self) -> str:
         """Return what stands before the name of something defined here."""
@@ -58,14 +70,20 @@ class Scope:
 
 @dataclass(eq=False, slots=True)
 class ClassBody:
-    """A class of the file; `subclasses` are those of the file."""
+    """A class of the file."""
 
     name: str
+    """The qualified name of the class."""
     scope: Scope
+    """The scope of the class body."""
     bases: list[cst.BaseExpression] = field(default_factory=list)
+    """The expressions of the bases, in order."""
     subclasses: list[ClassBody] = field(default_factory=list)
+    """The direct subclasses in the same file."""
     attributes: dict[str, list[tuple[cst.BaseExpression, Scope]]] = field(default_factory=dict)
+    """The expressions assigned to an attribute of `self` or `cls`, each with its scope."""
     annotations: dict[str, list[tuple[cst.BaseExpression, Scope]]] = field(default_factory=dict)
+    """The annotations of an attribute, each with its scope."""
 
 
 MeaningKind = Literal["function", "class", "instance", "super", "external"]
@@ -73,11 +91,14 @@ MeaningKind = Literal["function", "class", "instance", "super", "external"]
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """One thing that an expression may be: a function, a class, an instance, or not ours."""
+    """One thing that an expression may be."""
 
     kind: MeaningKind
+    """What it is; `external` for what is not of this file."""
     function: FunctionRef | None = None
+    """The function; `None` for other kinds."""
     klass: ClassBody | None = None
+    """The class, that of an instance, or the one that `super()` starts from; else `None`."""
 
 
 EXTERNAL = Meaning("external")

@@ -40,25 +40,27 @@ _PYTHON_2_LINES = tuple(
 
 @dataclass(frozen=True, slots=True)
 class FunctionSite:
-    """A function of a source file and the line of its `def`; 1 for `<module>`."""
+    """A function of a source file and the place of its definition."""
 
     ref: FunctionRef
+    """The file and qualified name of the function."""
     line: int
+    """The line of its `def`, from 1; 1 for `<module>`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ParsedSource:
-    """A source file that Python 3 compiles.
-
-    `text` is the decoded source without its byte order mark, line ends as they were.
-    `functions` are every `def` and `async def` in the order of the file: no two share a line, so
-    the n-th function that another parser meets is the n-th of these.
-    """
+    """A source file that Python 3 compiles."""
 
     file: str
+    """The path from the controller's root."""
     text: str
+    """The decoded source without its byte order mark, line ends unchanged."""
     tree: ast.Module
+    """The syntax tree of the text."""
     functions: tuple[FunctionSite, ...]
+    """Every `def` and `async def` in the order of the file; no two share a line, so the n-th that
+    another parser meets is the n-th here."""
 
 
 def parse_source(source: bytes, file: str) -> ParsedSource:

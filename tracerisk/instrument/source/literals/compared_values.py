@@ -46,12 +46,11 @@ _OF_GOAL = frozenset({"request", "goal"})
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """The literals with which fields are compared, by path, in the order of the source.
-
-    A number stands behind each `<` or `>` on the side on which the comparison holds.
-    """
+    """The literals with which fields are compared."""
 
     values: Mapping[tuple[str, ...], tuple[Any, ...]] = field(default_factory=dict)
+    """The literals in the order of the source, by path of the field; for `<` and `>` a number on
+    the side on which the comparison holds."""
 
     def texts(self, path: tuple[str, ...]) -> tuple[str, ...]:
         """Return the texts with which a field is compared."""
