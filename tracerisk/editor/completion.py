@@ -54,7 +54,9 @@ class Offer:
     """What may be inserted in place of the word that ends at the cursor."""
 
     text: str
+    """The text to insert."""
     about: str
+    """A short explanation for the editor's list."""
     kind: str
     """`section`, `key`, `value` or `name`."""
     typed: str = ""
@@ -75,12 +77,16 @@ class _Place:
 
 @dataclass(slots=True)
 class _Section:
-    """One section as it is read: its first line, and that of its brace."""
+    """One section as it is read."""
 
     kind: str
+    """`Function` or `Component`."""
     first: int
+    """The line that opens it, from 0."""
     last: int = sys.maxsize
+    """The line of its closing brace, from 0; `sys.maxsize` while it is open."""
     values: dict[str, str] = field(default_factory=dict)
+    """The values that it states, by key."""
 
 
 def offers(

@@ -46,14 +46,14 @@ def schema_of(kind: FileKind) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class _Cursor:
-    """A place in a YAML text: the keys and `-` that lead to it, and what is typed there.
-
-    `key` is the one whose value is typed; `None` where a key is.
-    """
+    """A place in a YAML text."""
 
     path: tuple[str, ...]
+    """The keys and `-` that lead from the top to the place."""
     key: str | None
+    """The key whose value is being typed; `None` where a key is being typed."""
     typed: str
+    """The text typed so far of that key or value."""
     present: tuple[str, ...] = ()
     """The keys that the table around it has."""
 

@@ -29,13 +29,18 @@ _ONE_AT_A_TIME = Lock()
 
 @dataclass(frozen=True, slots=True)
 class UnitUse:
-    """What the unit of a component that is most in use did in a function, over its visits [s]."""
+    """What the most used unit of a component did in a function, over all its visits."""
 
     unit: str
+    """The unit's name, an element of the robot."""
     moving_s: float
+    """The time in motion [s]."""
     holding_s: float
+    """The time at rest under load [s]."""
     grasping_s: float
+    """The time with something grasped [s]."""
     reading_s: float
+    """The time in which the controller read it [s]."""
 
     @property
     def used_s(self) -> float:
@@ -45,21 +50,24 @@ class UnitUse:
 
 @dataclass(frozen=True, slots=True)
 class ControllerFigures:
-    """A controller with its solved model, or `problem`, why there is none.
-
-    `names` are those of its functions in the model; `never_ran` can command hardware and did not.
-    """
+    """A controller with its solved model."""
 
     controller: Controller
+    """The controller that the blocks belong to."""
     names: Mapping[FunctionRef, str] = field(default_factory=dict)
+    """The names of its functions in the model."""
     assessment: Assessment | None = None
+    """The solution of the model; `None` where there is none."""
     problem: TraceRiskError | None = None
+    """Why there is no solution; `None` where there is one."""
     verdict: Verdict | None = None
+    """The verdict of the last run, as the lock keeps it; `None` where none is kept."""
     never_ran: tuple[FunctionRef, ...] = ()
+    """The functions that can command hardware and did not run."""
     summary: Mapping[str, Any] = field(default_factory=dict)
     """What the lock keeps of the run, as plain data."""
     blocks: tuple[RiskBlock, ...] = ()
-    """What the model is made of."""
+    """The risk blocks that the model is made of."""
 
     @property
     def importances(self) -> tuple[ComponentImportance, ...]:

@@ -14,11 +14,14 @@ from tracerisk.report.tables import counted, share_text
 
 @dataclass(frozen=True, slots=True)
 class Lens:
-    """A line of text above line `line`, from 1; `refreshes` is the controller it would run."""
+    """A line of text that the editor shows above a line of a source."""
 
     line: int
+    """The line of the source, from 1."""
     text: str
+    """The text to show."""
     refreshes: ControllerFigures | None = None
+    """The controller that a click refreshes; `None` for text without an action."""
 
 
 def lenses(

@@ -24,15 +24,14 @@ _GUTTER = re.compile(rb"([ \t\f]*)#[ \t]?\|.*?(\r?\n?)", re.DOTALL)
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """What a source holds: its functions with the line of each, from 1, and its blocks.
-
-    `problems` are why some of it could not be read; a block that is malformed is left out, and
-    the others are there.
-    """
+    """What a source holds; a malformed block is left out, and the others are kept."""
 
     functions: tuple[tuple[QualifiedName, int], ...] = ()
+    """The qualified name of each function with the line of its `def`, from 1."""
     placed: tuple[PlacedBlock, ...] = ()
+    """The risk blocks with their places."""
     problems: tuple[TraceRiskError, ...] = ()
+    """Why a part of the source could not be read."""
     is_code_read: bool = True
     """Whether the source itself could be read: False while it is half typed."""
 

@@ -19,14 +19,20 @@ _VALUE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class ValueLine:
-    """One `key = value` line of a block; `line` counts from 0."""
+    """One `key = value` line of a block."""
 
     line: int
+    """The number of the line, from 0."""
     before: str
+    """The indentation and comment sign before the key."""
     key: str
+    """The key, such as `probability`."""
     is_pinned: bool
+    """Whether the value is set by hand (`:=`)."""
     value: str
+    """The value as it is written."""
     comment: str | None
+    """The text behind `!`; `None` where there is none."""
 
     def pinned(self, comment: str) -> str:
         """Return the line with its value set by hand."""

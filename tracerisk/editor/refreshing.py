@@ -29,10 +29,12 @@ _ENDS_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Refreshed:
-    """How a refresh of a controller ended, in words; `code` is the exit code of the command."""
+    """How a refresh of a controller ended."""
 
     code: int
+    """The exit code of the command; negative where a signal ended it."""
     words: str
+    """The outcome in one line, for the user."""
 
     @property
     def is_fine(self) -> bool:

@@ -37,12 +37,17 @@ class Document:
     """One version of a text that is open, with the bytes that saving it would write."""
 
     uri: str
+    """The URI by which the editor names it."""
     path: Path | None
     """`None` where the text is no file."""
     version: int | None
+    """The editor's number of the version; `None` where it gives none."""
     text: str
+    """The text of this version."""
     lines: Lines
+    """The text by lines, with the columns of the editor's encoding."""
     source: bytes
+    """The bytes that saving it would write."""
 
     @property
     def is_source(self) -> bool:
@@ -55,12 +60,16 @@ class Document:
 
 @dataclass(frozen=True, slots=True)
 class Analysis:
-    """What a check of a controller came to, with its unsaved texts."""
+    """The result of a check of a controller with its unsaved texts."""
 
     path: Path
+    """The script of the controller."""
     findings: tuple[CheckFinding, ...] = ()
+    """The findings of the check."""
     error: TraceRiskError | None = None
+    """Why the check could not be made; `None` where it was."""
     verdict: Verdict | None = None
+    """The verdict of the last run; `None` where none is kept."""
 
 
 class Session:
