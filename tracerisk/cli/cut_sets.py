@@ -65,11 +65,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Asked:
-    """The tree that is asked about, and the probabilities of its parameters, if it has any."""
+    """The tree that is analysed."""
 
     tree: FaultTree
+    """The fault tree with the top event."""
     values: Mapping[str, float] | None
+    """The probability of each basic event, by name; `None` where the model has none."""
     notes: tuple[str, ...] = ()
+    """Remarks on the model, for the user."""
 
 
 def run(options: argparse.Namespace) -> int:

@@ -35,15 +35,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RunShown:
-    """What a report shows of a run: its trace, the hardware, and what the two give.
-
-    `sections` show the run itself.
-    """
+    """What a report shows of a run."""
 
     trace: Trace
+    """The trace of the run."""
     hardware: Hardware
+    """The hardware description that its figures are computed with."""
     computed: ComputedBlocks
+    """The blocks computed from the two."""
     sections: tuple[Section, ...] = ()
+    """The sections of the report on the run itself."""
 
 
 def evidence_shown(

@@ -38,12 +38,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class FinishedRun:
-    """What a run that ended well came to; everything that was asked for as a file is written."""
+    """The results of a run that ended well; all requested files are written."""
 
     assessed: Assessed
+    """The run with its blocks and the solved model."""
     figures: RunFigures
+    """The figures to print."""
     uncertainty: Uncertainty | None
+    """The uncertainty of the failure probability; `None` where it was not requested."""
     derivation: FunctionDerivation | None
+    """The explanation of one function's figures; `None` where it was not requested."""
 
 
 def finish_run(

@@ -60,11 +60,14 @@ def watch_run(options: argparse.Namespace) -> NoReturn:
 
 @dataclass(slots=True)
 class _Clock:
-    """When an update began, and how long its controller ran [s of wall time]."""
+    """The times of one update, as a monotonic clock gives them."""
 
     began: float = field(default_factory=time.monotonic)
+    """When the update began [s]."""
     started: float | None = None
+    """When the controller's process started to work [s]; `None` while it is not at work."""
     ran_s: float = 0.0
+    """The wall time for which it has worked so far [s]."""
 
     def pass_on(self, phase: str) -> None:
         """Take a phase that begins."""

@@ -42,22 +42,27 @@ class Choice:
     """A component that can be changed."""
 
     name: str
+    """The name of the component."""
     figure: float
-    """Of one unit, the greatest in a visit."""
+    """The failure probability of one unit in a visit, the greatest of all functions."""
     quantity: int
+    """The number of units."""
     required: int
+    """The number of units that must work."""
     units: tuple[tuple[int, int], ...] = ()
-    """How many units of how many may be needed; empty where its functions differ in them."""
+    """The choices of (units that must work, units); empty where functions differ in them."""
     by_time: bool = False
     """Whether all of its figures count time in use, so that they follow the speed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Choices:
-    """What can be changed of a controller, and what not for want of knowledge."""
+    """What can be changed of a controller."""
 
     components: tuple[Choice, ...]
+    """The components that can be changed."""
     notes: tuple[str, ...]
+    """Why some components cannot be changed, a sentence each."""
 
     @property
     def has_speed(self) -> bool:
@@ -67,22 +72,26 @@ class Choices:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """What a query asks for."""
+    """The changes that a query requests."""
 
     rates: Mapping[str, float]
-    """Factors of figures, by component."""
+    """The factor on the figures of a component, by its name."""
     units: Mapping[str, tuple[int, int]]
-    """Units needed, and units there are, by component."""
+    """(Units that must work, units) of a component, by its name."""
     speed: float = 1.0
+    """The factor on the speed of the robot; 1 leaves it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a change does."""
+    """The effect of a change."""
 
     before: Assessment
+    """The assessment without the change."""
     after: Assessment
+    """The assessment with the change."""
     assumptions: tuple[str, ...]
+    """What the result assumes, a sentence each."""
     command: str
     """The command that gives the same; empty where none does."""
 

@@ -49,12 +49,16 @@ _FILE_POLICY = (
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """What is sent: its status, its kind, its bytes, and what the browser may do with it."""
+    """A response to a request."""
 
     status: int
+    """The HTTP status code."""
     kind: str
+    """The value of its `Content-Type`."""
     body: bytes
+    """The content."""
     policy: str = "default-src 'none'"
+    """The value of its `Content-Security-Policy`."""
 
 
 class Site:

@@ -70,10 +70,12 @@ def sources_verdict(files: Sequence[str]) -> SourcesVerdict | None:
 
 @dataclass(frozen=True, slots=True)
 class SourcesVerdict:
-    """The verdicts of the runs behind sources, as lines and by controller."""
+    """The verdicts of the runs behind sources."""
 
     lines: tuple[str, ...]
+    """The lines to print."""
     by_controller: Mapping[str, Verdict | None]
+    """The verdict of each controller; `None` where its lock keeps none."""
 
     def data(self) -> dict[str, Any]:
         """Return what `--json` says of them."""

@@ -30,10 +30,15 @@ class ChainFile:
     """A PRISM file, or a .tra file with its labels; its figures are its absorbing states."""
 
     files: tuple[str, ...]
+    """The paths of the PRISM file, or of the .tra file and its labels."""
     kind: ModelFormat
+    """The format of the files."""
     time: float | None
+    """The time at which the chain is solved, in the unit of its rates; `None`: in the long run."""
     constants: Mapping[str, float] = field(default_factory=dict)
+    """The constants of the PRISM file that are set, by name."""
     questions: PropertyFile | None = None
+    """The properties to check; `None`: the absorption probabilities or long-run shares."""
 
     @property
     def name(self) -> str:

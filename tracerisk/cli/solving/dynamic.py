@@ -19,17 +19,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DynamicFile:
-    """A Galileo file; its figure is its top.
-
-    `text` is what it was read from, `parameters` the values of those that it declares, `changes`
-    the figures of events that were set.
-    """
+    """A Galileo file; its figure is its top."""
 
     tree: DynamicTree
+    """The dynamic fault tree, with the changes."""
     mission_time_h: float | None
+    """The mission time [h]; `None` where it is not given."""
     text: str = ""
+    """The Galileo text that the tree was read from."""
     parameters: Mapping[str, float] = field(default_factory=dict)
+    """The values of the parameters that the file declares, by name."""
     changes: Mapping[str, float] = field(default_factory=dict)
+    """The rates [1/h] or probabilities of events that were set, by name."""
 
     @property
     def name(self) -> str:

@@ -25,8 +25,11 @@ class LogicFile:
     """A model of Open-PSA or OpenPRA; its figures are its tops and outcomes."""
 
     model: LogicModel
+    """The model, with the changes."""
     file: str
+    """The path of the file."""
     mission_time_h: float | None
+    """The mission time [h]; `None` where it is not given."""
 
     @property
     def name(self) -> str:

@@ -20,18 +20,20 @@ Render = Callable[..., str]
 
 @dataclass(frozen=True, slots=True)
 class Solved:
-    """A solved model file: its figures by name, all of it as data, and what shows it.
-
-    `risks` are the figures that a limit is for, `None` where only a user knows; `broken` are
-    the limits of its own that do not hold.
-    """
+    """A solved model file."""
 
     figures: Mapping[str, float]
+    """The figures, by name."""
     data: dict[str, Any]
+    """All results, as `--json` prints them."""
     shown: tuple[tuple[Render, tuple[Any, ...]], ...]
+    """The functions that render the results as text, each with its arguments."""
     notes: tuple[str, ...] = ()
+    """Remarks on the model, for the user."""
     risks: tuple[str, ...] | None = None
+    """The figures that a limit applies to; `None` where only the user can decide."""
     broken: tuple[str, ...] = ()
+    """The limits of the model's own that do not hold."""
 
 
 class Solvable(Protocol):
