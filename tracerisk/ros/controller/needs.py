@@ -29,18 +29,17 @@ _SWITCH = re.compile(r"(^|[/_.~])(enabled?|(auto_?)?start|run|execute|activ(e|at
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """A thing of the world: its kind, name and type (`std_srvs/Trigger`; empty: not known).
-
-    `parent` is the frame in which a frame is looked up; `type_name` of a parameter is `string`,
-    `double_array` and so on, as far as the controller says it, that of an object of the planning
-    scene `attached` where the robot must hold it, `model` where it is one of Gazebo; of a module it
-    is what to do about it.
-    """
+    """A thing of the world that a controller asks for."""
 
     kind: NeedKind
+    """The kind of thing."""
     name: str
+    """The name by which the controller asks for it, such as `/add`."""
     type_name: str = ""
+    """Its ROS type, a parameter's type, `attached` or `model` for an object, the remedy for a
+    module; empty if unknown."""
     parent: str = ""
+    """The frame in which a frame is looked up; empty for all other kinds."""
 
     @property
     def words(self) -> str:
@@ -68,12 +67,16 @@ class Need:
 
 @dataclass(frozen=True, slots=True)
 class Missed:
-    """A need that nothing met: when it was asked for first and last [ns], and where last."""
+    """A need that nothing met."""
 
     need: Need
+    """What was asked for."""
     first_ns: int
+    """The simulated time of the first request [ns]."""
     last_ns: int
+    """The simulated time of the last request [ns]."""
     location: Location | None
+    """The line of the last request; `None` where none is known."""
 
 
 class NeedLedger:

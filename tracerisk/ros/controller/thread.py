@@ -64,20 +64,26 @@ class Meaning:
 
 @dataclass(slots=True, eq=False)
 class Wait:
-    """What a thread waits for, and since when (a sequence number, and simulated time [ns]).
-
-    `meaning` returns what the wait means now.
-    """
+    """What a thread waits for."""
 
     since: int
+    """The sequence number of its begin: of threads that can go on the lowest goes first."""
     since_ns: int
+    """The simulated time of its begin [ns]."""
     predicate: Callable[[], bool] | None
+    """The condition that ends the wait; `None` for a mere passing of time."""
     deadline_ns: int | None
+    """The simulated time at which it ends in any case [ns]; `None`: never."""
     reason: str
+    """What it waits for, in words: `service /add (pkg/Add)`."""
     meaning: Callable[[], Meaning]
+    """A function that returns what the wait means at present."""
     on: HoldsLock | ControllerThread | None
+    """The lock or thread that could end it; `None` where there is none."""
     frame: FrameType | None = None
+    """The Python frame that waits; `None` while the thread does not wait."""
     satisfied: bool = False
+    """Whether the predicate, and not the deadline, ended it."""
 
     @property
     def kind(self) -> WaitKind:
@@ -87,34 +93,48 @@ class Wait:
 
 @dataclass(slots=True, eq=False)
 class ControllerThread:
-    """A thread under the baton; `process` is the companion whose code it runs, None for none.
-
-    `gate` is what it waits at for the baton.
-    `is_undisturbed`: it reads the clock, and nobody else has a turn meanwhile.
-    """
+    """A thread under the baton."""
 
     name: str
+    """The name of the thread."""
     number: int
+    """Its rank by creation, unique in the run."""
     daemon: bool
+    """Whether the run may end while it is alive."""
     is_main: bool = False
+    """Whether it is the main thread of the controller."""
     is_controllers: bool = True
+    """Whether it is the controller's own; False for a library's and a companion's."""
     finished: bool = False
+    """Whether its function has returned."""
     gate: Any = None
+    """The lock or greenlet at which it waits for the baton."""
     wait: Wait | None = None
+    """What it waits for; `None` while it has the baton."""
     ident: int | None = None
+    """The identifier that Python gives it; `None` before it starts."""
     spins_since_ns: int | None = None
+    """The simulated time since which it runs callbacks itself [ns]; `None`: it does not."""
     read_ns: int = -1
+    """The simulated time at which it last looked at the clock [ns]; -1: not since it worked."""
     is_undisturbed: bool = False
+    """Whether its looks at the clock move no time."""
     calls: int = 0
+    """The number of non-waiting calls at the instant `calls_ns`, weighted by their cost."""
     calls_ns: int = -1
+    """The simulated instant that `calls` belongs to [ns]; -1 before the first call."""
     waits: int = 0
-    """How often it has slept or waited for something, and not only looked at the clock."""
+    """The number of its sleeps and waits, without looks at the clock."""
     raises: int = 0
+    """The number of times that the end of the run was raised in it."""
     interrupt: BaseException | None = None
+    """The exception to raise at the end of its wait; `None`: none."""
     signals: list[Callable[[], object]] = field(default_factory=list)
-    """Handlers of signals that it is to run before it goes on; only the main thread has any."""
+    """The handlers of signals to run before it goes on; only the main thread has any."""
     process: NodeProcess | None = None
+    """The companion whose code it runs; `None` for the controller's."""
     at_finish: list[Callable[[], None]] = field(default_factory=list)
+    """The functions to call when it has finished."""
 
 
 @contextmanager

@@ -93,31 +93,40 @@ class GoalStateError(Exception):
 
 @dataclass(slots=True, eq=False)
 class ActionGoal:
-    """A goal from the moment it was sent.
-
-    `message` is the goal as sent, `stack` that of the code which sent it, `sent_ns` when.
-    `on_change` is called after each change of state, `on_feedback` with each feedback; a client
-    library sets both. `data` is free for the server. `result` stays None until a terminal state.
-    `motion` is what the twin carries out for it. `is_cancel_unread` is set by a server that reads
-    the request to cancel it only after its end.
-    """
+    """A goal from the moment it was sent."""
 
     id: Any
+    """The identifier that the client library gave it, or `node-number`."""
     client: ActionClientEnd
+    """The end that sent it."""
     server: ActionServerEnd | None
+    """The end that serves it; `None` where nobody does."""
     message: Any
+    """The goal message as it was sent."""
     stack: tuple[Any, ...]
+    """The stack of the code that sent it."""
     sent_ns: int
+    """The simulated time at which it was sent [ns]."""
     on_change: Callable[[ActionGoal], None] = ignore
+    """The client library's function for each change of state."""
     on_feedback: Callable[[ActionGoal, Any], None] = ignore
+    """The client library's function for each feedback."""
     state: GoalState = GoalState.PENDING
+    """The present state, as the server reports it."""
     text: str = ""
+    """The server's text on the state."""
     result: Any = None
+    """The result message; `None` before a terminal state, or where the server gave none."""
     is_cancel_asked: bool = False
+    """Whether the client has asked to cancel it."""
     is_cancel_unread: bool = False
+    """Whether the server reads a request to cancel only after the goal's end."""
     is_on_way: bool = False
+    """Whether it has not reached the server yet."""
     data: Any = None
+    """Free for the server."""
     motion: Any = None
+    """The motion that the twin executes for it; `None` where it moves nothing."""
 
     # The server's side; `is_on_way` until the goal has come there
 

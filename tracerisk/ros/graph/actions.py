@@ -41,31 +41,40 @@ def topics_of_action(name: str, type_name: str) -> tuple[tuple[str, str, bool], 
 
 @dataclass(slots=True, eq=False)
 class ActionServerEnd:
-    """Who serves an action: it gets goals and cancel requests by `on_goal` and `on_cancel`.
-
-    `copy` makes what is sent of a result or a feedback. `by_controller` is False for the twin's
-    own servers and for those that a scenario plays. `goals` are those that are not over, in the
-    order of their sending. `on_message` is called after a goal's client got a `state` or a
-    `feedback`.
-    """
+    """The server of an action."""
 
     actions: Actions
+    """The actions of the run."""
     name: str
+    """The full name of the action."""
     type_name: str
+    """The type of the action, `package/Name`."""
     node: str
+    """The full name of the node that serves it."""
     on_goal: Callable[[ActionGoal], None]
+    """The function that receives a goal."""
     on_cancel: Callable[[ActionGoal], None]
+    """The function that receives a request to cancel a goal."""
     copy: Callable[[Any], Any]
+    """The function that makes the message to send from a given result or feedback."""
     by_controller: bool
+    """Whether the controller's code serves it; False for the twin and a scenario."""
     is_scenario: bool = False
+    """Whether a scenario serves it."""
     place: Location | None = None
+    """The line of the controller that made it; `None` where it is not the controller's."""
     is_called: bool = False
+    """Whether a goal was ever sent to it."""
     process: NodeProcess | None = None
     """The node beside the controller that it belongs to; `None` for all others."""
     made_ns: int = 0
+    """The simulated time at which it was made [ns]."""
     on_message: Callable[[ActionGoal, str, Any], None] = ignore
+    """The function for each `state` or `feedback` that a client received."""
     goals: list[ActionGoal] = field(default_factory=list)
+    """The goals that are not over, in the order of sending."""
     closed: bool = False
+    """Whether it has stopped serving."""
 
     @property
     def is_companions(self) -> bool:
@@ -86,23 +95,30 @@ class ActionServerEnd:
 
 @dataclass(slots=True, eq=False)
 class ActionClientEnd:
-    """Who sends goals of an action; `copy` makes what is sent of a goal.
-
-    `by_controller` is False for one of the twin's that sends what came by other means.
-    """
+    """The client of an action, which sends goals."""
 
     actions: Actions
+    """The actions of the run."""
     name: str
+    """The full name of the action."""
     type_name: str
+    """The type of the action, `package/Name`."""
     node: str
+    """The full name of the node that sends goals."""
     copy: Callable[[Any], Any]
+    """The function that makes the message to send from a given goal."""
     closed: bool = False
+    """Whether it has been closed."""
     place: Location | None = field(default_factory=asking_place)
+    """The line of the controller that made it; `None` where none is known."""
     by_controller: bool = True
+    """Whether the controller's code sends the goals; False for a client of the twin."""
     made_ns: int = 0
+    """The simulated time at which it was made [ns]."""
     process: NodeProcess | None = None
     """The node beside the controller that it belongs to; `None` for the controller's own."""
     _numbers: Any = field(default_factory=lambda: itertools.count(1))
+    """The numbers of its goals, from 1."""
 
     @property
     def server(self) -> ActionServerEnd | None:

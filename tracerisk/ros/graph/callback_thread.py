@@ -13,19 +13,26 @@ from tracerisk.ros.time.scheduler import CallTracer, Scheduler
 
 @dataclass(eq=False)
 class CallbackThread:
-    """Runs what is handed to it, in order, each call as a root of its own.
+    """Runs calls one after the other, each as a root of its own.
 
-    `limit` is how many calls may wait; the oldest are dropped, as from a full socket buffer.
     The thread is started by the first call.
     """
 
     _scheduler: Scheduler
+    """The scheduler of the run."""
     _tracer: CallTracer | None
+    """The tracer in which each call is a root; `None` without tracing."""
     _name: str
+    """The name of the thread."""
     limit: int | None = None
+    """How many calls may wait before the oldest is dropped, as from a full socket buffer; `None`:
+    any number."""
     _calls: deque[Callable[[], object]] = field(default_factory=deque)
+    """The calls that wait, the oldest first."""
     _is_started: bool = False
+    """Whether the thread has been started."""
     _is_closed: bool = False
+    """Whether it accepts no more calls."""
 
     @property
     def n_waiting(self) -> int:

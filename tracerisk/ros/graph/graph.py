@@ -48,26 +48,38 @@ def _report_on_stderr(message: str) -> None:
 
 @dataclass(slots=True, eq=False)
 class Publication:
-    """A node's right to publish on a topic; `copy` makes what is sent of what is given.
-
-    `on_received` is called with the controller's subscription that gets a message, each time.
-    """
+    """A node's right to publish on a topic."""
 
     graph: Graph
+    """The graph of the run."""
     topic: str
+    """The full name of the topic."""
     type_name: str
+    """The type of its messages, `package/Name`."""
     node: str
+    """The full name of the node."""
     latch: bool
+    """Whether the last message is kept for later subscriptions."""
     copy: Callable[[Any], Any]
+    """The function that makes the message to send from a given one."""
     on_connect: Callable[[Subscription], None] | None = None
+    """The function for each subscription that connects; `None`: none."""
     on_disconnect: Callable[[Subscription], None] | None = None
+    """The function for each subscription that leaves; `None`: none."""
     by_controller: bool = True
+    """Whether the controller's code publishes; False for the twin and a scenario."""
     latched: Any = None
+    """The last message, where it is kept; else `None`."""
     sent: int = 0
+    """The number of messages that were sent."""
     closed: bool = False
+    """Whether it has left the topic."""
     on_received: Callable[[Subscription], None] | None = None
+    """The function for each controller subscription that receives a message; `None`: none."""
     pace: PublishingPace = field(default_factory=PublishingPace)
+    """The pacing of a thread that publishes without ever waiting."""
     made_ns: int = 0
+    """The simulated time at which it was made [ns]."""
     process: NodeProcess | None = None
     """The node beside the controller that it belongs to; `None` for the controller's own."""
     keeps_for_late: bool = False
@@ -146,23 +158,29 @@ class Publication:
 
 @dataclass(slots=True, eq=False)
 class Subscription:
-    """A receiver of a topic's messages.
-
-    `deliver` is called while the message is published, with what was sent and by whom; it must
-    neither wait nor change the message, which others receive too. `on_close` are called when it
-    leaves its topic. `hears_scenario`: one of the twin's own that takes what a scenario sends.
-    """
+    """A receiver of a topic's messages."""
 
     graph: Graph
+    """The graph of the run."""
     topic: str
+    """The full name of the topic."""
     type_name: str
+    """The type of its messages, `package/Name`, or `*` for any."""
     node: str
+    """The full name of the node."""
     deliver: Callable[[Any, Publication], None]
+    """The function for each message and its publication, called while it is published; it must
+    neither wait nor change the message, which others receive too."""
     on_disconnect: Callable[[Publication], None] | None = None
+    """The function for each publication that leaves; `None`: none."""
     by_controller: bool = True
+    """Whether the controller's code subscribes; False for the twin."""
     place: Location | None = None
+    """The line of the controller that made it; `None` where none is known."""
     hears_scenario: bool = False
+    """Whether a subscription of the twin takes what a scenario sends."""
     closed: bool = False
+    """Whether it has left the topic."""
     process: NodeProcess | None = None
     """The node beside the controller that it belongs to; `None` for the controller's own."""
     takes_latched: bool = True
@@ -170,9 +188,11 @@ class Subscription:
     has_missed_latched: bool = False
     """Whether something was latched before it came, and it has received nothing at all."""
     on_close: list[Callable[[], None]] = field(default_factory=list)
+    """The functions to call when it leaves its topic."""
     made_ns: int = 0
+    """The simulated time at which it was made [ns]."""
     is_assumed: bool = False
-    """Whether nobody knows of it, and the controller waits for it."""
+    """Whether it stands for an assumed listener, for which the controller waits."""
 
     @property
     def publications(self) -> tuple[Publication, ...]:
@@ -207,21 +227,28 @@ class Subscription:
 
 @dataclass(slots=True, eq=False)
 class ServiceServer:
-    """Somebody who answers calls: `handle` takes a request and returns a response.
-
-    `is_callback`: the handler is the controller's, and runs on a thread of its own.
-    """
+    """The server of a service."""
 
     graph: Graph
+    """The graph of the run."""
     name: str
+    """The full name of the service."""
     type_name: str
+    """The type of the service, `package/Name`."""
     node: str
+    """The full name of the node that serves it."""
     handle: Callable[[Any], Any]
+    """The function that takes a request and returns the response."""
     is_callback: bool
+    """Whether the handler is the controller's, and runs on a thread of its own."""
     place: Location | None = None
+    """The line of the controller that made it; `None` where it is not the controller's."""
     is_called: bool = False
+    """Whether it was ever called."""
     process: NodeProcess | None = None
+    """The node beside the controller that it belongs to; `None` for all others."""
     made_ns: int = 0
+    """The simulated time at which it was made [ns]."""
     is_scenario: bool = False
     """Whether a scenario plays it."""
 
@@ -232,8 +259,12 @@ class ServiceServer:
 
 @dataclass(slots=True, eq=False)
 class _Topic:
+    """The ends of one topic."""
+
     publications: list[Publication] = field(default_factory=list)
+    """The publications, in the order in which they were made."""
     subscriptions: list[Subscription] = field(default_factory=list)
+    """The subscriptions, in the order in which they were made."""
 
 
 class CellWatch(Protocol):
@@ -770,8 +801,12 @@ class Graph:
 
 @dataclass(slots=True)
 class _Answer:
+    """The outcome of a service call."""
+
     response: Any = None
+    """The response; `None` before there is one."""
     error: Exception | None = None
+    """Why the handler could not answer; `None` where it did."""
 
 
 def _types_agree(published: str, subscribed: str) -> bool:

@@ -17,14 +17,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class JointName:
-    """What one name stands for.
-
-    `moves` gives joints the part of its value that each takes; `note` says why a name that moves
-    nothing on the twin is accepted.
-    """
+    """The meaning of a driver's own name."""
 
     moves: Mapping[str, float] = field(default_factory=dict)
+    """The part of the value that each joint takes, by joint; empty where nothing moves."""
     note: str = ""
+    """Why a name that moves nothing on the twin is accepted; else empty."""
 
 
 class JointNames:

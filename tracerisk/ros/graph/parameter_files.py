@@ -19,12 +19,16 @@ _EVERY = frozenset({EVERY_NODE, "/*", "**", "*"})
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter: `node` is whose it is, None for everybody's; `location` where it is given."""
+    """A parameter and where it is set."""
 
     node: str | None
+    """The node that it belongs to, or a pattern of nodes; `None`: every node."""
     name: str
+    """The name of the parameter; a leading `~` makes it private to the node."""
     value: Any
+    """The value, as YAML holds it."""
     location: Location | None = None
+    """The line that sets it; `None` where it comes from no file."""
 
 
 def read_parameters(path: Path) -> tuple[Parameter, ...]:

@@ -24,31 +24,35 @@ State = TypeVar("State")
 
 @dataclass(frozen=True, slots=True)
 class Runtime:
-    """What a run is made of.
-
-    `argv` is the controller's command line, `seed` that of everything random.
-    `parameters` are those of the scenario and of parameter files, later ones first in rank.
-    `packages` are those of the controller's workspace, each name with its folder; `installed` those
-    that it does not have itself, of an installed ROS and of overlays.
-    `distro` has the rules of the distribution of ROS that the run follows.
-    `clients` holds the state of each client library, by the class of that state. `beside` is the
-    runtime of the controller where this one is that of a companion: what is the world's of the
-    states, and no process's own (its class says `is_of_world`), they share.
-    """
+    """The parts of a run."""
 
     scheduler: Scheduler
+    """The scheduler of threads and simulated time."""
     graph: Graph
+    """The topics, services and parameters."""
     twin: Any = None
+    """The simulated robot and scene; `None` in a run without one."""
     tracer: CallTracer | Any = None
+    """The tracer of the controller's functions; `None` without tracing."""
     recorder: Any = None
+    """The recorder of events; `None` where nothing is recorded."""
     argv: tuple[str, ...] = ("controller",)
+    """The controller's command line."""
     seed: int = 0
+    """The seed of everything random."""
     packages: Mapping[str, Path] = field(default_factory=dict)
+    """The folders of the workspace's packages, by name."""
     parameters: tuple[Parameter, ...] = ()
+    """The parameters of the scenario and of files, in rising rank."""
     distro: DistroRules = field(default_factory=DistroRules)
+    """The rules of the ROS distribution that the run follows."""
     clients: dict[type, Any] = field(default_factory=dict)
+    """The state of each client library, by its class."""
     beside: Runtime | None = None
+    """The controller's runtime, for a companion's, with which it shares the states whose class has
+    `is_of_world`; else `None`."""
     installed: Mapping[str, Path] = field(default_factory=dict)
+    """The folders of packages that only an installed ROS or an overlay has, by name."""
 
     @property
     def findable(self) -> Mapping[str, Path]:

@@ -32,15 +32,22 @@ _WRITTEN_EVERY_NS = 1_000_000_000  # so much is lost at most where the process d
 
 @dataclass(slots=True, eq=False)
 class _Channel:
-    """Sensors that are read together; `listening` are subscriptions that read until they end."""
+    """Sensors that are read together."""
 
     number: int
+    """The number by which notes refer to it, from 0."""
     sensors: tuple[str, ...]
+    """The names of the sensors."""
     start_ns: int = -1
+    """The begin of the present span of reading [ns]; -1 before the first."""
     last_ns: int = -1
+    """The time of the last reading [ns]; -1 before the first."""
     end_ns: int = -1
+    """The end of the present span of reading [ns]; -1 where it is open."""
     written_ns: int = -1
+    """The end of the last span that was written [ns]; -1 where none was."""
     listening: list[Subscription] = field(default_factory=list)
+    """The subscriptions that read until they end."""
 
 
 class SensorReading:

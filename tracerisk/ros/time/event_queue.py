@@ -9,12 +9,16 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True, order=True)
 class ScheduledCall:
-    """A kernel event; `cancel()` takes it back."""
+    """A kernel event, ordered by time and sequence."""
 
     time_ns: int
+    """The simulated time at which it is due [ns]."""
     sequence: int
+    """Its rank among events of the same instant."""
     callback: Callable[[], None] | None = field(compare=False)
+    """The function to call; `None` once it is cancelled."""
     background: bool = field(compare=False)
+    """Whether the event by itself does not keep a run from standing still."""
 
     def cancel(self) -> None:
         """Do not run the callback; nothing happens where it has run already."""

@@ -31,15 +31,22 @@ _ONLY_MAIN = "signal only works in main thread of the main interpreter"
 
 @dataclass(slots=True)
 class _ThreadState:
-    """What Python keeps for a thread, while another has the baton."""
+    """What Python keeps for a thread, stored while another has the baton."""
 
     kept: dict[Any, Any] = field(default_factory=dict)
+    """The dictionary of the thread's state, which holds its `threading.local` values."""
     of_asyncio: dict[str, Any] = field(default_factory=dict)
+    """The `threading.local` of asyncio's event loop policy, from Python 3.13 on."""
     loop: Any = None
+    """The running event loop; `None` where none runs."""
     task: Any = None
+    """The current task of that loop; `None` outside one."""
     tracing: Any = None
+    """The function set by `sys.settrace`."""
     profiling: Any = None
+    """The function set by `sys.setprofile`."""
     hooks: tuple[Any, Any] = (None, None)
+    """The hooks of asynchronous generators: first iteration and finalizer."""
 
 
 class GreenletBaton:

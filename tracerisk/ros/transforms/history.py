@@ -12,11 +12,14 @@ from tracerisk.twin.physics.motion import Pose
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A pose in `parent` at a time [ns]."""
+    """The pose of a frame at one time."""
 
     stamp_ns: int
+    """The time of the pose [ns]; 0 for a static frame."""
     parent: str
+    """The frame that the pose is in."""
     pose: Pose
+    """The pose of the frame in its parent."""
 
 
 class History:

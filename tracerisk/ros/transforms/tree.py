@@ -34,17 +34,20 @@ class FrameError(Exception):
 
 @dataclass(eq=False)
 class TransformTree:
-    """The frames that are known, and where each was.
-
-    `warn` is called with poses that are refused, in tf2's words; `names_span` is that of `History`.
-    """
+    """The frames that are known, with their poses over time."""
 
     cache_ns: int = CACHE_NS
+    """For how long poses are kept [ns]."""
     warn: Callable[[str], None] = lambda _: None
+    """The function for a refused pose, with tf2's message."""
     names_span: bool = True
+    """Whether the error for an unknown time states the distance to known times (ROS 1)."""
     _names: dict[str, None] = field(default_factory=dict)
+    """The names of all frames in the order in which they became known, as keys."""
     _histories: dict[str, History] = field(default_factory=dict)
+    """The poses of each frame in its parent, by frame."""
     _authority: dict[str, str] = field(default_factory=dict)
+    """The node that last gave the pose of a frame, by frame."""
 
     @property
     def frames(self) -> tuple[str, ...]:
