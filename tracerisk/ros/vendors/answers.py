@@ -40,12 +40,16 @@ _CONVENTIONAL = {"success": "$success", "message": "$message"}
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What a command came to; `joints` or `pose` is what kinematics were asked for."""
+    """The result of a command."""
 
     outcome: str = "succeeded"
+    """One of `OUTCOMES`."""
     message: str = ""
+    """Why it failed, in words; empty where it succeeded."""
     joints: tuple[float, ...] | None = None
+    """The joint positions that kinematics returned [rad or m], (n_joints,); else `None`."""
     pose: Pose | None = None
+    """The pose that kinematics returned; else `None`."""
 
 
 @dataclass(eq=False)
@@ -53,12 +57,19 @@ class Answers:
     """Fills messages with what outputs refer to."""
 
     _driver: Driver
+    """The description of the driver."""
     _arm: ArmMotion
+    """The arm that the values are read from."""
     _queue: MotionQueue
+    """The motions of the arm."""
     _grips: MotionQueue
+    """The motions of the gripper."""
     _state: Mapping[str, Any]
+    """The present values of the driver's state and parameters, by name."""
     _messages: TwinMessages
+    """The factory of messages and stamps."""
     _reading: SensorReading
+    """The record of the sensors that the controller reads."""
 
     def __post_init__(self) -> None:
         self._scheduler = self._arm.scheduler

@@ -28,19 +28,24 @@ Dimension = Literal["angle", "length", "time", "plain"]
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Numbers in SI units, each with its dimension; one alone is `is_scalar`."""
+    """Numbers in SI units."""
 
     values: tuple[float, ...]
+    """The numbers, (n,), [rad, m or s by their dimension]."""
     dimensions: tuple[Dimension, ...]
+    """The dimension of each number, (n,)."""
     is_scalar: bool = False
+    """Whether it is a single number and not a list of one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Conventions:
-    """In which units and turns the numbers of messages are."""
+    """The units and the form of rotations in a driver's messages."""
 
     units: Units = field(default_factory=Units)
+    """The units of numbers that state none."""
     rotation: Rotation = "rpy"
+    """The form of rotations."""
 
     def factor(self, dimension: Dimension, unit: str = "") -> float:
         """Return what one of a unit is in SI units; by default the driver's own unit."""

@@ -36,9 +36,13 @@ class DescribedMotions:
     """Makes motions of the arm and of the gripper; numbers are read when the message comes."""
 
     _driver: Driver
+    """The description of the driver."""
     _arm: ArmMotion
+    """The arm that moves."""
     _state: Mapping[str, Any]
+    """The present values of the driver's state and parameters, by name."""
     _runtime: Runtime
+    """The runtime of the run."""
 
     # What is asked for
 

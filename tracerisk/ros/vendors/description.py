@@ -94,26 +94,33 @@ class Units:
     """The units of a driver's own messages; those of ROS's packages are in SI units (REP 103)."""
 
     angle: str = "rad"
+    """The unit of angles: `rad` or `deg`."""
     length: str = "m"
+    """The unit of lengths: `m`, `cm` or `mm`."""
     time: str = "s"
+    """The unit of times: `s`, `ms`, `us` or `ns`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """A value that an interface is given: a field of the message, several, or a constant.
-
-    `paths` are fields (none for a constant). `map` translates what a field holds; `default` is
-    taken where a number is 0 or less, or nothing is given. `key` is its dotted path in the file.
-    """
+    """A value that an interface is given: a field of the message, several, or a constant."""
 
     key: str
+    """Its dotted path in the description, for messages."""
     location: Location
+    """The line of the description."""
     paths: tuple[str, ...] = ()
+    """The fields that it is read from; empty for a constant."""
     is_list: bool = False
+    """Whether the fields form a list, also a single one."""
     constant: Any = None
+    """The constant; `None` where it is read from fields."""
     unit: str = ""
+    """The unit of the number; empty: the driver's."""
     default: Any = None
+    """The value where a number is 0 or less, or where none is given; `None`: none."""
     map: Mapping[Any, Any] | None = None
+    """The translation of what a field holds; `None`: as it is."""
 
     @property
     def is_drivers(self) -> bool:
@@ -123,139 +130,189 @@ class Value:
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """A value that goes into a field of an answer: a constant, or what a name refers to.
-
-    `first` and `last` are the part of a list that is meant, `map` translates it.
-    """
+    """A value that goes into a field of an answer: a constant, or what a name refers to."""
 
     key: str
+    """Its dotted path in the description, for messages."""
     location: Location
+    """The line of the description."""
     constant: Any = None
+    """The constant; used where `reference` is empty."""
     reference: str = ""
+    """The name that it refers to, without `$`; empty for a constant."""
     first: int | None = None
+    """The index of the first element of a list to take, from 0; `None`: the whole list."""
     last: int | None = None
+    """The index of the last element to take, from 0; `None`: up to the end."""
     unit: str = ""
+    """The unit of the number; empty: the driver's."""
     map: Mapping[Any, Any] | None = None
+    """The translation of the value; `None`: as it is."""
 
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """A field of the message, or `$state`, that must hold one of some values."""
+    """A field of the message, or a value of the driver's state, and the values that it may hold."""
 
     key: str
+    """Its dotted path in the description, for messages."""
     location: Location
+    """The line of the description."""
     path: str
+    """The path of the field; `$name` for a value of the state."""
     values: tuple[Any, ...]
+    """The allowed values."""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """What an interface does where its conditions hold, all of them.
-
-    `effect` is one of `EFFECTS` with its `roles`; `set` gives values to the driver's state;
-    `note` is said where what is asked changes nothing on the twin, `need` where the twin lacks what
-    it would change, `refuse` where it cannot be, `ignore` where the driver answers as if it did
-    what it does not. What is moved by `stream` are set-points, of which each leads on from the one
-    before.
-    """
+    """What an interface does where its conditions hold, all of them."""
 
     location: Location
+    """The line of the description."""
     when: tuple[Condition, ...] = ()
+    """The conditions; empty: always."""
     effect: str = ""
+    """One of `EFFECTS`; empty where nothing moves."""
     roles: Mapping[str, Value] = field(default_factory=dict)
+    """The values of the effect, by role."""
     stop: bool = False
+    """Whether everything comes to rest."""
     clear: bool = False
+    """Whether the error is cleared."""
     set: Mapping[str, Value] = field(default_factory=dict)
+    """The values that the driver's state takes, by name."""
     note: str = ""
+    """The remark where a request is accepted and changes nothing on the twin; else empty."""
     need: str = ""
+    """What the twin lacks to do what is asked; else empty."""
     refuse: str = ""
+    """Why the request is refused; else empty."""
     ignore: str = ""
+    """Why the driver reports success and does nothing; else empty."""
     stream: bool = False
+    """Whether the targets are set-points, each continuing from the one before."""
     while_moving: WhileMoving | None = None
+    """The effect of a new motion during another; `None`: the interface's."""
     wait: Value | None = None
+    """Whether the answer comes after the motion; `None`: yes."""
     timeout: Value | None = None
+    """The longest wait for the motion; `None`: any."""
     response: Mapping[str, Output] | None = None
+    """The outputs of the answer, by field; `None`: the interface's."""
 
 
 @dataclass(frozen=True, slots=True)
 class NamedJoints:
-    """What a name of a driver's own stands for."""
+    """The meaning of a driver's own name of joints."""
 
     meaning: JointName
+    """The joints that it moves, or why it moves none."""
     location: Location
+    """The line of the description."""
 
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """A service, an action or a topic; `types` are its types, of which one is in use.
-
-    `response` is the answer of a service, the result of an action or the message of a published
-    topic; `rate` [Hz] is that of a published topic or of an action's feedback.
-    """
+    """A service, an action or a topic."""
 
     kind: InterfaceKind
+    """What it is, from the driver's side."""
     name: str
+    """Its name; `*` is any name of its type."""
     types: tuple[str, ...]
+    """The possible types, `package/Name`, of which one is in use."""
     location: Location
+    """The line of the description."""
     cases: tuple[Case, ...] = ()
+    """What it does; the first case that matches applies. Empty for a published topic."""
     response: Mapping[str, Output] | None = None
+    """The outputs of a response, result or published message, by field; `None`: the default
+    ones."""
     feedback: Mapping[str, Output] = field(default_factory=dict)
+    """The outputs of an action's feedback, by field; empty: none is sent."""
     rate: float = 10.0
+    """The rate of a published topic or of an action's feedback [Hz]."""
     latch: bool = False
+    """Whether a published topic keeps its last message for later subscriptions."""
     while_moving: WhileMoving | None = None
+    """The effect of a new motion during another; `None`: the driver's."""
     group: str | None = None
+    """The planning group that it moves; `None`: the driver's."""
     gripper: str | None = None
+    """The gripper that it moves; `None`: the driver's."""
 
 
 @dataclass(frozen=True, slots=True)
 class Driver:
-    """The description of one driver; `file` is where it stands.
+    """The description of one driver.
 
-    `packages` are those of its messages; it is there where the controller uses one of them.
-    `closed` and `opened` are the gripper's numbers at its ends. `codes` are the numbers of
-    outcomes; `errors` those of outcomes after which nothing moves until the error is cleared, and
-    which also set `enabled` to false with `error_disables`. `definitions` are texts of messages
-    that the workspace lacks, by `package/srv/Name`. `frames` are those of tf that it
-    publishes, each with the link where it is. One of whose messages a user's workspace has none is
-    a mistake; a shipped or an installed one is not meant then. `robot` is the one that who uses
-    its messages drives, where nothing names another. `joints` are names that it has beside those
-    of the joints. With `of_joints` it is that of robots which have these. `stop_at_limits` and
-    `ignore_tolerances` are what it does with trajectories; where the program has set what
-    `trajectories_need` names to another value than one of these, it carries out none. `on_error`
-    are values that its state takes with an error, `remedies` what to do where it refuses motions,
-    by the outcome.
+    A driver is there where the controller uses one of its packages. If the workspace has none of
+    its messages, this is an error in a user's description; a shipped or an installed one is then
+    not in use.
     """
 
     name: str
+    """The name of the driver."""
     file: str
+    """The path of the description."""
     packages: tuple[str, ...] = ()
+    """The packages of its messages."""
     robot: str | None = None
+    """The robot that is assumed where nothing names one; `None`: none."""
     node: str = "/robot_driver"
+    """The full name of its node."""
     group: str | None = None
+    """The planning group that it moves; `None`: the only one."""
     tool: tuple[str, ...] = ()
+    """The endings of link names, of which the first that fits gives the link that poses describe;
+    empty: the tip of the group."""
     frame: str | None = None
+    """The link that poses are relative to; `None`: the base."""
     gripper: str | None = None
+    """The gripper that it moves; `None`: the only one."""
     closed: float = 0.0
+    """The number of the closed gripper."""
     opened: float = 1.0
+    """The number of the open gripper."""
     units: Units = field(default_factory=Units)
+    """The units of its own messages."""
     rotation: Rotation = "rpy"
+    """The form of rotations in its messages."""
     while_moving: WhileMoving = "replace"
+    """The effect of a new motion during another."""
     codes: Mapping[str, Any] = field(default_factory=dict)
+    """The value of `$code` for an outcome, by outcome."""
     errors: Mapping[str, int] = field(default_factory=dict)
+    """The value of `$error` for the outcomes that stop all motion until cleared, by outcome."""
     error_disables: bool = False
+    """Whether an error also sets `enabled` to false."""
     on_error: Mapping[str, Any] = field(default_factory=dict)
+    """The values that the state takes with an error, by name."""
     remedies: Mapping[str, str] = field(default_factory=dict)
+    """What to do where a motion is refused, by outcome."""
     state: Mapping[str, Any] = field(default_factory=dict)
+    """The initial values of the state, by name."""
     parameters: Mapping[str, Output] = field(default_factory=dict)
+    """The parameters that it sets, by name."""
     interfaces: tuple[Interface, ...] = ()
+    """The services, actions and topics."""
     definitions: Mapping[str, str] = field(default_factory=dict)
+    """The texts of messages that the workspace lacks, by `package/srv/Name`."""
     frames: Mapping[str, str] = field(default_factory=dict)
+    """The tf frames that it publishes, each with the link at that place."""
     joints: Mapping[str, NamedJoints] = field(default_factory=dict)
+    """The names that it has beside those of the joints."""
     of_joints: tuple[str, ...] = ()
+    """The joints without which it is not in use; empty: it fits any robot."""
     stop_at_limits: bool = False
+    """Whether a trajectory stops a joint at its limit and succeeds."""
     ignore_tolerances: bool = False
+    """Whether the tolerances of trajectories are ignored."""
     trajectories_need: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
+    """The values of the state that allow trajectories, by name, once the program has set it."""
     origin: Origin = "user"
+    """Where the description comes from."""
 
 
 def is_share(unit: str) -> bool:

@@ -27,20 +27,24 @@ _REFUSED = {
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """A motion that somebody asked for; `start` begins it at its turn, None where nothing moves.
-
-    `outcome` is empty until it is over. `on_end` is called once then; `is_goal`: the goal of an
-    action, which is aborted where nothing moves.
-    """
+    """A requested motion."""
 
     kind: str
+    """The interface that requested it, for messages."""
     stack: tuple[Frame, ...]
+    """The stack of the code that requested it."""
     start: Callable[[], Motion | None]
+    """The function that begins the motion at its turn; it returns `None` where nothing moves."""
     on_end: Callable[[Job], None] = lambda job: None  # noqa: ARG005
+    """The function that is called once at the end."""
     is_goal: bool = False
+    """Whether it is the goal of an action, which is aborted where nothing moves."""
     motion: Motion | None = None
+    """The motion on the twin; `None` before its begin and where nothing moves."""
     outcome: str = ""
+    """How it ended; empty until it is over."""
     message: str = ""
+    """Why it failed, in words; empty where it did not."""
 
 
 class MotionQueue:

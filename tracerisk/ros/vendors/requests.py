@@ -32,16 +32,17 @@ Goal = Sequence[float] | Mapping[str, float]
 
 @dataclass(eq=False)
 class Request:
-    """The values of one message; what cannot be read is a PlanningError of a bad request.
-
-    `_on_large` is called where a number is larger than one in its unit is ever meant to be: an
-    angle of more than a turn in radians, or a length of more than 10 m.
-    """
+    """The values of one message; what cannot be read is a PlanningError of a bad request."""
 
     message: Any
+    """The message as it was received."""
     _state: Mapping[str, Any]
+    """The present values of the driver's state and parameters, by name."""
     _conventions: Conventions
+    """The units and the form of rotations of the message."""
     _on_large: Callable[[Dimension], None] = lambda _: None
+    """The function for a number too large for its unit: an angle above a turn in radians, a length
+    above 10 m."""
 
     def meets(self, case: Case) -> bool:
         """Return whether the message holds what a case is for."""

@@ -43,14 +43,18 @@ SETTINGS = frozenset(
 
 @dataclass(slots=True, eq=False)
 class Servo:
-    """One servo: how it takes its commands."""
+    """The settings of one servo."""
 
     mode: str = "position"
+    """The operating mode, one of `MODES`."""
     profile_type: str = "time"
+    """The meaning of the profile registers: `time` or `velocity`."""
     torque: bool = True
+    """Whether its torque is on."""
     registers: dict[str, int] = field(
         default_factory=lambda: {"Profile_Velocity": 2000, "Profile_Acceleration": 300}
     )
+    """The values of the registers that were set, in the units of the e-Manual."""
 
     def ramp(self, way: float, speed: float, acceleration: float) -> Ramp:
         """Return how the servo goes a way; `speed` and `acceleration` are the most it can.
@@ -76,10 +80,12 @@ class Servo:
 
 @dataclass(frozen=True, slots=True)
 class Linkage:
-    """The horn and the arm between a gripper's servo and a finger [m]."""
+    """The horn and the arm between a gripper's servo and a finger."""
 
     horn: float
+    """The length of the horn [m]."""
     arm: float
+    """The length of the arm [m]."""
 
     def finger(self, angle: float) -> float:
         """Return how far a finger is from the middle [m] with the horn at an angle [rad]."""

@@ -32,16 +32,24 @@ _UNAPPLICABLE, _TIME, _AT = 1, 2, 3
 
 @dataclass(frozen=True, slots=True)
 class WaypointError:
-    """Why a list of waypoints cannot be followed: TrajectoryErrorElement's fields."""
+    """Why a list of waypoints cannot be followed: the fields of TrajectoryErrorElement."""
 
     type: int
+    """The type of the error, as Kortex numbers it."""
     identifier: int
+    """The identifier of the error, as Kortex numbers it."""
     message: str
+    """The error in words."""
     waypoint: int = 0
+    """The index of the waypoint, from 0."""
     joint: int = 0
+    """The index of the joint, from 0."""
     value: float = 0.0
+    """The value that is not allowed [deg or s]."""
     least: float = 0.0
+    """The least allowed value [deg or s]."""
     most: float = 0.0
+    """The greatest allowed value [deg or s]."""
 
 
 class KortexArm:

@@ -31,11 +31,14 @@ class PoseNumbers(list[float]):
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """An expression of a program; `name` is what its value is called, or empty."""
+    """A statement of a program."""
 
     line: int
+    """The line of the program, from 1."""
     name: str
+    """The variable that takes the value; empty for a mere call."""
     expression: ast.expr
+    """The expression, parsed as Python."""
 
 
 def statements(text: str) -> list[Statement]:
