@@ -19,11 +19,14 @@ from .exceptions import ActionException
 
 @dataclass(frozen=True, slots=True)
 class ActionParts:
-    """The type name of an action, its goal, result and feedback messages, and their wrappers."""
+    """The message classes of an action."""
 
     type_name: str
+    """The type of the action, `package/Name`."""
     messages: tuple[Any, Any, Any]
+    """The classes of goal, result and feedback, (3,)."""
     wrappers: tuple[Any, Any, Any]
+    """The classes of action goal, action result and action feedback, (3,)."""
 
 
 def action_parts(spec: Any) -> ActionParts:

@@ -34,10 +34,12 @@ _OUT_OF_BOUNDS = "Error setting joint target. Is the target within bounds?"
 
 @dataclass(frozen=True, slots=True)
 class _FramedPose:
-    """A pose and the frame that it is given in."""
+    """A pose with its frame."""
 
     frame: str
+    """The frame of the pose; empty: the planning frame."""
     pose: motion.Pose
+    """The pose in the frame."""
 
 
 class GroupTargets(GroupState):

@@ -38,15 +38,22 @@ _ORDER = ("goal", "cancel", "result", "feedback", "status")
 
 @dataclass(eq=False, slots=True)
 class _Sent:
-    """A goal on its way: who waits for what of it."""
+    """A goal on its way and the futures that wait for it."""
 
     goal_id: Any
+    """The identifier of the goal."""
     response: Future
+    """The future of the goal's acceptance."""
     feedback_callback: Callable[[Any], Any] | None
+    """The function for each feedback; `None`: none."""
     goal: ActionGoal | None = None
+    """The goal; `None` before it is sent."""
     is_answered: bool = False
+    """Whether the server has accepted or rejected it."""
     results: list[Future] = field(default_factory=list)
+    """The futures that wait for the result."""
     cancels: list[Future] = field(default_factory=list)
+    """The futures that wait for the answer to a request to cancel."""
 
 
 class ClientGoalHandle:

@@ -35,13 +35,18 @@ _WITHOUT_VALUE = frozenset(
 
 @dataclass(slots=True)
 class Arguments:
-    """Remappings and parameters, each with the node that they are meant for (None: all)."""
+    """The arguments for ROS on a command line."""
 
     remaps: list[tuple[str | None, str, str]] = field(default_factory=list)
+    """Node, old name and new name of each remapping; node `None`: all nodes."""
     parameters: list[tuple[str | None, str, Any]] = field(default_factory=list)
+    """Node pattern, name and value of each parameter; node `None`: all nodes."""
     log_levels: list[tuple[str, int]] = field(default_factory=list)
+    """Name and level of each logger; an empty name is the root logger."""
     has_rosout: bool = True
+    """Whether log lines are published on `/rosout`."""
     unknown: list[str] = field(default_factory=list)
+    """The arguments that are not known."""
 
     def remapped(self, node: str, name: str) -> str | None:
         """Return what `name` is called instead, if anything; the first that fits counts."""

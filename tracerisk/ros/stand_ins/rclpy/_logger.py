@@ -27,14 +27,20 @@ _OWN_FILES = ("rclpy/_logger.py", "rclpy/logging.py")
 
 @dataclass(slots=True)
 class _Place:
-    """What is known of a place in the source that logs: its first call says what it is."""
+    """The state of a place in the source that logs, set by its first call."""
 
     severity: LoggingSeverity
+    """The severity of its lines."""
     name: str
+    """The name of its logger."""
     filters: dict[str, Any]
+    """The filters of the call, such as `once`, by keyword."""
     throttled_ns: int = 0
+    """The time of the last line that passed the throttle [ns]."""
     was_skipped: bool = False
+    """Whether the first line was skipped."""
     was_logged: bool = False
+    """Whether a line was logged."""
 
 
 class RcutilsLogger:

@@ -41,8 +41,12 @@ class QoSSubscriptionEventType(IntEnum):
 
 @dataclass
 class _Count:
+    """A count of events."""
+
     total_count: int = 0
+    """The number of events since the beginning."""
     total_count_change: int = 0
+    """The number of events since the last callback."""
 
 
 class QoSRequestedDeadlineMissedInfo(_Count):
@@ -67,19 +71,24 @@ class IncompatibleTypeInfo(_Count):
 
 @dataclass
 class QoSLivelinessChangedInfo:
-    """How many publishers live, and how many do not."""
+    """The numbers of publishers by liveliness."""
 
     alive_count: int = 0
+    """The number of publishers that are alive."""
     not_alive_count: int = 0
+    """The number of publishers that are not alive."""
     alive_count_change: int = 0
+    """The change of `alive_count` since the last callback."""
     not_alive_count_change: int = 0
+    """The change of `not_alive_count` since the last callback."""
 
 
 @dataclass
 class QoSRequestedIncompatibleQoSInfo(_Count):
-    """How many endpoints of the topic have a profile that does not fit, and in what the last."""
+    """The number of endpoints of the topic with an incompatible profile."""
 
     last_policy_kind: QoSPolicyKind = QoSPolicyKind.INVALID
+    """The policy in which the last of them is incompatible."""
 
 
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
@@ -87,10 +96,12 @@ QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
 
 @dataclass
 class QoSSubscriptionMatchedInfo(_Count):
-    """How many endpoints of the topic fit, and how many have since the beginning."""
+    """The number of matching endpoints of the topic."""
 
     current_count: int = 0
+    """The number of endpoints that match at present."""
     current_count_change: int = 0
+    """The change of `current_count` since the last callback."""
 
 
 QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo

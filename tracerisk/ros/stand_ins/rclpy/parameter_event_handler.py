@@ -15,18 +15,22 @@ from .qos import QoSProfile, qos_profile_parameter_events
 
 @dataclass(eq=False)
 class ParameterCallbackHandle:
-    """A callback for one parameter, to be removed by."""
+    """The handle by which a callback for one parameter is removed."""
 
     parameter_name: str
+    """The name of the parameter."""
     node_name: str
+    """The full name of the node that has the parameter."""
     callback: Callable[[Any], None]
+    """The function for each change."""
 
 
 @dataclass(eq=False)
 class ParameterEventCallbackHandle:
-    """A callback for all changes, to be removed by."""
+    """The handle by which a callback for all changes is removed."""
 
     callback: Callable[[Any], None]
+    """The function for each event."""
 
 
 class ParameterEventHandler:

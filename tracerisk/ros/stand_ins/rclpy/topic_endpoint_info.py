@@ -22,12 +22,19 @@ class TopicEndpointInfo:
     """One publisher or subscription of a topic."""
 
     node_name: str = ""
+    """The name of the node, without its namespace."""
     node_namespace: str = ""
+    """The namespace of the node."""
     topic_type: str = ""
+    """The type of the messages, `package/msg/Name`."""
     endpoint_type: TopicEndpointTypeEnum = TopicEndpointTypeEnum.INVALID
+    """Whether it is a publisher or a subscription."""
     endpoint_gid: list[int] = field(default_factory=list)
+    """The global identifier, a list of bytes."""
     qos_profile: QoSProfile = field(default_factory=lambda: QoSPresetProfiles.UNKNOWN.value)
+    """The quality of service that it uses."""
     topic_type_hash: TypeHash = field(default_factory=TypeHash)
+    """The hash of the type's description."""
 
     def __str__(self) -> str:
         profile = self.qos_profile

@@ -18,34 +18,51 @@ _TOPIC = ("name", "type", "serialization_format", "offered_qos_profiles", "type_
 
 @dataclass
 class StorageOptions:
-    """Where a bag is and how it is stored; without `storage_id` a new one is MCAP."""
+    """The place and the storage of a bag.
+
+    Only `uri`, `storage_id` and `custom_data` have an effect; the other options are accepted.
+    """
 
     uri: str
+    """The path of the bag."""
     storage_id: str = ""
+    """The kind of storage, a key of `PLUGINS`; empty: MCAP for a new bag."""
     max_bagfile_size: int = 0
+    """The size at which a new file begins [bytes]; 0: never."""
     max_bagfile_duration: int = 0
+    """The duration at which a new file begins [s]; 0: never."""
     max_cache_size: int = 0
+    """The size of the write cache [bytes]; 0: none."""
     storage_preset_profile: str = ""
+    """The name of a preset of the storage; empty: the default."""
     storage_config_uri: str = ""
+    """The path of the storage's settings; empty: none."""
     snapshot_mode: bool = False
+    """Whether messages are kept in memory until a snapshot is requested."""
     start_time_ns: int = -1
+    """The begin of the part to use [ns]; -1: the begin of the bag."""
     end_time_ns: int = -1
+    """The end of the part to use [ns]; -1: the end of the bag."""
     custom_data: dict[str, str] = field(default_factory=dict)
+    """The entries to store in the bag's metadata, by key."""
 
 
 @dataclass
 class ConverterOptions:
-    """How messages are serialised in the bag and for the program."""
+    """The formats in which messages are serialised."""
 
     input_serialization_format: str = "cdr"
+    """The format of the program's messages; only `cdr` is served."""
     output_serialization_format: str = "cdr"
+    """The format in the bag; only `cdr` is served."""
 
 
 @dataclass
 class StorageFilter:
-    """Which topics are read; all without one."""
+    """The choice of messages to read."""
 
     topics: list[str] = field(default_factory=list)
+    """The names of the topics to read; empty: all."""
 
 
 class ReadOrderSortBy(Enum):
@@ -58,10 +75,12 @@ class ReadOrderSortBy(Enum):
 
 @dataclass
 class ReadOrder:
-    """In which order messages are read."""
+    """The order in which messages are read."""
 
     sort_by: ReadOrderSortBy = ReadOrderSortBy.ReceivedTimestamp
+    """The time that messages are sorted by."""
     reverse: bool = False
+    """Whether the last message comes first."""
 
 
 class TopicMetadata:
@@ -94,10 +113,12 @@ class TopicMetadata:
 
 @dataclass
 class TopicInformation:
-    """A topic of a bag, and how many messages it has."""
+    """A topic of a bag and its size."""
 
     topic_metadata: TopicMetadata
+    """The name and type of the topic."""
     message_count: int
+    """The number of its messages."""
 
 
 @dataclass
@@ -105,9 +126,13 @@ class FileInformation:
     """A file of a bag."""
 
     path: str
+    """The name of the file in the bag's folder."""
     starting_time: Time
+    """The time of the first message."""
     duration: Duration
+    """The time from the first to the last message."""
     message_count: int
+    """The number of messages."""
 
 
 @dataclass
@@ -115,18 +140,31 @@ class BagMetadata:
     """What is in a bag."""
 
     version: int = 9
+    """The version of the metadata format."""
     bag_size: int = 0
+    """The size of all files [bytes]."""
     storage_identifier: str = ""
+    """The kind of storage, a key of `PLUGINS`."""
     relative_file_paths: list[str] = field(default_factory=list)
+    """The names of the files in the bag's folder."""
     files: list[FileInformation] = field(default_factory=list)
+    """A summary of each file."""
     duration: Duration = field(default_factory=Duration)
+    """The time from the first to the last message."""
     starting_time: Time = field(default_factory=Time)
+    """The time of the first message."""
     message_count: int = 0
+    """The number of messages."""
     topics_with_message_count: list[TopicInformation] = field(default_factory=list)
+    """A summary of each topic."""
     compression_format: str = ""
+    """The format of the compression; empty: none."""
     compression_mode: str = ""
+    """The unit that is compressed; empty: none."""
     custom_data: dict[str, str] = field(default_factory=dict)
+    """The entries that the recorder stored, by key."""
     ros_distro: str = ""
+    """The ROS distribution that recorded the bag; empty where it is not known."""
 
 
 class Info:

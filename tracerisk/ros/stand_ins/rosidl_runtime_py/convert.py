@@ -16,11 +16,14 @@ _MANY = (list, tuple, array.array, np.ndarray)
 
 @dataclass(frozen=True)
 class _Shown:
-    """What of a message is shown: how long values may be, whether arrays and texts are."""
+    """How much of a message is shown."""
 
     longest: int | None
+    """The greatest length of a text or array before it is cut; `None`: any."""
     no_arr: bool
+    """Whether arrays are shown by type and length only."""
     no_str: bool
+    """Whether texts are shown by length only."""
 
 
 def message_to_ordereddict(

@@ -19,10 +19,12 @@ class InvalidManifest(Exception):
 
 @dataclass
 class Depend:
-    """A package that another needs, and what kind of thing it is."""
+    """A dependency of a package."""
 
     name: str
+    """The name of the package."""
     type: str = "package"
+    """What kind of thing it is: `package`."""
 
     def __str__(self) -> str:
         return self.name
@@ -30,21 +32,34 @@ class Depend:
 
 @dataclass
 class Manifest:
-    """What a package says of itself; `author` joins all authors."""
+    """The contents of a package's manifest."""
 
     filename: str | None = None
+    """The path of the `package.xml`; `None` where it was read from no file."""
     name: str | None = None
+    """The name of the package; `None` where it is missing."""
     version: str | None = None
+    """The version of the package; `None` where it is missing."""
     description: str = ""
+    """The description as text."""
     author: str | None = None
+    """All authors, separated by commas."""
     license: str = ""
+    """All licenses, separated by commas."""
     url: str = ""
+    """The first URL; empty where there is none."""
     type: str = "package"
+    """The kind of thing that the manifest describes: `package`."""
     is_catkin: bool = True
+    """Whether it is a catkin package."""
     licenses: list[str] = field(default_factory=list)
+    """The licenses, in order."""
     depends: list[Depend] = field(default_factory=list)
+    """The packages that it depends on, without duplicates."""
     rosdeps: list[Depend] = field(default_factory=list)
+    """System dependencies; always empty, because they are in `depends` as well."""
     exports: list[ET.Element] = field(default_factory=list)
+    """The elements of its `export`."""
 
     def get_export(self, tag: str, attr: str) -> list[str]:
         """Return an attribute of each export with a tag."""

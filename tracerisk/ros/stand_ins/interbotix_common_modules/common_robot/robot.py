@@ -22,9 +22,13 @@ class _State:
     """What the library keeps for the one process of a robot's program."""
 
     runtime: Runtime
+    """The runtime of the run."""
     node: InterbotixRobotNode | None = None
+    """The global node; `None` before it is made."""
     thread: Thread | None = None
+    """The thread that spins the node; `None` before the start."""
     is_up: bool = False
+    """Whether the robot has been started up."""
 
 
 def _state() -> _State:

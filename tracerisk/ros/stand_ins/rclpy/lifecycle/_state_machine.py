@@ -31,12 +31,16 @@ _ACTIVATING, _DEACTIVATING, _ERROR_PROCESSING = 13, 14, 15
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """A transition: number and label, and the numbers of the states before and after."""
+    """A transition between two states."""
 
     id: int
+    """The number of the transition in lifecycle_msgs."""
     label: str
+    """The name of the transition."""
     start: int
+    """The number of the state before it."""
     goal: int
+    """The number of the state after it."""
 
 
 _ASKED_FOR = (

@@ -37,10 +37,12 @@ _SHUTDOWNS = {
 
 
 class LifecycleState(NamedTuple):
-    """A state by its name and its number in lifecycle_msgs."""
+    """A state of a lifecycle node."""
 
     label: str
+    """The name of the state."""
     state_id: int
+    """The number of the state in lifecycle_msgs."""
 
 
 class LifecycleNodeMixin(ManagedEntity):
