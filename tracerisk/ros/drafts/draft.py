@@ -121,16 +121,18 @@ _LAST_NAMES = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """What a scenario could say for a need: `value` is its entry, without one it cannot say it.
-
-    `words` say where the value is from, or why no scenario gives it.
-    """
+    """What a scenario could provide for a need."""
 
     need: Need
+    """The need that nothing met."""
     key: str
+    """The name of the parameter or of the need, with `[2]` and so on for further entries."""
     value: Any
+    """The entry; `None` where no scenario can provide it."""
     words: str
+    """The origin of the value, or why no scenario provides it."""
     location: Location | None = None
+    """The line of the controller that asks for it; `None` where none is known."""
     others: tuple[Any, ...] = ()
     """Other entries that may be tried, with other poses; of a parameter other values."""
     plain: Any = None
@@ -297,12 +299,16 @@ def drafts_instead(taken: Iterable[tuple[Missed, str | bool]]) -> Iterator[Draft
 
 @dataclass(frozen=True, slots=True)
 class _Lack:
-    """What is missed where, and what an entry for it is made with."""
+    """A need with what its entry is made from."""
 
     need: Need
+    """The need that nothing met."""
     place: Location | None
+    """The line of the controller that asks for it; `None` where none is known."""
     interfaces: Any
+    """The definitions of messages, services and actions of the run."""
     values: UsableValues
+    """The values that are usable on the robot of the run."""
 
 
 _Made = tuple[Any, str]

@@ -25,11 +25,14 @@ _FAMILIES = {
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """A marker `number` of OpenCV's `dictionary`; a `color` [red, green, blue] without one."""
+    """What a source looks for in pictures: a marker or a colour."""
 
     dictionary: str = ""
+    """OpenCV's name of the marker's dictionary; empty for a colour."""
     number: int = 0
+    """The number of the marker in the dictionary."""
     color: tuple[int, int, int] = (0, 0, 0)
+    """Red, green and blue, each 0 to 255, (3,); used without a dictionary."""
 
     @property
     def words(self) -> str:

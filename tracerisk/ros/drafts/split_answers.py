@@ -19,11 +19,14 @@ _NUMBERS = ("float", "int")
 
 @dataclass(frozen=True, slots=True)
 class _Split:
-    """What an answer is taken apart into: `count` is 0 where the code does not show it."""
+    """How code splits an answer into numbers."""
 
     count: int
+    """The number of parts; 0 where the code does not show it."""
     separator: str
+    """The text between two parts."""
     is_whole: bool
+    """Whether every part becomes a whole number."""
 
 
 def numbers_answer(place: Location | None, values: UsableValues) -> str | None:

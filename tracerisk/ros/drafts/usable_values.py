@@ -76,18 +76,20 @@ _LEFT_EMPTY = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """Where a field is: below which names, how deep, and of which topic or service.
-
-    `compared` is what the code compares the fields with, `said` what it says of them all, and
-    `comments` what the definition of the message says of each.
-    """
+    """The place of a field within a topic, service or action."""
 
     compared: Compared
+    """The literals with which the code compares the fields."""
     name: str
+    """The name of the topic, service or action."""
     path: tuple[str, ...] = ()
+    """The names of the fields from the top down to this one."""
     depth: int = 1
+    """The number of nested messages down to the field, from 1."""
     said: str = ""
+    """The texts of the code around the interface, which may name units."""
     comments: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    """The comment in the definition of the message, by field."""
 
     @property
     def units(self) -> Units:

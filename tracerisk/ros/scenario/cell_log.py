@@ -37,14 +37,20 @@ _FIGURE = re.compile(r"-?\d+\.\d+")
 
 @dataclass(slots=True, eq=False)
 class _Use:
-    """One call, message or goal; `goal` is asked at the end for how it went."""
+    """One call, message or goal to the cell."""
 
     time_ns: int
+    """The simulated time at which it was sent [ns]."""
     kind: str
+    """`call`, `message` or `goal`."""
     interface: str
+    """The full name of the service, topic or action."""
     content: str
+    """The content as short text."""
     succeeded: bool = True
+    """Whether a call succeeded; True for all others."""
     goal: ActionGoal | None = None
+    """The goal, whose state is read at the end; `None` for all others."""
 
     @property
     def went_well(self) -> bool:
@@ -56,10 +62,13 @@ class CellLog:
     """Collects what is sent to the cell: the `cell` of a `Graph`."""
 
     graph: Graph
+    """The graph whose messages, calls and goals are logged."""
     take: Callable[[str, Any], None] | None = None
     """Called with the name and content of each message, call and goal, the robot's own too."""
     _uses: list[_Use] = field(default_factory=list)
+    """The logged uses, in order."""
     _times: dict[str, list[int]] = field(default_factory=dict)
+    """The times of the messages on a topic [ns], by topic."""
 
     def __post_init__(self) -> None:
         self.graph.cell = self

@@ -24,17 +24,20 @@ _NAMES = ("topic", "name", "service", "action", "frame", "driver", "module")
 
 @dataclass(frozen=True, slots=True)
 class Unconfirmed:
-    """An entry with the mark: its `section`, what it is called, what the mark says, and where.
-
-    It goes from its `first_line` to before its `end_line`.
-    """
+    """An entry of a scenario with the mark."""
 
     section: str
+    """The section of the scenario that it is in."""
     name: str
+    """The name by which the entry is known: `/add`, `answers[1]`."""
     words: str
+    """The text behind the mark, such as the origin of the value."""
     location: Location
+    """The line with the mark."""
     first_line: int
+    """The first line of the entry, from 1."""
     end_line: int
+    """The line after its last, from 1; `sys.maxsize` for the last entry."""
 
     @property
     def what(self) -> str:

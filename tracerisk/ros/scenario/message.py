@@ -28,12 +28,16 @@ NOW = "now"
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A value of a YAML file, with its place: `path` is the dotted one from the top."""
+    """A value of a YAML file and its place."""
 
     value: Any
+    """The value, as YAML holds it."""
     file: str
+    """The path of the file."""
     path: str
+    """The dotted path of the value from the top of the file."""
     location: Location
+    """The line of the value."""
 
     def key(self, key: str) -> Written:
         """Return what a mapping holds at `key`."""

@@ -30,79 +30,108 @@ _TYPE_KINDS = ("msg", "srv", "action")
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """Messages on a topic: at times [s], at a rate [Hz], or else to each subscriber.
+    """Messages on a topic: at times, at a rate, or to each subscriber.
 
-    `messages` come in turn, then the last one again. `after` is how long after a subscriber
-    appeared it gets its message [s]. A rate begins at the first of `at` and ends at `until` or
-    after `count` messages, if either is given.
+    A rate begins at the first of `at` and ends at `until` or after `count` messages, if either is
+    given.
     """
 
     topic: str
+    """The full name of the topic."""
     type_name: str
+    """The type of the messages, `package/Name`."""
     messages: tuple[Written | None, ...]
+    """The messages in turn; the last one is repeated. `None` is an empty message."""
     at: tuple[float, ...]
+    """The simulated times of publication, rising [s]; empty: at a rate or to each subscriber."""
     rate: float | None
+    """The rate of publication [Hz]; `None`: at times or to each subscriber."""
     after: float
+    """The delay from the appearance of a subscriber to its message [s]."""
     count: int | None
+    """The number of messages after which a rate ends; `None`: any number."""
     until: float | None
+    """The simulated time at which a rate ends [s]; `None`: never."""
     type_location: Location
+    """The line that gives the type."""
 
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """A service, its replies in turn, then the last one again; each comes `after` a time [s].
-
-    Without a type it takes that of whoever calls. `fails` is the text of an error instead.
-    """
+    """A service that the scenario answers."""
 
     name: str
+    """The full name of the service."""
     type_name: str | None
+    """The type, `package/Name`; `None`: the caller's."""
     replies: tuple[Written | None, ...]
+    """The replies in turn; the last one is repeated. `None` is an empty reply."""
     after: float
+    """The delay of each reply [s]."""
     fails: str | None
+    """The text of the error that each call gets instead; `None`: it replies."""
     location: Location
+    """The line that gives the type."""
 
 
 @dataclass(frozen=True, slots=True)
 class GoalScript:
-    """What becomes of a goal `after` a time [s]; feedback is spread evenly over that time."""
+    """The fate of one goal; feedback is spread evenly over the time before its end."""
 
     status: Outcome
+    """The terminal state of the goal."""
     after: float
+    """The time from the goal to its end [s]."""
     result: Written | None
+    """The result; `None`: an empty one."""
     feedback: tuple[Written, ...]
+    """The feedback messages in turn."""
     text: str
+    """The text that goes with the status."""
 
 
 @dataclass(frozen=True, slots=True)
 class ServedAction:
-    """An action server: what becomes of its goals in turn, then the last one again."""
+    """An action that the scenario serves."""
 
     name: str
+    """The full name of the action."""
     type_name: str
+    """The type, `package/Name`."""
     goals: tuple[GoalScript, ...]
+    """The fates of its goals in turn; the last one is repeated."""
     location: Location
+    """The line that gives the type."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a frame is in its parent: from `at` [s] on, position [m], roll, pitch, yaw [rad]."""
+    """The pose of a frame in its parent from some time on."""
 
     at: float
+    """The simulated time from which it holds [s]."""
     xyz: tuple[float, float, float]
+    """The position [m], (3,)."""
     rpy: tuple[float, float, float]
+    """Roll, pitch and yaw [rad], (3,)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A frame of tf: static from its first place on, or broadcast at a rate [Hz] along a path."""
+    """A frame of tf: static, or broadcast along a path."""
 
     frame: str
+    """The name of the frame, without a leading slash."""
     parent: str
+    """The name of its parent, without a leading slash."""
     path: tuple[Place, ...]
+    """The places with rising times; a single one without a rate is static."""
     rate: float | None
+    """The rate of the broadcast [Hz]; `None`: static from the first place on."""
     until: float | None
+    """The simulated time at which the broadcast ends [s]; `None`: never."""
     location: Location
+    """The line that names the frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,18 +139,29 @@ class Scenario:
     """All that one scenario file holds; `calls`, `objects` and `drivers` are read elsewhere."""
 
     file: str = ""
+    """The path of the file; empty for a run without one."""
     parameters: tuple[Parameter, ...] = ()
+    """The parameters that it sets."""
     published: tuple[Published, ...] = ()
+    """The messages on topics."""
     services: tuple[Served, ...] = ()
+    """The services that it answers."""
     actions: tuple[ServedAction, ...] = ()
+    """The actions that it serves."""
     frames: tuple[Frame, ...] = ()
+    """The frames of tf."""
     calls: tuple[YamlMap, ...] = ()
+    """The calls and goals that it sends to the controller, unread."""
     objects: tuple[YamlMap, ...] = ()
+    """The objects of the planning scene and of Gazebo, unread."""
     drivers: tuple[YamlMap, ...] = ()
+    """The descriptions of drivers, unread."""
     modules: tuple[tuple[str, Location], ...] = ()
     """Python modules for which placeholders stand where they are not here, each with its place."""
     answers: tuple[str, ...] = ()
+    """The answers to `input()` calls, in turn."""
     accept: tuple[Acceptance, ...] = ()
+    """The reasons of a verdict that it accepts."""
     robot: str | None = None
     """Which robot the controller drives, where nobody else says so: a name or a file."""
     arguments: tuple[str, ...] = ()

@@ -24,9 +24,14 @@ from tracerisk.ros.scenario.topics import NODE
 
 @dataclass(frozen=True, slots=True)
 class _Outcome:
+    """A goal's script with its messages ready to be filled."""
+
     script: GoalScript
+    """The script from the scenario."""
     result: MessageTemplate
+    """The result message."""
     feedback: tuple[MessageTemplate, ...]
+    """The feedback messages in turn."""
 
 
 class ScenarioAction:

@@ -34,12 +34,16 @@ _BASE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """An interface that nobody serves: its kind, name and type, and the class of its request."""
+    """An interface that nobody serves."""
 
     kind: Kind
+    """The section of a driver's description that would serve it."""
     name: str
+    """The name of the interface, such as `/arm/move`."""
     type_name: str
+    """Its type, `package/Name`."""
     request: Any
+    """The class of its request, goal or message."""
     elements: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     """What the source puts into lists, by the name of the field: `angle: (force, position)`."""
     largest: Mapping[str, tuple[float, bool]] = dataclasses.field(default_factory=dict)
@@ -55,11 +59,14 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A field of a message: its path, and the comment beside it."""
+    """A field of a message."""
 
     path: str
+    """The path of the field from the top of the message, with dots."""
     field: MessageField
+    """The field, with its type."""
     comment: str
+    """The comment beside its definition; empty where there is none."""
 
     @property
     def name(self) -> str:

@@ -93,10 +93,12 @@ _TEXT = re.compile(r"mess|msg|text|reason|info|error")
 
 @dataclass(frozen=True, slots=True)
 class Guess:
-    """A description as `*.driver.yaml` has it, and in words what is assumed of it."""
+    """The assumed description of a driver."""
 
     entry: dict[str, Any]
+    """The description, as a `*.driver.yaml` holds it."""
     words: str
+    """What the description assumes, for the user."""
 
 
 def guessed_driver(
