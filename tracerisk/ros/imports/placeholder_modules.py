@@ -27,11 +27,14 @@ class PlaceholderValues:
     """What the placeholders of one run give."""
 
     posture: Callable[[], Sequence[float]]
-    """The numbers of one: positions of the arm's joints [rad or m]."""
+    """The function that returns the numbers of a placeholder: joint positions of the arm [rad or
+    m], (n_joints,)."""
     now_ns: Callable[[], int]
-    """The simulated time [ns]."""
+    """The function that returns the simulated time [ns]."""
     _at_ns: int = field(default=-1, init=False)
+    """The simulated instant that `_calls` belongs to [ns]; -1 before the first call."""
     _calls: int = field(default=0, init=False)
+    """The number of calls of placeholders at that instant."""
 
     def count_call(self, name: str) -> None:
         """Raise RuntimeError where placeholders are called without an end at one instant."""

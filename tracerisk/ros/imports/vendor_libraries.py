@@ -166,10 +166,12 @@ def _is_of_python_2(package: Path) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Remedy:
-    """What to do about a module that nobody has: in words, or what to install."""
+    """What to do about a module that is not available."""
 
     words: str
+    """The remedy in words."""
     distribution: str | None = None
+    """The package to install; `None` where no index has one."""
 
 
 def remedy(name: str, provided: Collection[str]) -> Remedy:

@@ -33,13 +33,19 @@ class Program:
     """The controller as its process is to run it."""
 
     script: str
+    """The path of the script to run."""
     root: str
+    """The folder of the controller's root."""
     argv: tuple[str, ...] = ()
+    """The command-line arguments."""
     entry: str | None = None
+    """The function of the script to call; `None`: the script itself runs."""
     packages: Mapping[str, str] = field(default_factory=dict)
+    """The folders of the workspace's Python packages, by name."""
     paths: tuple[str, ...] = ()
     """Folders behind those of the installed ROS in which modules are found."""
     environment: Mapping[str, str] = field(default_factory=dict)
+    """The environment variables that a launch file sets."""
     private: Mapping[str, Any] = field(default_factory=dict)
     """Parameters that the node finds under its own name."""
 

@@ -26,18 +26,22 @@ _ROS1_BYTES = frozenset({"uint8", "char"})
 
 @dataclass(frozen=True, slots=True)
 class MessageField:
-    """A field: `base` is its type without the array, `length` that of a fixed array.
-
-    `message` is the class of a nested message, None for primitives; `longest` bounds a sequence.
-    """
+    """A field of a message of either ROS."""
 
     name: str
+    """The name of the field."""
     base: str
+    """The type without its array part."""
     is_array: bool
+    """Whether it is an array or a sequence."""
     length: int | None
+    """The length of a fixed array; `None` for all others."""
     longest: int | None
+    """The upper bound of a sequence; `None` where it is unbounded."""
     message: type | None
+    """The class of a nested message; `None` for primitives."""
     is_ros2: bool
+    """Whether the message is of ROS 2."""
 
     @property
     def type_text(self) -> str:

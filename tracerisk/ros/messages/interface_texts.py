@@ -38,10 +38,13 @@ class InterfaceText:
     """A definition that is in no file of its own: of an archive, or of a driver's description."""
 
     package: str
+    """The package that the definition belongs to."""
     kind: str
     """`msg`, `srv` or `action`."""
     stem: str
+    """The name of the definition without its ending: `Trigger`."""
     text: str
+    """The text of the definition."""
 
     @property
     def name(self) -> str:

@@ -38,16 +38,18 @@ class _Writer(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One field of a message: `base` is its type without the array, `length` that of a fixed array.
-
-    `message` is the class of a nested message, else None.
-    """
+    """One field of a message."""
 
     name: str
+    """The name of the field."""
     base: str
+    """The type without its array part."""
     is_array: bool
+    """Whether it is an array."""
     length: int | None
+    """The length of a fixed array; `None` for all others."""
     message: type[Message] | None
+    """The class of a nested message; `None` for primitives."""
 
     @property
     def type_text(self) -> str:

@@ -46,20 +46,22 @@ Arrangement = Literal["scalar", "array", "sequence"]
 
 @dataclass(frozen=True, slots=True)
 class Field2:
-    """One field of a ROS 2 message.
-
-    `base` is the type of an element, `size` the length of an array or the upper bound of a
-    sequence (None: unbounded), `longest` that of a string, `message` the class of a nested
-    message and `default` what the definition sets.
-    """
+    """One field of a ROS 2 message."""
 
     name: str
+    """The name of the field."""
     base: str
+    """The type of an element."""
     arrangement: Arrangement = "scalar"
+    """How many elements it holds: one, a fixed number or any number."""
     size: int | None = None
+    """The length of an array, or the upper bound of a sequence; `None`: unbounded."""
     longest: int | None = None
+    """The upper bound of a string's length; `None`: unbounded."""
     message: type[Message2] | None = None
+    """The class of a nested message; `None` for primitives."""
     default: Any = None
+    """The default that the definition sets; `None` where it sets none."""
 
     @property
     def type_text(self) -> str:

@@ -58,19 +58,31 @@ class MoveItConfigs:
     """The parameters that MoveIt is started with, by what they are for."""
 
     package_path: Path | None = None
+    """The folder of the robot's MoveIt package; `None` where there is none."""
     robot_description: dict[str, Any] = field(default_factory=dict)
+    """The parameter with the URDF."""
     robot_description_semantic: dict[str, Any] = field(default_factory=dict)
+    """The parameter with the SRDF."""
     robot_description_kinematics: dict[str, Any] = field(default_factory=dict)
+    """The kinematics solvers of the planning groups."""
     planning_pipelines: dict[str, Any] = field(default_factory=dict)
+    """The planning pipelines and their settings."""
     trajectory_execution: dict[str, Any] = field(default_factory=dict)
+    """The controllers and the rules of execution."""
     planning_scene_monitor: dict[str, Any] = field(default_factory=dict)
+    """The topics and rates of the planning scene monitor."""
     sensors_3d: dict[str, Any] = field(default_factory=dict)
+    """The sensors that fill the octomap."""
     move_group_capabilities: dict[str, Any] = field(
         default_factory=lambda: {"capabilities": "", "disable_capabilities": ""}
     )
+    """The plugins to load into move_group, and those to leave out."""
     joint_limits: dict[str, Any] = field(default_factory=dict)
+    """The limits of velocity and acceleration."""
     moveit_cpp: dict[str, Any] = field(default_factory=dict)
+    """The parameters of MoveItCpp and moveit_py."""
     pilz_cartesian_limits: dict[str, Any] = field(default_factory=dict)
+    """The Cartesian limits of the Pilz planner."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return all of them as one dictionary of parameters."""

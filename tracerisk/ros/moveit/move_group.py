@@ -61,13 +61,18 @@ _CODE_OF: Mapping[PlanningFailure, ErrorCode] = {
 
 @dataclass(frozen=True, slots=True)
 class PoseGoal:
-    """Where a link should come, in the planning frame; tolerances in [m] and [rad]."""
+    """The goal pose of a link."""
 
     link: str
+    """The name of the link."""
     pose: Pose
+    """The pose in the planning frame."""
     kind: GoalKind = "pose"
+    """Which part of the pose counts."""
     position_tolerance: float = 1e-4
+    """The greatest allowed distance from the position [m]."""
     orientation_tolerance: float = 1e-3
+    """The greatest allowed angle from the orientation [rad]."""
 
 
 WHOLE_PATH = 0.999
@@ -89,11 +94,14 @@ def valid_fraction(value: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What planning came to: a trajectory with SUCCESS, none with any other code."""
+    """The result of planning."""
 
     code: ErrorCode
+    """The code that move_group answers with."""
     trajectory: JointTrajectory | None
+    """The planned motion; `None` unless the code is SUCCESS."""
     message: str = ""
+    """Why planning failed, in words; empty where it succeeded."""
 
 
 class MoveGroupServer(RobotGroups):

@@ -142,11 +142,14 @@ class PathRule:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """One bound: whether it is broken, by how much [rad or m], and in words."""
+    """The check of one bound of a path constraint."""
 
     is_broken: bool
+    """Whether the bound is violated."""
     excess: float
+    """The signed distance beyond the bound [rad or m]; not a number where it is unknown."""
     words: str
+    """The violation in words."""
 
 
 def _unknown(words: str) -> _Part:

@@ -18,14 +18,14 @@ SHAPES = ("primitives", "primitive_poses", "meshes", "mesh_poses", "planes", "pl
 
 @dataclass(frozen=True, slots=True)
 class SceneObject:
-    """An object: its pose, in the planning frame or in the link it is attached to.
-
-    `message` is the moveit_msgs/CollisionObject that holds its shapes.
-    """
+    """An object of the planning scene."""
 
     name: str
+    """The identifier of the object."""
     pose: Pose
+    """The pose in the planning frame, or in the link that it is attached to."""
     message: Any
+    """The moveit_msgs/CollisionObject that holds its shapes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +33,11 @@ class AttachedObject:
     """An object that moves with a link."""
 
     object: SceneObject
+    """The object, with its pose in the link."""
     link: str
+    """The link that it moves with."""
     touch_links: tuple[str, ...]
+    """The links that may touch it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,19 +22,20 @@ _REMOVE, _APPEND, _MOVE = 1, 2, 3
 
 @dataclass(eq=False)
 class SceneChanges:
-    """Changes one planning scene of a robot.
-
-    `_link_pose` gives where a link is in the planning frame, `_report` gets the reason of what
-    could not be done, and the object that could not be attached; `_attached` gets one that was.
-    `_assumed` gets in a sentence what is assumed of a frame, and its name.
-    """
+    """Changes one planning scene of a robot."""
 
     scene: PlanningScene
+    """The planning scene that is changed."""
     _robot: Robot
+    """The robot that objects are attached to."""
     _link_pose: Callable[[str], Pose]
+    """The function that returns the pose of a link in the planning frame."""
     _report: Callable[[str, str], None]
+    """The function for what could not be done: the reason, and the object not attached."""
     _attached: Callable[[str], None] = lambda name: None  # noqa: ARG005
+    """The function for the name of each object that was attached."""
     _assumed: Callable[[str, str], None] = lambda words, name: None  # noqa: ARG005
+    """The function for an assumption on a frame: a sentence, and the frame's name."""
 
     # Where frames are
 

@@ -101,6 +101,7 @@ class Execution:
     """A motion in execution."""
 
     motion: Motion
+    """The motion on the twin."""
     by: Asker = "program"
     """Who asked for it."""
     code: ErrorCode | None = None

@@ -37,13 +37,18 @@ FramePlace = Callable[[str], "Pose | None"]
 
 @dataclass(frozen=True, slots=True)
 class _Reading:
-    """A pose that was read: its frame, whose it is, what gave it and the line that asked."""
+    """A pose that the controller has read."""
 
     frame: str
+    """The frame of the pose, without a leading slash."""
     pose: Pose
+    """The pose of the link in the frame."""
     link: str
+    """The link that it is the pose of, without a leading slash."""
     source: str
+    """What gave the pose, in words."""
     place: Location | None
+    """The line of the controller that asked; `None` where none is known."""
 
     @property
     def words(self) -> str:

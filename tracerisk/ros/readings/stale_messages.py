@@ -29,13 +29,16 @@ Waiting = Sequence[tuple[Any, int]]
 
 @dataclass(slots=True)
 class _Late:
-    """Of a subscription: since when it is behind [ns], how old what was handled was at most [ns],
-    and how many newer ones waited."""
+    """How far a subscription has fallen behind."""
 
     remedy: str
+    """The change to the program that would keep only the newest message."""
     begin_ns: int
+    """The simulated time since which it is behind [ns]."""
     age_ns: int = 0
+    """The greatest age of a message when it was handled [ns]."""
     newer: int = 0
+    """The greatest number of newer messages that waited."""
 
 
 class StaleMessages:

@@ -21,10 +21,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Ramp:
-    """How long one joint takes for its way, and for speeding up and slowing down each [s]."""
+    """The speed profile of one joint: an even rise, a steady speed, an even fall."""
 
     duration_s: float
+    """The time for the whole way [s]."""
     rise_s: float
+    """The time for speeding up, and again for slowing down [s]."""
 
     def at(self, start: float, goal: float, time_s: float) -> tuple[float, float]:
         """Return position and velocity at a time on the way from `start` to `goal`."""
