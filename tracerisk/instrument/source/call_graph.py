@@ -31,7 +31,7 @@ from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource
 class CalledBy:
     """What one function calls.
 
-     Calls that lead out of the controller are named as written and by their last name
+    Calls that lead out of the controller are named as written and by their last name
     (`self.arm.go` and `go`).
     """
 
