@@ -41,7 +41,7 @@ class OwnedVisit:
     commands: tuple[int, ...]
     """The ids of the commands of the visit, in the order of issue."""
     outcome: VisitOutcome
-    """How the last command ended; `unfinished` where the run ended before any of them."""
+    """How the last command ended; `unfinished` where one of them had not ended with the run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ class Attribution:
     commands: tuple[LiveCommand, ...] = ()
     """The commands, in the order of issue."""
     helpers: frozenset[FunctionRef] = frozenset()
-    """The functions that own a command only as a root."""
+    """The functions that are helpers; they own a command only as a root."""
     findings: tuple[Finding, ...] = ()
     """A `concurrent_owners` for each pair of owners with commands live at the same time."""
     _current: dict[tuple[int, int], NDArray[np.int64]] = field(

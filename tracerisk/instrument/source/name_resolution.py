@@ -98,7 +98,7 @@ class Meaning:
     function: FunctionRef | None = None
     """The function; `None` for other kinds."""
     klass: ClassBody | None = None
-    """The class, that of an instance, or the one that `super()` starts from; else `None`."""
+    """The class, the class of an instance, or the one that `super()` starts from; else `None`."""
 
 
 EXTERNAL = Meaning("external")

@@ -136,7 +136,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """All that one scenario file holds; `calls`, `objects` and `drivers` are read elsewhere."""
+    """All that one scenario file holds."""
 
     file: str = ""
     """The path of the file; empty for a run without one."""
@@ -151,11 +151,11 @@ class Scenario:
     frames: tuple[Frame, ...] = ()
     """The frames of tf."""
     calls: tuple[YamlMap, ...] = ()
-    """The calls and goals that it sends to the controller, unread."""
+    """The calls and goals that it sends to the controller, as written."""
     objects: tuple[YamlMap, ...] = ()
-    """The objects of the planning scene and of Gazebo, unread."""
+    """The objects of the planning scene and of Gazebo, as written."""
     drivers: tuple[YamlMap, ...] = ()
-    """The descriptions of drivers, unread."""
+    """The descriptions of drivers, as written."""
     modules: tuple[tuple[str, Location], ...] = ()
     """Python modules for which placeholders stand where they are not here, each with its place."""
     answers: tuple[str, ...] = ()
