@@ -39,10 +39,12 @@ Array = NDArray[np.float64]
 
 @dataclass(slots=True)
 class _Live:
-    """A fault that has begun: the controls [rad or m] at its instant, (n_actuators,)."""
+    """A fault that has begun."""
 
     fault: Fault
+    """The fault in effect."""
     controls: Array
+    """The controls at the instant of the fault [rad or m], shape (n_actuators,)."""
 
 
 def first_step(fault: Fault) -> int:

@@ -19,14 +19,14 @@ _SYNTAX = "expected UNIT:MODE@SECONDS, such as panda_joint4:dead@3.5"
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A unit that fails at an instant of simulated time [s], and stays failed.
-
-    `unit` is a joint (its motor), a gripper or a sensor by its name, or `power` or `control`.
-    """
+    """A unit that fails at an instant of simulated time, and stays failed."""
 
     unit: str
+    """A joint (its motor), a gripper or a sensor by its name, or `power` or `control`."""
     mode: FaultMode
+    """How the unit fails; `modes_of` lists the modes of each unit."""
     time_s: float
+    """The instant of the failure, in simulated time [s]."""
 
     def __str__(self) -> str:
         return f"{self.unit}:{self.mode}@{self.time_s:g}"

@@ -28,10 +28,15 @@ class _Reading:
     """What a sensor read when its fault began: of a joint, or a wrench."""
 
     mode: FaultMode
+    """How the sensor fails."""
     position: float = 0.0
+    """The joint position read last [rad or m]; 0 for a sensor of forces."""
     velocity: float = 0.0
+    """The joint velocity read last [rad/s or m/s]; 0 for a sensor of forces."""
     effort: float = 0.0
+    """The joint effort read last [N m or N]; 0 for a sensor of forces."""
     wrench: Wrench | None = None
+    """The wrench read last; `None` for the sensor of a joint."""
 
 
 class SensorFaults:
