@@ -50,20 +50,20 @@ _NAMES = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class MjcfDocument:
-    """An MJCF text that stands for itself.
-
-    `locations` say for each line of the text where it came from; `meshes` are the files of the
-    meshes that are there, by the names they have in the text; `missing` the names of meshes that
-    have no file that can be read; `files` all that was read, the model's own file first.
-    `felt` are the sites at which a sensor measures a force or a torque.
-    """
+    """An MJCF text without includes or paths of files."""
 
     text: str
+    """The MJCF text, in which meshes have numbered names."""
     locations: tuple[Location, ...]
+    """The source file and line of each line of `text`, (n_lines,)."""
     meshes: dict[str, Path]
+    """The readable mesh files, by their names in `text`."""
     missing: tuple[str, ...]
+    """The names in `text` of meshes without a readable file."""
     files: tuple[Path, ...]
+    """All files that were read: the model's own first, then includes and meshes."""
     felt: tuple[str, ...] = ()
+    """The sites at which a sensor measures a force or a torque, sorted."""
 
 
 def read_mjcf_document(text: bytes, file: Path, shown: str, folder: ModelFolder) -> MjcfDocument:

@@ -20,23 +20,24 @@ _SLOWEST_S = 0.5  # damping by stiffness: how far a servo may be behind
 
 @dataclass(frozen=True, slots=True)
 class Drives:
-    """What drives the joints of a model, each by its index.
-
-    `efforts` are their limits [N m or N], 0 where none is given; `servos` those that the file
-    gives; `ranges` what the set-points of an unlimited joint may be. `follows` maps a joint to
-    its leader with factor and offset. `passive` joints have no motor and no leader: springs,
-    and links of closed loops. `fingers` are driven together, or by what is named a gripper.
-    `actuators` maps those that have a name to the joints that each moves.
-    """
+    """What drives the joints of a model; joints are given by their index."""
 
     efforts: Mapping[int, float] = field(default_factory=dict)
+    """The effort limits of joints [N m or N]; a joint without a limit is left out."""
     servos: Mapping[int, Servo] = field(default_factory=dict)
+    """The position servos that the file gives."""
     ranges: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+    """The least and greatest set-point of a servo with a control range [rad or m]."""
     follows: Mapping[int, tuple[int, float, float]] = field(default_factory=dict)
+    """The leader, factor and offset [rad or m] of each joint that follows another."""
     passive: frozenset[int] = frozenset()
+    """The joints with neither motor nor leader: springs, and links of closed loops."""
     driven: frozenset[int] = frozenset()
+    """The joints that an actuator moves."""
     fingers: frozenset[int] = frozenset()
+    """The joints that one actuator moves together, or an actuator named like a gripper."""
     actuators: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    """The joints that each named actuator moves."""
 
 
 def drives_of(model: MjcfModel) -> Drives:

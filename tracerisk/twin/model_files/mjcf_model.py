@@ -24,23 +24,34 @@ Data = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class MjcfModel:
-    """A compiled model: each part as `model_file_child` sends it, in the compiler's order.
+    """A compiled model: its parts as the compiling process sends them, in the compiler's order.
 
-    Lengths in [m], angles in [rad], quaternions as (w, x, y, z); bodies and joints are meant by
+    Lengths in [m], angles in [rad], quaternions as (w, x, y, z); bodies and joints are given by
     their index, body 0 is the world.
     """
 
     name: str
+    """The name of the model in its file."""
     bodies: tuple[Data, ...]
+    """Name, parent, frame, mass [kg] and inertia [kg m^2] of each body."""
     joints: tuple[Data, ...]
+    """Name, body, type, axis, limits, damping and armature of each joint."""
     shapes: tuple[Data, ...]
+    """The primitives that collide or are drawn, with body and frame; a mesh as its bounds."""
     sites: tuple[Data, ...]
+    """Name, body and frame of each site."""
     actuators: tuple[Data, ...]
+    """Name, driven joints with gear, gain, bias and limits of each actuator."""
     couplings: tuple[Data, ...]
+    """Joint, leader, offset and factor of each joint that follows another."""
     closed: tuple[int, ...]
+    """The bodies on which a kinematic loop closes."""
     excludes: tuple[tuple[int, int], ...]
+    """The pairs of bodies that do not collide."""
     keys: tuple[Data, ...]
+    """Name and joint positions of each keyframe, (n_qpos,)."""
     without_mesh: frozenset[str]
+    """The names of bodies that lost a shape because its mesh is missing."""
 
 
 def compiled_mjcf(document: MjcfDocument, shown: str, limits: Limits = DEFAULT_LIMITS) -> MjcfModel:

@@ -37,10 +37,12 @@ _FITS = 0.6  # the share of an SRDF's names that the robot must have
 
 @dataclass(frozen=True, slots=True)
 class ModelFile:
-    """What a model file says: the robot, and every file that was read for it, its own first."""
+    """What a model file describes."""
 
     robot: Robot
+    """The robot."""
     files: tuple[Path, ...]
+    """Every file that was read, the model file first."""
 
 
 def read_model_file(

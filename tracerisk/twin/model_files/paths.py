@@ -16,14 +16,14 @@ _PACKAGE_SCHEMES = ("package", "model")
 
 @dataclass(frozen=True, slots=True)
 class ModelFolder:
-    """Where the files of a model may stand: below `top`, or in one of the workspace's packages.
-
-    `base` is the folder that relative names start from.
-    """
+    """Where the files of a model may stand: below `top`, or in one of the workspace's packages."""
 
     base: Path
+    """The folder from which relative names start."""
     top: Path
+    """The folder below which files are read."""
     packages: Mapping[str, Path] = field(default_factory=dict)
+    """The folders of the workspace's packages, by package name."""
 
     @property
     def allowed(self) -> tuple[Path, ...]:
