@@ -42,9 +42,13 @@ class Descent:
     """Gauss-Newton steps under joint limits (a quadratic program each) towards poses of links."""
 
     _configuration: Any
+    """The robot's joint positions (`mink.Configuration`), changed by the descent."""
     _limits: list[Any]
+    """The joint limits, as constraints of mink."""
     _frozen: list[Any] | None
+    """The constraint that holds all other joints still; `None` where all may move."""
     _targets: Sequence[LinkTarget]
+    """The poses to which links are brought."""
 
     def __post_init__(self) -> None:
         self._tasks = [

@@ -87,6 +87,7 @@ class Motion:
     way: Way = Way()
     """The way of the joint that had the farthest to go; known when the motion has ended."""
     _open_parts: int = 0
+    """The number of tracks that still carry out the motion."""
 
     def __repr__(self) -> str:
         return f"Motion({', '.join(self.elements)}: {self.outcome})"
@@ -164,17 +165,16 @@ def servo_lead(joint: Joint) -> float:
 
 @dataclass(frozen=True, slots=True)
 class GoalTolerance:
-    """When a trajectory's goal is reached.
-
-    `position` [rad or m] is how far each joint may be from it, where `of_joints` gives it none of
-    its own; `settle_s` how long after the end of the trajectory it is waited for, which may be
-    infinite. `speed` [rad/s or m/s] is how fast a joint may still be; `None` is standing still.
-    """
+    """When a trajectory's goal is reached."""
 
     position: float = GOAL_TOLERANCE
+    """How far a joint may be from the goal, unless in `of_joints` [rad or m]."""
     settle_s: float = SETTLE_S
+    """The longest wait for the goal after the end of the trajectory [s]; may be infinite."""
     of_joints: Mapping[str, float] = field(default_factory=dict)
+    """How far single joints may be from the goal [rad or m]."""
     speed: float | None = None
+    """How fast a joint may still be [rad/s or m/s]; `None` means standing still."""
 
     def of(self, joint: str) -> float:
         """Return how far a joint may be from the goal [rad or m]."""
@@ -186,15 +186,25 @@ class ArmTrack:
     """Set-points of arm joints along a trajectory, then the wait until they are reached."""
 
     motion: Motion | None
+    """The motion that the track is part of; `None` while the arm brakes."""
     actuators: Sequence[int]
+    """The index of each joint's actuator in the controls, (n_joints,)."""
     joints: Sequence[int]
+    """The index of each joint in the robot's order, (n_joints,)."""
     members: Sequence[Joint]
-    position: Array  # (n_steps, n_joints)
-    velocity: Array  # (n_steps, n_joints)
-    begin: Array  # (n_joints,) where they are when it begins
+    """The joints, (n_joints,)."""
+    position: Array
+    """The set-point of each step [rad or m], (n_steps, n_joints)."""
+    velocity: Array
+    """The velocity of the set-points [rad/s or m/s], (n_steps, n_joints)."""
+    begin: Array
+    """The measured positions when the track begins [rad or m], (n_joints,)."""
     goal: GoalTolerance = field(default_factory=GoalTolerance)
+    """When the last set-point counts as reached."""
     _at: int = field(default=0, init=False)
+    """The number of set-points applied."""
     _waited: int = field(default=0, init=False)
+    """The number of steps waited since the last set-point."""
 
     def __post_init__(self) -> None:
         lead = np.array([servo_lead(joint) for joint in self.members])

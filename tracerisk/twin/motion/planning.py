@@ -43,15 +43,16 @@ _Reached = tuple[float, NDArray[np.float64]]  # the furthest move of a joint [ra
 
 @dataclass(eq=False)
 class Planner:
-    """Plans on the robot's kinematics, clear of itself and of what the clearance has declared.
-
-    `_begin` says where a plan begins for the joints that its `start` leaves out.
-    """
+    """Plans on the robot's kinematics, clear of itself and of what the clearance has declared."""
 
     _robot: Robot
+    """The robot with its joint limits and groups."""
     _kinematics: Kinematics
+    """Forward and inverse kinematics of the robot."""
     _clearance: Clearance
+    """The check for collisions and path constraints."""
     _begin: Callable[[Mapping[str, float]], dict[str, float]] = dict
+    """Completes a start with the positions of the joints that it leaves out [rad or m]."""
     takes_other: bool = False
     """Whether another posture than the nearest is tried first, where there is one."""
 
