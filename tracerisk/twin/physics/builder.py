@@ -37,17 +37,18 @@ _GEOMS = {
 
 @dataclass(frozen=True, slots=True)
 class SensorLayout:
-    """Where each quantity stands in the model's sensor data.
-
-    `position`, `velocity` and `torque` are one column a joint, in the robot's order;
-    `pads` is one column a pad, gripper by gripper; `touching` counts what touches the robot.
-    """
+    """The columns of the quantities in the model's sensor data."""
 
     position: slice
+    """One column a joint [rad or m], in the robot's order."""
     velocity: slice
+    """One column a joint [rad/s or m/s], in the robot's order."""
     torque: slice
+    """One column a joint [N m or N], in the robot's order."""
     pads: slice
+    """One column a pad with its contact force [N], gripper by gripper."""
     touching: slice
+    """One column: the number of contacts of the robot."""
 
     @staticmethod
     def of(robot: Robot) -> SensorLayout:

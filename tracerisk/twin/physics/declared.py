@@ -30,16 +30,14 @@ _ALIKE = 8.0  # ratio of the bounding volumes of a declared body and the object 
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """The declared bodies of a simulation, and how they stand to what was there before.
-
-    `stands_for` maps a declared body to the object of the scene that it describes: the object
-    itself is then the body. `apart` are pairs of body names that do not touch, for they
-    overlapped when one was declared.
-    """
+    """The declared bodies of a simulation, and their relation to what was there before."""
 
     bodies: tuple[SceneBody, ...] = ()
+    """All bodies that the controller has declared."""
     stands_for: Mapping[str, str] | None = None
+    """The object of the scene that a declared body describes; the object is then the body."""
     apart: frozenset[tuple[str, str]] = frozenset()
+    """Pairs of body names that do not collide, since they overlapped when one was declared."""
 
     def simulated(self, body: SceneBody) -> bool:
         """Return whether a declared body is one of its own."""

@@ -32,32 +32,34 @@ Points = tuple[tuple[float, float, float], ...]
 
 @dataclass(frozen=True, slots=True)
 class LoggedShape:
-    """A declared body: its primitives, the points of its convex hulls, whether it is a plane.
-
-    `pose` is where it was when it was declared, position and quaternion (w, x, y, z) in the world;
-    `planes` are poses in the body's frame, of which z points out of the ground.
-    """
+    """A declared body as the log has it."""
 
     name: str
+    """The name under which the body was declared."""
     is_free: bool
+    """Whether the body can move, so that its poses are logged."""
     pose: tuple[float, ...]
+    """The world pose when it was declared: position [m], quaternion (w, x, y, z); (7,)."""
     shapes: tuple[Shape, ...] = ()
+    """The primitives of the body."""
     hulls: tuple[Points, ...] = ()
+    """The points of each convex hull in the body's frame [m], (n_hulls, n_points, 3)."""
     planes: tuple[tuple[float, ...], ...] = ()
+    """Ground planes as poses in the body's frame, z pointing out of the ground, (n_planes, 7)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeclaredChange:
-    """All declared bodies that are simulated from `step` on.
-
-    pose_steps: (n_poses,), the steps at which poses were logged; poses: (n_poses, n_free, 7), of
-    those that are free, in their order.
-    """
+    """All declared bodies that are simulated from one step on."""
 
     step: int
+    """The first step with these bodies."""
     bodies: tuple[LoggedShape, ...]
+    """The bodies; the free ones are in the order of their poses."""
     pose_steps: Array
+    """The steps at which poses were logged, (n_poses,)."""
     poses: Array
+    """Position [m] and quaternion (w, x, y, z) of the free bodies, (n_poses, n_free, 7)."""
 
 
 class DeclaredLogWriter:

@@ -37,10 +37,12 @@ PlanningFailure = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A position [m] and an orientation (unit quaternion x, y, z, w) in the robot's base frame."""
+    """A pose in the robot's base frame, or in the frame that its owner names."""
 
     position: tuple[float, float, float]
+    """The position (x, y, z) [m]."""
     orientation: tuple[float, float, float, float]
+    """The unit quaternion (x, y, z, w)."""
 
     @classmethod
     def of(cls, position: Iterable[float], turn: Iterable[float]) -> Pose:
@@ -51,26 +53,32 @@ class Pose:
 
 @dataclass(frozen=True, slots=True)
 class LinkTarget:
-    """Where a link should come, in the robot's base frame; tolerances in [m] and [rad]."""
+    """Where a link should come."""
 
     link: str
+    """The name of the link."""
     pose: Pose
+    """The wanted pose in the robot's base frame."""
     position_tolerance: float = 1e-4
+    """The greatest distance that counts as reached [m]."""
     orientation_tolerance: float = 1e-3
+    """The greatest turn that counts as reached [rad]; infinite for any turn."""
 
 
 @dataclass(frozen=True, slots=True)
 class JointState:
-    """Positions [rad or m], velocities [rad/s or m/s] and efforts [N m or N] of named joints.
-
-    Of the joints in `absent` nothing is measured: the values are the last that were.
-    """
+    """The measured state of named joints; every tuple but `absent` is (n_joints,)."""
 
     names: tuple[str, ...]
+    """The joint names, in the order of the other fields."""
     position: tuple[float, ...]
+    """The positions [rad or m]."""
     velocity: tuple[float, ...]
+    """The velocities [rad/s or m/s]."""
     effort: tuple[float, ...]
+    """The efforts [N m or N]."""
     absent: frozenset[str] = frozenset()
+    """The joints that are not measured; their values are the last measured ones."""
 
     @property
     def positions(self) -> dict[str, float]:

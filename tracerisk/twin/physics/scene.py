@@ -24,62 +24,87 @@ class Fixture:
     """A body that never moves: a table, a rack."""
 
     name: str
+    """The name, unique among the bodies of the scene."""
     xyz: Triple
+    """The place of the origin in the world [m]."""
     rpy: Triple
+    """Roll, pitch and yaw in the world [rad]."""
     shapes: tuple[Shape, ...]
+    """The primitives, in the frame of the body."""
     meets_robot: bool = True
     """Whether robot and attached objects collide with it; free objects rest on it in any case."""
 
 
 @dataclass(frozen=True, slots=True)
 class GraspableObject:
-    """A free body [kg]; `xyz`, `rpy` say where its origin is when the run begins.
-
-    `friction` is the sliding friction against fixtures; finger pads bring their own.
-    """
+    """A free body."""
 
     name: str
+    """The name, unique among the bodies of the scene."""
     xyz: Triple
+    """The place of the origin in the world when the run begins [m]."""
     rpy: Triple
+    """Roll, pitch and yaw in the world when the run begins [rad]."""
     mass: float
+    """The mass [kg]."""
     friction: float
+    """The coefficient of sliding friction against fixtures; finger pads bring their own."""
     shapes: tuple[Shape, ...]
+    """The primitives, in the frame of the body."""
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """A place where an object may end: the position of the object's origin."""
+    """A place where an object may end."""
 
     name: str
+    """The name of the place, such as `rack_slot_1`."""
     xyz: Triple
+    """The place of the object's origin in the world [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A scene; `robot_xyz` and `robot_rpy` place the robot's base link in the world."""
+    """A scene with one robot."""
 
     name: str
+    """The name by which a run chooses a shipped scene."""
     title: str
+    """A short description for outputs."""
     robot_xyz: Triple
+    """The place of the robot's base link in the world [m]."""
     robot_rpy: Triple
+    """Roll, pitch and yaw of the robot's base link in the world [rad]."""
     fixtures: tuple[Fixture, ...]
+    """The bodies that never move, racks among them."""
     objects: tuple[GraspableObject, ...]
+    """The bodies that can be grasped."""
     goals: tuple[Goal, ...]
+    """The places where objects may end."""
     file: str
+    """The path of the scene file, for messages; of a shipped scene its file name."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Rack:
-    """A row of square slots open at the top; `first` is the middle of slot 1 at its foot."""
+    """A row of square slots open at the top."""
 
     name: str
+    """The name of the rack."""
     first: Triple
+    """The middle of slot 1 at its foot, in the world [m]."""
     pitch: float
+    """The distance between the middles of two slots, along x [m]."""
     slots: int
+    """The number of slots."""
     opening: float
+    """The inner width of a slot [m]."""
     height: float
+    """The height of the rack [m]."""
     floor: float
+    """The thickness of its floor [m]."""
     wall: float
+    """The thickness of its long walls [m]."""
 
     def bottom_of(self, slot: int) -> Triple:
         """Return the middle of a slot's floor; slots count from 1."""

@@ -29,35 +29,42 @@ _WELD = (0.004, 1.0)  # time constant [s] and damping of the weld: two steps, th
 
 @dataclass(frozen=True, slots=True)
 class Hull:
-    """The convex hull of points (x, y, z) in the body's frame [m]."""
+    """The convex hull of a set of points."""
 
     points: tuple[tuple[float, float, float], ...]
+    """The points in the body's frame [m], (n_points, 3)."""
 
 
 @dataclass(frozen=True, slots=True)
 class HalfSpace:
-    """All that lies below a plane: `pose` is on it, with z pointing out of the ground."""
+    """All that lies below a plane."""
 
     pose: Pose
+    """A pose on the plane in the body's frame, z pointing out of the ground."""
 
 
 @dataclass(frozen=True, slots=True)
 class SceneBody:
-    """A body, by its name; `pose` is in the robot's base frame, or in `link` when attached.
-
-    `touch_links` are the links that an attached body may touch. `is_free` says that a body of the
-    world can be moved; `given_mass` [kg] takes the place of the one assumed.
-    """
+    """A body that a controller has declared."""
 
     name: str
+    """The name under which the controller declared it."""
     pose: Pose
+    """The pose in the robot's base frame, or in the frame of `link` when attached."""
     shapes: tuple[Shape, ...] = ()
+    """The primitives, in the body's frame."""
     hulls: tuple[Hull, ...] = ()
+    """The convex hulls of its meshes, in the body's frame."""
     half_spaces: tuple[HalfSpace, ...] = ()
+    """Ground planes, in the body's frame."""
     link: str | None = None
+    """The robot's link to which the body is attached; `None` for a body of the world."""
     touch_links: tuple[str, ...] = ()
+    """The links that an attached body may touch."""
     is_free: bool = False
+    """Whether a body of the world can be moved."""
     given_mass: float | None = None
+    """The declared mass [kg]; `None` where it is assumed from the volume."""
 
     def __post_init__(self) -> None:
         for hull in self.hulls:

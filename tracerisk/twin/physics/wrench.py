@@ -17,10 +17,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Wrench:
-    """A force [N], and a torque about the origin of a link [N m], in the link's axes."""
+    """A force and a torque about the origin of a link, in the link's axes."""
 
     force: Triple
+    """The force (x, y, z) [N]."""
     torque: Triple
+    """The torque (x, y, z) [N m]."""
 
 
 def load_on(model: Any, data: Any, link: str) -> Wrench:
