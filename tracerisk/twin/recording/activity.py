@@ -57,19 +57,25 @@ class ElementActivity:
     """What one element does at each step; every array is (n_steps,).
 
     `moving` and `holding` exclude each other; `grasping` may overlap either.
-    speed: |velocity| over the rated one; torque: |torque| over the limit; grip: the lesser force
-    of the pads on what is between them [N], 0 for a joint; travel: how far it goes in the stretch
-    of motion that the step belongs to, over the least that counts, 0 at rest.
     """
 
     element: Element
+    """The joint, gripper or contact link."""
     moving: Flags
+    """Whether the element moves."""
     holding: Flags
+    """Whether the element stands still under load."""
     grasping: Flags
+    """Whether a gripper grasps, or a contact link touches something."""
     speed: Array
+    """The absolute velocity over the rated one [1]."""
     torque: Array
+    """The absolute torque over the limit [1]."""
     grip: Array
+    """The lesser force of the pads on what is between them [N]; 0 for a joint."""
     travel: Array
+    """The travel in the stretch of motion around the step, over the least that counts [1]; 0 at
+    rest."""
 
     @property
     def active(self) -> Flags:

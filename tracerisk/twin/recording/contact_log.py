@@ -38,33 +38,40 @@ Rows = NDArray[np.void]
 
 @dataclass(frozen=True, slots=True)
 class LoggedBody:
-    """A body that can touch: a link of the robot, what stands fixed, or what can be moved.
-
-    `mass_kg` is 0 for what is not free.
-    """
+    """A body that can touch: a link of the robot, what stands fixed, or what can be moved."""
 
     name: str
+    """The name of the body in the simulation."""
     kind: BodyKind
+    """`link`, `fixed` or `free`."""
     mass_kg: float = 0.0
+    """The mass [kg]; 0 for a body that is not free."""
 
 
 @dataclass(frozen=True, slots=True)
 class Weld:
-    """A body, by its place in the log, that is fast to a link from a step on, up to another."""
+    """A body that is fixed to a link for a time."""
 
     body: int
+    """The index of the body in the log."""
     link: str
+    """The name of the link."""
     start: int
+    """The first step of the weld."""
     stop: int
+    """The step after the last one of the weld."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactLog:
-    """What touched in one run: `rows` in the order of their steps, of dtype `ROW`."""
+    """What touched in one run."""
 
     bodies: tuple[LoggedBody, ...]
+    """All bodies that could touch, in the order in which the log names them."""
     welds: tuple[Weld, ...]
+    """The bodies that were fixed to a link, and when."""
     rows: Rows
+    """The points of contact in the order of their steps, of dtype `ROW`, (n_rows,)."""
 
 
 class ContactLogWriter:

@@ -24,16 +24,17 @@ Steps = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairTouches:
-    """When two bodies touched: `steps` in order, and the normal force at each [N], (n,) both.
-
-    `one` and `two` are places in the log. `force` sums over the points of contact; `None` for
-    links that overlapped, whose force is not simulated.
-    """
+    """When two bodies touched."""
 
     one: int
+    """The index of the first body in the log."""
     two: int
+    """The index of the second body in the log, greater than `one`."""
     steps: Steps
+    """The steps of contact in order, (n,)."""
     force: Array | None
+    """The normal force summed over the points of contact [N], (n,); `None` for links that
+    overlapped, whose force is not simulated."""
 
     def beside(self, body: int) -> int | None:
         """Return the other body, `None` where `body` is none of the two."""
@@ -42,15 +43,16 @@ class PairTouches:
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """A body, by its place in the log, that a gripper (or a link, by a weld) held.
-
-    From the step `start` on, up to `stop`.
-    """
+    """A body that a gripper, or a link by a weld, held."""
 
     holder: str
+    """The name of the gripper or link."""
     body: int
+    """The index of the held body in the log."""
     start: int
+    """The first step of the hold."""
     stop: int
+    """The step after the last one of the hold."""
 
 
 def pair_touches(log: ContactLog, n_steps: int) -> tuple[PairTouches, ...]:

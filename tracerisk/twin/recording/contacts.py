@@ -43,17 +43,20 @@ _GRAVITY = 9.81  # [m/s^2]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touch:
-    """A touch of a link, or of a held thing, with another body; `steps` may have short gaps.
-
-    `moves` is the element whose motion moves what touches, `None` where it stands fast.
-    """
+    """A touch of a link, or of a held thing, with another body."""
 
     link: str
+    """The name of the link, or of the held thing."""
     other: str
+    """The name of the body that it touches."""
     steps: Steps
+    """The steps of contact in order, (n,); short gaps are part of the touch."""
     force: Array | None
+    """The normal force at each step [N], (n,); `None` for links that overlapped."""
     moves: str | None
+    """The element whose motion moves `link`; `None` where it stands fast."""
     expected: bool
+    """Whether the touch belongs to grasping or setting down."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,11 +64,17 @@ class RunContacts:
     """All touches of a run and all that was held, with the log that they are from."""
 
     robot: Robot
+    """The robot of the run."""
     log: ContactLog
+    """The log of contacts."""
     touches: tuple[Touch, ...]
+    """All touches that concern the robot or what it held."""
     holds: tuple[Hold, ...]
+    """All that was held, in the order in which it began."""
     n_steps: int
+    """The number of steps of the run."""
     step_s: float
+    """The physics step [s]."""
 
 
 def run_contacts(

@@ -56,14 +56,14 @@ RULE = MotionRule()
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SetPoint:
-    """The set-point of a servo: value at each step, (n_steps,), and the measured position.
-
-    `lag_s` is the time by which a moving joint lags behind it.
-    """
+    """The set-point of a servo beside what is measured."""
 
     value: Array
+    """The set-point at each step [rad or m], (n_steps,)."""
     position: Array
+    """The measured position at each step [rad or m], (n_steps,)."""
     lag_s: float
+    """The time by which a moving joint lags behind the set-point [s]."""
 
 
 def motion_steps(

@@ -22,11 +22,14 @@ import mujoco  # isort: skip
 
 @dataclass(frozen=True, slots=True)
 class Replay:
-    """How long the plain loop took [s of wall time], and whether it ended in the same bits."""
+    """The duration and the end of a replay."""
 
     n_steps: int
+    """The number of steps that were replayed."""
     seconds: float
+    """The wall time of the plain loop [s]."""
     same_end: bool
+    """Whether the last pose has the same bits as the recorded one."""
 
 
 def replay(samples: Samples, robot: Robot, scene: Scene) -> Replay:

@@ -38,29 +38,34 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class SampleHeader:
-    """What the columns of the samples mean.
-
-    `controls` are the actuators; `joints` have position, velocity and torque each; `pads` are
-    the finger links whose contact force is measured; `n_pose` is the length of one pose.
-    `free_bodies` are the things that can be moved, `free_at` where the pose of each begins in
-    one: three coordinates [m], then the quaternion, w first. `round_bodies` are those that look
-    the same however they are turned about their own z axis, `balls` however they are turned.
-    `base_xyz` [m] and `base_rpy` [rad] are where the robot's base stands in the scene.
-    """
+    """What the columns of the samples mean."""
 
     robot: str
+    """The name of the robot."""
     scene: str
+    """The name of the scene; empty for recorded joint states."""
     step_ns: int
+    """The time between two rows [ns]."""
     controls: tuple[str, ...]
+    """The actuators, one column each."""
     joints: tuple[str, ...]
+    """The joints, with a column each of position, velocity and torque."""
     pads: tuple[str, ...]
+    """The finger links whose contact force is measured, one column each."""
     n_pose: int
+    """The length of one pose of everything that can move."""
     free_bodies: tuple[str, ...] = ()
+    """The objects of the scene that can be moved."""
     free_at: tuple[int, ...] = ()
+    """Where the pose of each free body begins in a pose: (x, y, z) [m], then (w, x, y, z)."""
     round_bodies: tuple[str, ...] = ()
+    """The free bodies that look the same however they are turned about their own z axis."""
     balls: tuple[str, ...] = ()
+    """The free bodies that look the same however they are turned."""
     base_xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """The place of the robot's base in the scene [m]."""
     base_rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw of the robot's base in the scene [rad]."""
 
     @property
     def width(self) -> int:
@@ -70,27 +75,28 @@ class SampleHeader:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """The samples of one run.
-
-    control: (n_steps, n_controls) [rad or m]; position, velocity, torque: (n_steps, n_joints)
-    [rad or m, and per second; N m or N]; pad_force: (n_steps, n_pads) [N].
-    poses: (n_poses, n_pose), every `POSE_EVERY` steps from the first.
-    end_pose: (n_pose,) after the last step; `None` for a run that was cut short.
-    changed_at: the step before which bodies were first put into the running simulation, else
-    `None`.
-    contacts: what touched what, `None` where that was not logged.
-    """
+    """The samples of one run."""
 
     header: SampleHeader
+    """The meaning of the columns."""
     control: Array
+    """The controls applied from each step on [rad or m], (n_steps, n_controls)."""
     position: Array
+    """The joint positions [rad or m], (n_steps, n_joints)."""
     velocity: Array
+    """The joint velocities [rad/s or m/s], (n_steps, n_joints)."""
     torque: Array
+    """The joint torques [N m or N], (n_steps, n_joints)."""
     pad_force: Array
+    """The contact force of each finger pad [N], (n_steps, n_pads)."""
     poses: Array
+    """The pose of everything that can move, every `POSE_EVERY` steps, (n_poses, n_pose)."""
     end_pose: Array | None = None
+    """The pose after the last step, (n_pose,); `None` for a run that was cut short."""
     changed_at: int | None = None
+    """The step before which bodies were first put into the simulation; `None` for never."""
     contacts: ContactLog | None = None
+    """What touched what; `None` where that was not logged."""
 
     @property
     def n_steps(self) -> int:

@@ -19,24 +19,26 @@ Owners = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class ReadingSpan:
-    """The controller reads some sensors, by name, from a time to another [ns]."""
+    """A time during which the controller reads some sensors."""
 
     sensors: tuple[str, ...]
+    """The names of the sensors."""
     from_ns: int
+    """The begin in simulated time [ns]."""
     to_ns: int
+    """The end in simulated time [ns]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SensorActivity:
-    """What one sensor does at each step.
-
-    reading: (n_steps,), or `None` where the controller never reads it. `joint` is what the joint
-    does in which it is, `None` for a sensor in none.
-    """
+    """What one sensor does at each step."""
 
     element: Element
+    """The sensor."""
     reading: Flags | None
+    """Whether the controller reads it, (n_steps,); `None` where it never does."""
     joint: ElementActivity | None
+    """The activity of its joint; `None` for a sensor that is in no joint."""
 
 
 def sensor_activity(

@@ -34,7 +34,9 @@ class Slips:
     """What the samples of a run say of the ends of its holds."""
 
     samples: Samples
+    """The samples of the run, with joint positions and controls."""
     contacts: RunContacts
+    """The touches and holds of the same run."""
 
     def has_slipped(self, hold: Hold, poses: Array) -> bool:
         """Return whether an object slipped out of the hand that held it.
