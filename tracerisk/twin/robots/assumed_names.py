@@ -113,10 +113,15 @@ class _AssumedStates(Mapping[str, Mapping[str, Mapping[str, float]]]):
 @dataclass(eq=False)
 class _StatesOfGroup(Mapping[str, Mapping[str, float]]):
     _robot: Robot
+    """The robot whose states are assumed."""
     _group: str
+    """The name of the planning group, for messages."""
     _joints: tuple[str, ...]
+    """The names of the group's joints."""
     _known: dict[str, Mapping[str, float]]
+    """The joint positions of each known or assumed state [rad or m]."""
     _report: Callable[[str], None]
+    """Receives a sentence for each state that is assumed."""
 
     def __getitem__(self, name: str) -> Mapping[str, float]:
         if name not in self._known:

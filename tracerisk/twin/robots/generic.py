@@ -66,17 +66,20 @@ TITLE = "generic arm, for a robot that is not known"
 
 @dataclass(frozen=True, slots=True)
 class AxisFigures:
-    """What is assumed of one axis of an arm: where it is on the one before it, and its figures.
-
-    `range_rad` is how far it turns to either side, `mass_kg` that of the link behind it.
-    """
+    """What is assumed of one axis of an arm."""
 
     xyz: tuple[float, float, float]
+    """The place of the axis in the frame of the one before it [m]."""
     axis: tuple[float, float, float]
+    """The unit vector about which it turns."""
     torque_nm: float
+    """The torque limit [N m]."""
     mass_kg: float
+    """The mass of the link behind the axis [kg]."""
     speed: float = _VELOCITY
+    """The rated speed [rad/s]."""
     range_rad: float = math.pi
+    """How far the axis turns to either side [rad]."""
 
 
 def axis_figures(index: int) -> AxisFigures:
@@ -98,7 +101,9 @@ class NamesAsked:
     """The names of a robot's parts that stand in a controller's source, in their order."""
 
     joints: tuple[str, ...]
+    """The names of joints, fingers among them."""
     frames: tuple[str, ...]
+    """The names of links and tool frames."""
 
 
 def names_asked(tree: ast.Module | None) -> NamesAsked:
@@ -240,9 +245,13 @@ class AssumedHand:
     """A gripper of fingers that slide, with its parts."""
 
     links: tuple[Link, ...]
+    """The links of the fingers."""
     attachments: tuple[Attachment, ...]
+    """How the fingers hang on the hand."""
     joints: tuple[Joint, ...]
+    """The sliding joints of the fingers."""
     gripper: Gripper
+    """The gripper that moves the fingers together."""
 
 
 def sliding_fingers(

@@ -22,25 +22,32 @@ _JOINTS = re.compile(r"\bjoints: \[([^\]]*)\]")
 
 @dataclass(frozen=True, slots=True)
 class RobotNames:
-    """What a shipped robot calls itself and its parts, and what stands at the top of its file.
-
-    `other_models` are words that make another model of it where they stand behind its name.
-    `joints` are all that move, `arm_joints` those of them that belong to no gripper; `groups` have
-    the joints of each. `payload` is rated, in [kg], `None` where the file gives none.
-    """
+    """What a shipped robot calls itself and its parts, and what stands at the top of its file."""
 
     name: str
+    """The name by which a run chooses the robot."""
     title: str
+    """The maker's name of the robot, for outputs."""
     aliases: tuple[str, ...]
+    """Other names by which a controller may mean the robot."""
     other_models: tuple[str, ...]
+    """Words that make it another model where they stand behind the robot's name."""
     source: str
+    """Where the figures of the file are from."""
     payload: float | None
+    """The rated payload [kg]; `None` where the file gives none."""
     links: tuple[str, ...]
+    """The names of the links."""
     joints: tuple[str, ...]
+    """The names of all joints that move."""
     arm_joints: tuple[str, ...]
+    """The joints that belong to no gripper."""
     groups: Mapping[str, tuple[str, ...]]
+    """The joints of each planning group."""
     grippers: tuple[str, ...]
+    """The names of the grippers."""
     controllers: tuple[str, ...]
+    """The names of the driver's controllers."""
 
 
 @functools.cache

@@ -37,17 +37,18 @@ package that it names, or another one of the workspace."""
 
 @dataclass(frozen=True, slots=True)
 class LaunchedDescription:
-    """The file of a robot that a launch file names, as far as it can be known.
-
-    `arguments` are those that it gives xacro. `problem` says why there is no `path`. `file` is
-    the launch file, for messages; `by` says what it is to the controller.
-    """
+    """The file of a robot that a launch file names, as far as it can be known."""
 
     path: Path | None
+    """The description file; `None` where it is not known or not here."""
     arguments: tuple[tuple[str, str], ...]
+    """Name and value of each argument that the launch file gives xacro."""
     problem: str
+    """Why there is no `path`; empty where there is one."""
     file: str
+    """The launch file, for messages."""
     by: LaunchedBy
+    """The relation of the launch file to the controller."""
 
 
 @dataclass(frozen=True)

@@ -25,51 +25,59 @@ SHIPPED_ROBOTS = Path(__file__).parent / "shipped"
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A rigid body of the robot; masses in [kg], lengths in [m].
-
-    `inertia` is (xx, yy, zz, xy, xz, yz) about the centre of mass, in the link's axes [kg m^2].
-    """
+    """A rigid body of the robot."""
 
     name: str
+    """The name of the link."""
     mass: float
+    """The mass [kg]; 0 for a frame without a body."""
     centre_of_mass: tuple[float, float, float]
+    """The centre of mass in the link's frame [m]."""
     inertia: tuple[float, float, float, float, float, float] | None
+    """(xx, yy, zz, xy, xz, yz) about the centre of mass, in the link's axes [kg m^2]; `None`
+    assumes a small one in proportion to the mass."""
     shapes: tuple[Shape, ...]
+    """The primitives that collide or are drawn, in the link's frame."""
 
 
 @dataclass(frozen=True, slots=True)
 class Servo:
-    """The position servo of a joint: stiffness [N m/rad] and damping [N m s/rad] (or [N/m]...).
-
-    `friction` is the passive damping of the joint itself, in the unit of `damping`.
-    """
+    """The position servo of a joint."""
 
     stiffness: float
+    """Torque per position error [N m/rad or N/m]; 0 where a gripper's servo drives the joint."""
     damping: float
+    """Torque per velocity of the servo [N m s/rad or N s/m]."""
     armature: float
+    """The inertia of the motor at the joint [kg m^2 or kg]."""
     friction: float = 1.0
+    """The passive damping of the joint itself [N m s/rad or N s/m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A movable joint: position limits [rad or m] and rated figures, all positive.
-
-    `velocity_limit` [rad/s or m/s], `acceleration_limit` [rad/s^2 or m/s^2], `torque_limit`
-    [N m or N].
-    `plan_velocity` and `plan_acceleration` are what MoveIt plans with where that differs from
-    the rated figures, in the same units.
-    """
+    """A movable joint with its limits; all rated figures are positive."""
 
     name: str
+    """The name of the joint."""
     type: JointType
+    """`revolute`, `continuous` or `prismatic`."""
     lower: float
+    """The least position [rad or m]."""
     upper: float
+    """The greatest position [rad or m]."""
     velocity_limit: float
+    """The rated velocity [rad/s or m/s]."""
     acceleration_limit: float
+    """The rated acceleration [rad/s^2 or m/s^2]."""
     torque_limit: float
+    """The rated torque or force [N m or N]."""
     servo: Servo
+    """The position servo that drives the joint."""
     plan_velocity: float | None = None
+    """The velocity that MoveIt plans with [rad/s or m/s]; `None` for the rated one."""
     plan_acceleration: float | None = None
+    """The acceleration that MoveIt plans with [rad/s^2 or m/s^2]; `None` for the rated one."""
 
     @property
     def planned_velocity(self) -> float:
@@ -86,56 +94,71 @@ class Joint:
 
 @dataclass(frozen=True, slots=True)
 class Attachment:
-    """How a link hangs on its parent: a frame (`xyz` [m], `rpy` [rad]) and a joint about `axis`."""
+    """How a link hangs on its parent."""
 
     name: str
+    """The name of the joint between them."""
     type: JointType
+    """The kind of the joint, `fixed` for a rigid attachment."""
     parent: str
+    """The name of the parent link."""
     child: str
+    """The name of the link that hangs on it."""
     xyz: tuple[float, float, float]
+    """The place of the child's frame in the parent's [m]."""
     rpy: tuple[float, float, float]
+    """Roll, pitch and yaw of the child's frame in the parent's [rad]."""
     axis: tuple[float, float, float]
+    """The joint's axis of rotation or sliding, in the child's frame."""
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """A planning group: its joints in order, and the link whose pose a goal speaks of.
-
-    `turns_freely` says that its solver brings the link to positions, turned as near as it may be.
-    `members` are all its joints in order, with those that are fixed, passive or follow another;
-    empty where nobody says which those are.
-    """
+    """A planning group."""
 
     joints: tuple[str, ...]
+    """The names of its movable joints, in order."""
     tip_link: str | None
+    """The link whose pose a goal gives; `None` where the group has none."""
     turns_freely: bool = False
+    """Whether its solver reaches positions only, with the nearest possible orientation."""
     members: tuple[str, ...] = ()
+    """All its joints in order, also fixed, passive and following ones; empty where unknown."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gripper:
     """A gripper whose fingers move together, driven by one servo.
 
-    Its position is that of the first joint, from `least` to `opening` [m or rad], the greatest;
-    which of the two is open, `gripper_ends` knows. The other joints follow with their sign in
-    `signs`. `effort` is the greatest force of one finger
-    [N or N m], `velocity_limit` the rated speed of one finger, `speed` the one it is driven at
-    [m/s or rad/s].
-    `pads` are the links that touch what is held.
+    Its position is the one of the first joint, from `least` to `opening`; which of the two is
+    open, `gripper_ends` knows.
     """
 
     name: str
+    """The name of the gripper and of its actuator."""
     group: str
+    """The planning group that moves the fingers."""
     joints: tuple[str, ...]
+    """The joints of the fingers; the first gives the gripper's position."""
     pads: tuple[str, ...]
+    """The links that touch what is held."""
     opening: float
+    """The greatest position of the first joint [m or rad]."""
     effort: float
+    """The greatest force of one finger [N or N m]."""
     velocity_limit: float
+    """The rated speed of one finger [m/s or rad/s]."""
     speed: float
+    """The speed at which the fingers are driven [m/s or rad/s]."""
     stiffness: float
+    """The servo's force per position error, all fingers together [N/m or N m/rad]."""
     damping: float
+    """The servo's force per velocity, all fingers together [N s/m or N m s/rad]."""
     least: float = 0.0
+    """The least position of the first joint [m or rad]."""
     signs: tuple[int, ...] = ()
+    """1 for a joint that moves as the first one, -1 for one that moves against it, (n_joints,);
+    empty where all are 1."""
 
     def sign(self, joint: str) -> int:
         """Return 1 for a joint that moves as the first one, -1 for one that moves against it."""
@@ -161,16 +184,21 @@ class Controller:
     """A controller of the robot's driver, as MoveIt and the action clients name it."""
 
     name: str
+    """The name of the controller, and of its action's namespace."""
     type: ControllerType
+    """The action that it serves: `follow_joint_trajectory` or `gripper_command`."""
     joints: tuple[str, ...]
+    """The names of the joints that it moves."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scaling:
-    """The fractions of the rated velocity and acceleration that a plan uses by default."""
+    """How fast a plan is, as fractions of the rated figures."""
 
     velocity: float
+    """The fraction of the rated velocity, from 0 to 1."""
     acceleration: float
+    """The fraction of the rated acceleration, from 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,56 +248,71 @@ DEFAULT_SCALING = Scaling(0.1, 0.1)
 
 @dataclass(frozen=True, slots=True)
 class Robot:
-    """A robot; `joints` are all that move, those of the grippers included, in the file's order.
-
-    `named_states` maps group, then state, then joint to a position.
-    `initial_state` gives the position of every joint when the run begins.
-    `approximate` says that figures are assumed; `assumes_names` that groups and states which the
-    controller asks for are assumed as well. `chosen_by` says why it is this robot, `doubt` why
-    another one may be meant; it is empty where none may.
-    `disabled_collisions` are pairs of links that may touch, each pair in order.
-    `payload` is rated, in [kg], `None` where it is not known.
-    `own_sensors` are those beside the encoders, `without_encoder` the arm joints that have none.
-    `actuators` maps those that the model names to the joints that each moves.
-    `effort_unit` is what its driver gives as the effort of a joint, as `--effort-unit` takes it;
-    empty where it is not known.
-    `following` is how its driver follows a stream of set-points.
-    `assumed_figures` are sentences on what is another robot's, or left out.
-    `weighed` is what spoke for it and for others, in one line; empty where nothing was weighed.
-    `masses` is how far public sources of the masses differ, `None` where one alone is known.
-    """
+    """A robot with its parts, its names and what is assumed of it."""
 
     name: str
+    """The name by which a run chooses the robot."""
     title: str
+    """The maker's name of the robot, for outputs."""
     source: str
+    """Where the figures are from."""
     base_link: str
+    """The link at the root of the tree."""
     links: tuple[Link, ...]
+    """All links, in the order of the file."""
     attachments: tuple[Attachment, ...]
+    """How each link but the base hangs on its parent, fixed ones included."""
     joints: tuple[Joint, ...]
+    """All joints that move, fingers included, in the order of the file."""
     groups: Mapping[str, Group]
+    """The planning groups by name."""
     named_states: Mapping[str, Mapping[str, Mapping[str, float]]]
+    """The joint positions [rad or m] of each named state, by group and state."""
     initial_state: Mapping[str, float]
+    """The position of every joint when the run begins [rad or m]."""
     grippers: tuple[Gripper, ...]
+    """The grippers; empty for a bare arm."""
     controllers: tuple[Controller, ...]
+    """The controllers of the robot's driver."""
     default_scaling: Scaling
+    """How fast plans are where the controller sets no scaling."""
     default_scene: str | None
+    """The scene of a run that names none; `None` where there is no default."""
     file: str
+    """The file that describes the robot, for messages."""
     approximate: bool = False
+    """Whether some figures are assumed."""
     aliases: tuple[str, ...] = field(default=())
+    """Other names by which a controller may mean the robot."""
     other_models: tuple[str, ...] = ()
+    """Words that make it another model where they stand behind the robot's name."""
     disabled_collisions: frozenset[tuple[str, str]] = frozenset()
+    """Pairs of links that may touch, each pair sorted."""
     assumes_names: bool = False
+    """Whether groups and states that the controller asks for are assumed as well."""
     chosen_by: str = ""
+    """Why this robot was chosen; empty where it was not chosen by evidence."""
     doubt: str = ""
+    """Why another robot may be meant; empty where none may."""
     payload: float | None = None
+    """The rated payload [kg]; `None` where it is not known."""
     own_sensors: tuple[Sensor, ...] = ()
+    """The sensors beside the encoders."""
     without_encoder: tuple[str, ...] = ()
+    """The arm joints that have no encoder."""
     actuators: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """The joints that each named actuator of the model moves."""
     effort_unit: str = ""
+    """The unit of a joint's effort from its driver, as `--effort-unit` takes it; empty where
+    unknown."""
     following: Following = Following()
+    """How its driver follows a stream of set-points."""
     assumed_figures: tuple[str, ...] = ()
+    """Sentences on what is taken from another robot, or left out."""
     weighed: str = field(default="", compare=False)
+    """The evidence for this robot and for others, in one line; empty where none was weighed."""
     masses: Masses | None = None
+    """How far public sources of the masses differ; `None` where only one source is known."""
 
     @property
     def is_described(self) -> bool:

@@ -14,18 +14,20 @@ IN_JOINTS: tuple[SensorKind, ...] = ("encoder", "torque")
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """A sensor, in the joint or link `part`.
-
-    `topics` are the names under which drivers publish it: a topic is one of them, or stands below
-    one, whatever stands before. `link` is that in whose axes a torque sensor's estimate of a
-    wrench is given there.
-    """
+    """A sensor in a joint or link."""
 
     kind: SensorKind
+    """`encoder` or `torque` of a joint, `wrench` or `camera` at a link."""
     name: str
+    """The name, unique among the robot's elements."""
     part: str
+    """The name of the joint or link that it is in."""
     topics: tuple[str, ...] = ()
+    """The names under which drivers publish it; a topic is one of them or stands below one, with
+    any prefix."""
     link: str | None = None
+    """The link in whose axes a torque sensor's estimate of a wrench is published; `None` for
+    none."""
 
     @property
     def element(self) -> Element:
