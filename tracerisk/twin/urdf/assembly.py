@@ -43,25 +43,30 @@ _MARGIN = 2.0  # how much more than its own weight an arm is assumed to hold
 
 @dataclass(frozen=True, slots=True)
 class RobotParts:
-    """What was read of a robot.
-
-    `servos` are those that the file gives its joints; `fingers` the joints that its actuators
-    show to be a gripper's; `states` named positions of joints, whatever group they are in;
-    `begins` where joints begin.
-    `assumed` says that some figure of the links is assumed.
-    """
+    """What was read of a robot."""
 
     name: str
+    """The name of the robot."""
     file: str
+    """The model file, for messages."""
     tree: Tree
+    """The links and joints of the file."""
     links: tuple[Link, ...]
+    """The rigid bodies, in the order of the file."""
     assumed: bool
+    """Whether some figure of the links is assumed."""
     srdf: Srdf | None = None
+    """The groups, states and end effectors of the robot; `None` without an SRDF."""
     servos: Mapping[str, Servo] = field(default_factory=dict)
+    """The position servos that the file gives, by joint."""
     fingers: frozenset[str] = frozenset()
+    """The joints that the file's actuators show to be a gripper's."""
     states: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Named joint positions [rad or m] that belong to no group."""
     begins: Mapping[str, float] = field(default_factory=dict)
+    """The positions of joints when the run begins [rad or m]."""
     disabled_collisions: frozenset[tuple[str, str]] = frozenset()
+    """Pairs of links that do not collide by the model file, each pair sorted."""
 
 
 def assembled_robot(parts: RobotParts) -> Robot:

@@ -24,11 +24,14 @@ _PAD = (0.01, 0.01, 0.015)  # half lengths of a pad whose finger is a mesh [m]
 
 @dataclass(frozen=True, slots=True)
 class GripperParts:
-    """The joints of a gripper, the one that leads first, and the group that moves them."""
+    """The joints of a gripper and their group."""
 
     name: str
+    """The name of the gripper, which is that of the group."""
     group: str
+    """The planning group that moves the joints."""
     joints: tuple[str, ...]
+    """The names of the joints, the leading one first."""
 
 
 def is_finger(joint: UrdfJoint, tree: Tree) -> bool:

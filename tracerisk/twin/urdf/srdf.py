@@ -18,32 +18,47 @@ class SrdfGroup:
     """A planning group as it is written: its parts, to be resolved with the robot's tree."""
 
     name: str
+    """The name of the group."""
     joints: tuple[str, ...]
+    """The joints that it lists."""
     links: tuple[str, ...]
+    """The links whose joints belong to it."""
     chains: tuple[tuple[str, str], ...]
+    """Base and tip link of each chain."""
     subgroups: tuple[str, ...]
+    """The groups that it includes."""
 
 
 @dataclass(frozen=True, slots=True)
 class EndEffector:
-    """An end effector: the group of its fingers, and the link that it is mounted on."""
+    """An end effector."""
 
     name: str
+    """The name of the end effector."""
     group: str
+    """The group of its fingers."""
     parent_link: str
+    """The link that it is mounted on; empty where the file names none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Srdf:
-    """What an SRDF says; `states` are group, state, joint, position [rad or m]."""
+    """What an SRDF contains."""
 
     name: str
+    """The name of the robot; empty where the file gives none."""
     file: str
+    """The path of the SRDF, for messages."""
     groups: tuple[SrdfGroup, ...]
+    """The planning groups, in the order of the file."""
     states: Mapping[str, Mapping[str, Mapping[str, float]]]
+    """The joint positions [rad or m] of each named state, by group and state."""
     end_effectors: tuple[EndEffector, ...]
+    """The end effectors, in the order of the file."""
     disabled_collisions: frozenset[tuple[str, str]]
+    """Pairs of links that may touch, each pair sorted."""
     passive_joints: frozenset[str]
+    """The joints without a motor of their own."""
 
     @property
     def words(self) -> frozenset[str]:

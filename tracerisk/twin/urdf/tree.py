@@ -25,33 +25,44 @@ class NoWholeRobotError(RobotError):
 
 @dataclass(frozen=True, slots=True)
 class UrdfJoint:
-    """A joint as a URDF gives it; a figure that is missing is 0.
-
-    `mimic` is the joint that it follows, its factor and its offset; `moves` is false for what
-    stands still in the twin.
-    """
+    """A joint as a URDF gives it; a figure that is missing is 0."""
 
     name: str
+    """The name of the joint."""
     type: MovingType
+    """The kind of motion; `revolute` also for a joint that never moves."""
     moves: bool
+    """Whether the joint moves in the twin."""
     parent: str
+    """The name of the parent link."""
     child: str
+    """The name of the child link."""
     xyz: tuple[float, float, float]
+    """The place of the child's frame in the parent's [m]."""
     rpy: tuple[float, float, float]
+    """Roll, pitch and yaw of the child's frame in the parent's [rad]."""
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    """The axis of rotation or sliding, in the child's frame."""
     lower: float = 0.0
+    """The least position [rad or m]."""
     upper: float = 0.0
+    """The greatest position [rad or m]."""
     velocity: float = 0.0
+    """The velocity limit [rad/s or m/s]."""
     effort: float = 0.0
+    """The effort limit [N m or N]."""
     mimic: tuple[str, float, float] | None = None
+    """The joint that it follows, with factor and offset [rad or m]; `None` for none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tree:
-    """The links and joints of a robot, its joints from the root outwards, depth first."""
+    """The links and joints of a robot."""
 
     root: str
+    """The name of the root link."""
     joints: tuple[UrdfJoint, ...]
+    """The joints from the root outwards, depth first."""
 
     @property
     def moving(self) -> tuple[UrdfJoint, ...]:

@@ -19,13 +19,18 @@ _ZERO: Triple = (0.0, 0.0, 0.0)
 
 @dataclass(slots=True)
 class XmlElement:
-    """An element with its attributes, its children and where it stands."""
+    """An XML element."""
 
     tag: str
+    """The tag with its prefix, such as `xacro:include`."""
     attributes: dict[str, str]
+    """The value of each attribute."""
     location: Location
+    """The file and line where the element begins."""
     children: list[XmlElement] = field(default_factory=list)
+    """The elements directly inside, in order."""
     text: str = ""
+    """The characters directly inside."""
 
     def all(self, tag: str) -> Iterator[XmlElement]:
         """Yield the children with a tag."""
