@@ -234,8 +234,11 @@ def _renaming(robot: Robot, given: Mapping[str, str]) -> _Renaming:
 @dataclass(frozen=True, slots=True)
 class _Renaming:
     own: str
+    """The prefix of the shipped robot's own names; empty for none."""
     instead: str
+    """What replaces `own`, from the arm's identity in the call."""
     prefix: str
+    """What the call puts before every name; empty for none."""
 
     def __call__(self, name: str) -> str:
         if self.own and name.startswith(self.own):

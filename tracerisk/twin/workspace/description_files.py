@@ -24,11 +24,14 @@ _INCLUDE = re.compile(rb"<(?:xacro:)?include\b[^>]*\bfilename\s*=\s*[\"']([^\"']
 
 @dataclass(frozen=True, slots=True)
 class DescriptionFile:
-    """A file that may describe a robot; `shown` is its path for messages."""
+    """A file that may describe a robot."""
 
     path: Path
+    """The file on disk."""
     shown: str
+    """The path below the workspace, for messages."""
     text: bytes
+    """The content, with macros not yet expanded."""
 
     @property
     def words(self) -> frozenset[str]:

@@ -27,18 +27,22 @@ _Kind = tuple[bool, bool]
 
 @dataclass(eq=False)
 class DescriptionTexts:
-    """Expands each file once, with what a launch file gives xacro for it.
-
-    `_packages` are those that a file may find, `_launched` what launch files give.
-    """
+    """Expands each file once, with what a launch file gives xacro for it."""
 
     _packages: Mapping[str, Path]
+    """The folders of the packages that a file may find, by package name."""
     _launched: Mapping[Path, LaunchedDescription]
+    """What launch files give, by description file."""
     _limits: Limits
+    """The limits on time and memory of an expansion."""
     _expanded: dict[_Key, Expanded | RobotError] = field(default_factory=dict)
+    """The expanded text or the error, by file and arguments."""
     _counted: dict[_Kind, list[_Key]] = field(default_factory=dict)
+    """The files expanded so far, by (is an SRDF, is named by something)."""
     _read_for: dict[Path, tuple[Path, ...]] = field(default_factory=dict)
+    """The files that were read to expand a file."""
     _completed: dict[Path, Completed] = field(default_factory=dict)
+    """The files in which absent parts were replaced or left out."""
 
     def of(
         self,

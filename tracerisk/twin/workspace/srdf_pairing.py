@@ -24,8 +24,11 @@ class SetupAssistant:
     """What MoveIt's setup assistant noted of the URDF from which it made an SRDF."""
 
     package: str
+    """The package of the URDF."""
     relative_path: str
+    """The path of the URDF in its package."""
     arguments: Mapping[str, str] = field(default_factory=dict)
+    """The xacro arguments with which the URDF was read."""
 
 
 def setup_assistant(srdf: Path) -> SetupAssistant | None:
@@ -71,16 +74,18 @@ def needed_packages(srdf: Path, packages: Mapping[str, Path]) -> tuple[Path, ...
 
 @dataclass(frozen=True, slots=True)
 class UrdfChoice:
-    """How well URDF files go with an SRDF, before they are read.
-
-    `needed` are the folders of the packages on which that of the SRDF depends.
-    """
+    """How well URDF files go with an SRDF, before they are read."""
 
     file: DescriptionFile
+    """The file of the SRDF."""
     srdf: Srdf
+    """What the SRDF contains."""
     noted: SetupAssistant | None
+    """What MoveIt's setup assistant noted; `None` where it left nothing."""
     packages: Mapping[str, Path]
+    """The folders of the workspace's packages, by package name."""
     needed: tuple[Path, ...] = ()
+    """The folders of the packages on which the SRDF's package depends."""
 
     def is_noted(self, urdf: DescriptionFile) -> bool:
         """Return whether MoveIt's assistant made the SRDF from the file."""

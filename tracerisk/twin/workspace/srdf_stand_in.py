@@ -72,15 +72,22 @@ def srdf_stand_in(srdf: Srdf, asked: NamesAsked) -> Robot | None:
 
 @dataclass(frozen=True, slots=True)
 class _Drawn:
-    """A joint as it is drawn: its parent and child link, and its place in its arm."""
+    """A joint of the stand-in."""
 
     parent: str
+    """The name of the parent link."""
     child: str
+    """The name of the child link."""
     place: int
+    """The index of the joint in its arm, or of the finger in its hand."""
     xyz: tuple[float, float, float]
+    """The place of the child's frame in the parent's [m]."""
     slides: bool = False
+    """Whether a finger slides rather than turns."""
     is_finger: bool = False
+    """Whether the joint moves a finger."""
     follows: str = ""
+    """The finger joint that it follows; empty for none."""
 
 
 class _Drawing:
