@@ -36,12 +36,15 @@ _NO_USE = Exposure()
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One failure that was tried: a unit, its mode, the instant, and what became of the run."""
+    """One failure that was tried, and what became of the run."""
 
     component: str
     """What the hardware description calls the unit."""
     unit: str
+    """The unit of the twin that failed: a joint, gripper or sensor by name, `power` or
+    `control`."""
     mode: str
+    """How the unit failed, such as `dead`."""
     time_s: float
     """The instant of the failure, in simulated time [s]."""
     use: Use
@@ -110,27 +113,28 @@ class Edited:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """The evidence of one controller.
-
-    `fingerprint` is that of the run without failures, `declared` the number of cells to be drawn
-    before figures take it. `success` says in words what a mission is, empty where the scenario
-    declares nothing. `cells` are sorted by unit, mode and instant. `before` is the share of
-    failing cells by stratum that figures took from the evidence that this one replaced.
-
-    `edited` is set where the file was edited since it was written: then `cells` and `before` hold
-    only what is as it was written, and figures take none of it. `has_digest` is false for a file
-    of an earlier version, in which no edit shows.
-    """
+    """The evidence of one controller."""
 
     fingerprint: str
+    """The fingerprint of the run without failures."""
     robot: str
+    """The name of the robot of that run."""
     seed: int
+    """The seed by which instants were drawn."""
     declared: int
+    """The number of cells to be drawn before figures take the evidence."""
     success: tuple[str, ...] = ()
+    """What a mission is, in words; empty where the scenario declares nothing."""
     cells: tuple[Cell, ...] = ()
+    """The failures that were tried, sorted by unit, mode and instant."""
     before: Mapping[Stratum, float] = field(default_factory=dict)
+    """The share of failing cells by stratum that figures took from the evidence replaced by this
+    one."""
     edited: Edited | None = None
+    """The edit since the file was written; then `cells` and `before` hold only unedited entries,
+    and figures take none. `None` for no edit."""
     has_digest: bool = True
+    """Whether the file has digests; false for an earlier version, in which no edit shows."""
 
     @property
     def drawn(self) -> int:
