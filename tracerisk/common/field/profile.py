@@ -19,11 +19,14 @@ QUANTITIES = (
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A mean over missions with its 90 % interval; without one where a single mission is known."""
+    """A mean over missions with its 90 % interval."""
 
     mean: float
+    """The mean, in the unit of the quantity that is estimated."""
     low: float | None = None
+    """The lower end of the interval; `None` where a single mission is known."""
     high: float | None = None
+    """The upper end of the interval; `None` where a single mission is known."""
 
     def excludes(self, value: float, *, within: float = 0.0) -> bool:
         """Whether a value lies outside the interval, widened by a share of the mean."""
@@ -35,12 +38,16 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class Following:
-    """How often a function followed another: `count` of the visits, and the share's interval."""
+    """How often a function followed another."""
 
     count: int
+    """The number of visits after which it followed."""
     share: Fraction
+    """The fraction of the visits after which it followed, from 0 to 1."""
     low: float
+    """The lower end of the share's 90 % interval."""
     high: float
+    """The upper end of the share's 90 % interval."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,10 +73,13 @@ class FieldProfile:
     """The operational profile of a controller, as recorded missions show it."""
 
     controller: str
+    """The controller's file."""
     robot: str
+    """The name of the robot."""
     missions: int
     """How many missions were recorded."""
     steps: tuple[FieldStep, ...]
+    """The functions that were visited, with their visits and successors."""
     totals: Mapping[str, Mapping[str, float]]
     """What each element did in all missions together, by `QUANTITIES`."""
     duration_s: float | None
