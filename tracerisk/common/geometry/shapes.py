@@ -14,19 +14,21 @@ _SIZES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A primitive in its body's frame; lengths in [m], `rpy` in [rad].
-
-    `size` is: box half lengths (x, y, z); sphere (radius); capsule and cylinder (radius, half
-    length of the straight part), along z.
-    `contact` is false for a shape that is only shown; `pad` marks the soft surface of a finger.
-    """
+    """A primitive in its body's frame."""
 
     kind: ShapeKind
+    """`box`, `sphere`, `capsule` or `cylinder`."""
     size: tuple[float, ...]
+    """Lengths [m]: box half lengths (x, y, z); sphere (radius); capsule and cylinder (radius, half
+    length of the straight part), along z."""
     xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """The place of the middle in the body's frame [m]."""
     rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Roll, pitch and yaw in the body's frame [rad]."""
     contact: bool = True
+    """Whether it collides; false for a shape that is only shown."""
     pad: bool = False
+    """Whether it is the soft surface of a finger."""
 
 
 def is_round(shape: Shape) -> bool:
