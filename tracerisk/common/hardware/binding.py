@@ -15,15 +15,15 @@ from tracerisk.trace import Element
 
 @dataclass(frozen=True, slots=True)
 class BoundComponent:
-    """A component with its quantity resolved and the elements in which the twin sees it.
-
-    With `elements` of the length of `quantity` each unit is one element; with one element all
-    units share its use; with none the component is always active.
-    """
+    """A component with its quantity resolved and the elements in which the twin sees it."""
 
     component: Component
+    """The component as it is described."""
     quantity: int
+    """The number of units, at least 1."""
     elements: tuple[str, ...]
+    """The names of the elements: one a unit, one that all units share, or none for a component
+    that is always active."""
 
     def units(self) -> tuple[str, ...]:
         """Return the element of each unit; empty for a component that is always active."""

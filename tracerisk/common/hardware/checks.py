@@ -61,7 +61,9 @@ class _Fail:
     """Raises HardwareError with a message about the field that `keys` lead to."""
 
     component: Component
+    """The component whose field is wrong."""
     place: Place
+    """Returns the place in the file of the field at some keys."""
 
     def __call__(self, message: str, *keys: str) -> NoReturn:
         where = ".".join((self.component.name, *keys))

@@ -16,14 +16,13 @@ from tracerisk.trace import WEAR_EXPONENTS, Exposure
 
 @dataclass(frozen=True, slots=True)
 class UnitLoad:
-    """The load law of one unit, with the speed to which its wear is related.
-
-    `reference_speed` is that of the law, else the unit's mean speed over the mission while it
-    moves, as a fraction of the rated speed; 0 of a unit that never moves.
-    """
+    """The load law of one unit, with the speed to which its wear is related."""
 
     law: LoadLaw
+    """The load law of the component."""
     reference_speed: float
+    """The law's reference speed, else the unit's mean speed over the mission while it moves, as a
+    fraction of the rated speed [1]; 0 for a unit that never moves."""
 
     def wearing_s(self, exposure: Exposure) -> float:
         """Return the time at reference load and speed in which a unit would wear as much [s]."""

@@ -57,58 +57,63 @@ POWER, CONTROL = "power", "control"
 
 @dataclass(frozen=True, slots=True)
 class FailureFigure:
-    """One term of a unit's failure probability.
-
-    `probability`: of a failure per basis. `failure_rate`: constant, per basis of time.
-    `weibull`: `value` is the characteristic life, in the time of the basis, and `shape` the
-    exponent of wear-out (1 is a constant rate); the component's age says where on it the unit is.
-    A figure per time counts the time in use; one that is `standby` the time of the mission in
-    which the unit is not in use. A figure per demand counts `demand`, `None` for what is usual:
-    the grasps of a gripper, else the motions begun.
-    `error_factor` is p95/p50 of a lognormal, whose median is the value unless `value_is` mean.
-    """
+    """One term of a unit's failure probability."""
 
     kind: Literal["probability", "failure_rate", "weibull"]
+    """`probability` of a failure per basis, constant `failure_rate` or wear-out by `weibull`."""
     value: float
+    """The probability, or the rate per basis of time; for `weibull` the characteristic life in the
+    time of the basis."""
     per: Basis
+    """The basis: a minute or hour, a demand or a visit."""
     shape: float = 1.0
+    """The exponent of wear-out, for `weibull` only; 1 is a constant rate."""
     standby: bool = False
+    """Whether a figure per time counts the time in the mission when the unit is not in use,
+    instead of the time in use."""
     demand: Demand | None = None
+    """What a figure per demand counts; `None` for the grasps of a gripper, else the motions
+    begun."""
     error_factor: float | None = None
+    """The ratio p95/p50 of a lognormal, above 1; `None` where no uncertainty is given."""
     value_is: Statistic = "median"
+    """Whether `value` is the median or the mean of that lognormal."""
     source: str | None = None
+    """Where the figure is from; `None` for the component's source."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoadLaw:
-    """How load ages a unit: rate x [(1-phi) + phi (L/L0)^k], of what moves and carries.
-
-    `wearing_share` is phi, `exponent` k (one of `tracerisk.trace.WEAR_EXPONENTS`).
-    `reference_load` is L0 and `reference_speed` the speed at which the figures hold, as fractions
-    of the rated torque and speed; without a speed it is the mean speed of the mission.
-    """
+    """How load ages a unit: rate x [(1-phi) + phi (L/L0)^k], of what moves and carries."""
 
     reference_load: float
+    """L0, the load at which the figures hold, as a fraction of the rated torque [1]."""
     wearing_share: float
+    """phi, the share of failures that wear causes, from 0 to 1."""
     exponent: float = 3.0
+    """k, one of `tracerisk.trace.WEAR_EXPONENTS`."""
     reference_speed: float | None = None
+    """The speed at which the figures hold, as a fraction of the rated one [1]; `None` for the mean
+    speed of the mission."""
     source: str | None = None
+    """Where the law is from; `None` for the component's source."""
 
 
 @dataclass(frozen=True, slots=True)
 class FailureMode:
-    """A share of a unit's failures, which counts only while it can matter.
-
-    `when` are the states whose time counts for figures per time, and the demands that count for
-    figures per demand; empty where all use counts, as without modes. `fault` is how the twin shows
-    the mode, `None` where it does not say.
-    """
+    """A share of a unit's failures, which counts only while it can matter."""
 
     name: str
+    """The name of the mode, unique in the component."""
     fraction: float
+    """The share of the unit's failures, from 0 to 1."""
     when: tuple[State | Demand, ...]
+    """The states whose time counts for figures per time, and the demands that count for figures
+    per demand; empty where all use counts."""
     source: str | None = None
+    """Where the fraction is from; `None` for the component's source."""
     fault: FaultMode | None = None
+    """How the twin shows the mode; `None` where the description gives none."""
 
 
 NOT_OPTIONAL = "only a component of the gripper, of sensors or of all joints can be optional"
@@ -117,20 +122,20 @@ NOT_OPTIONAL = "only a component of the gripper, of sensors or of all joints can
 
 @dataclass(frozen=True, slots=True)
 class TwinBinding:
-    """Where the twin sees a component; each field that is given adds elements.
-
-    `joints` by name, `"*"` for each of the arm; `actuators` by name, for the joints that they
-    move; `gripper` for the grippers; `sensors` by name, or a kind for all of that kind;
-    `contacts` by the link that touches.
-    An `optional` one stands for each that the robot has, be it none.
-    """
+    """Where the twin sees a component; each field that is given adds elements."""
 
     joints: tuple[str, ...] | Literal["*"] = ()
+    """The joints by name; `"*"` for all of the arm."""
     gripper: bool = False
+    """Whether each gripper is a unit."""
     optional: bool = False
+    """Whether the robot may lack the component; it then has as many units as the robot."""
     actuators: tuple[str, ...] = ()
+    """The actuators by name, for the joints that they move."""
     sensors: tuple[str, ...] | SensorKind = ()
+    """The sensors by name, or a kind for all sensors of that kind."""
     contacts: tuple[str, ...] = ()
+    """The links that touch, by name."""
 
     @property
     def can_be_optional(self) -> bool:
@@ -153,29 +158,33 @@ class TwinBinding:
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """One hardware component: `quantity` units, all needed unless `redundancy`.
-
-    `name` is qualified by its assemblies (`arm.joint.motor`).
-    `figures` are the terms of one unit's failure probability; they add up as independent causes.
-    They are kept by kind, for their order says nothing: probabilities, rates, standby, Weibull.
-    `quantity` is `None` where the description leaves it to what the robot has.
-    `redundancy.detected` is resolved: the published reading where all figures are per visit.
-    `test_interval_s` is the time between tests [s], of a group that is tested within the mission.
-    `age_s` is the time for which the units were in use before the mission [s].
-    """
+    """One hardware component, with all its units."""
 
     name: str
+    """The name, qualified by its assemblies (`arm.joint.motor`)."""
     figures: tuple[FailureFigure, ...]
+    """The terms of one unit's failure probability, which add up as independent causes; sorted by
+    kind: probabilities, rates, standby, Weibull."""
     quantity: int | None = 1
+    """The number of units; `None` for as many as the robot has."""
     redundancy: Redundancy = ALL_NEEDED
+    """How many units must work; `detected` is resolved."""
     always_active: bool = False
+    """Whether it is in use during the whole mission, without a place in the twin."""
     twin: TwinBinding | None = None
+    """Where the twin sees it; `None` for a component that is always active or not bound."""
     load_law: LoadLaw | None = None
+    """How load ages a unit; `None` for no effect of load."""
     modes: tuple[FailureMode, ...] = ()
+    """The failure modes; empty where the description does not split its failures."""
     age_s: float = 0.0
+    """The time for which the units were in use before the mission [s]."""
     source: str | None = None
+    """Where its figures are from; `None` where the description names no source."""
     location: Location | None = field(default=None, compare=False)
+    """The place in the description; `None` for a component that no file describes."""
     test_interval_s: float | None = None
+    """The time between tests within the mission [s]; `None` for no tests."""
 
     def __post_init__(self) -> None:
         ordered = tuple(sorted(self.figures, key=_rank))
@@ -234,14 +243,18 @@ def default_detection(figures: tuple[FailureFigure, ...], tested: bool) -> Detec
 
 @dataclass(frozen=True, slots=True)
 class Hardware:
-    """A hardware description; `components` in the order of the file.
+    """A hardware description.
 
     Two descriptions of the same are equal, whatever their files and formats.
-    `warnings` list, with their places, what of the file was left out.
     """
 
     file: str = field(compare=False)
+    """The path of the description, for messages."""
     components: tuple[Component, ...]
+    """The components in the order of the file."""
     robot: str | None = None
+    """The robot that it describes; `None` for any robot."""
     source: str | None = None
+    """The source of figures that name none; `None` where there is none."""
     warnings: tuple[str, ...] = field(default=(), compare=False)
+    """What of the file was left out, with its places."""

@@ -13,22 +13,24 @@ Detection = Literal["mission_start", "each_visit"]
 class Redundancy:
     """How many units of a component must work, and what makes all of them fail at once.
 
-    False of it: each is needed. Else `required` of them must work, one unless stated.
-    `common_cause` is the share of a unit's failure probability that hits all units together, the
-    beta factor; the rest is each unit's own.
-    The units beyond those required may be spares, which fail at `dormancy` times the rate of a
-    working unit: 1 of one that runs along (hot), 0 of one that cannot fail before it is needed
-    (cold). `switch` is the probability that a spare fails to take over.
-    `detected` says how long a first failure stays hidden: until the next mission starts, or the
-    next visit, as the published method has it.
+    It is false where each unit is needed.
     """
 
     is_redundant: bool
+    """Whether the mission goes on with fewer units than there are."""
     required: int = 1
+    """The number of units of a redundant group that must work, at least 1."""
     common_cause: float = 0.0
+    """The share of a unit's failure probability that hits all units together (beta factor), from 0
+    to 1; the rest is each unit's own."""
     dormancy: float = 1.0
+    """The failure rate of a spare by that of a working unit [1]: 1 for one that runs along (hot),
+    0 for one that cannot fail before it is needed (cold)."""
     switch: float = 0.0
+    """The probability that a spare fails to take over."""
     detected: Detection = "mission_start"
+    """How long a first failure stays hidden: until the next mission starts, or the next visit, as
+    in the published method."""
 
     @property
     def has_spares(self) -> bool:

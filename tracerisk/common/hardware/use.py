@@ -33,18 +33,16 @@ class UnknownUseError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """What one unit does during one visit.
-
-    `exposure` is `None` where the source of the trace does not hold it. `standby_s` is the time
-    of the visit in which the unit is not in use [s], `None` where it is not known.
-    `is_active`: the component counts as active in the visit, for figures per visit. `visit` is
-    its number in the trace.
-    """
+    """What one unit does during one visit."""
 
     exposure: Exposure | None
+    """The time in its states and the demands; `None` where the trace does not hold it."""
     is_active: bool = True
+    """Whether the component counts as active in the visit, for figures per visit."""
     standby_s: float | None = None
+    """The time of the visit in which the unit is not in use [s]; `None` where not known."""
     visit: int = 0
+    """The number of the visit in the trace."""
 
     @property
     def known_exposure(self) -> Exposure:

@@ -43,9 +43,13 @@ class Given:
     """What a feature of a metadata was given: an expression, or features of its own."""
 
     expression: Expression | None
+    """The expression; `None` where features of its own are given."""
     scope: Symbol
+    """The element in which the names of the expression are looked up."""
     at: int
+    """The offset of the feature in the file's text [characters]."""
     nested: dict[str, Given]
+    """The features of its own, by name; empty where an expression is given."""
 
     @property
     def location(self) -> Location:
@@ -55,11 +59,14 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class Metadata:
-    """A metadata usage; `kind` is which of those that are read it is, `None` for any other."""
+    """A metadata usage."""
 
     symbol: Symbol
+    """The usage in the symbol table."""
     kind: str | None
+    """The kind of the metadata, one of `KINDS` or `Risk`; `None` for one that is not read."""
     standard: Standard | None
+    """The library definition behind the kind; `None` where `kind` is `None`."""
 
     @property
     def location(self) -> Location:

@@ -18,16 +18,15 @@ MAX_NESTING = 100
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A part within the system: the way to it from the root, and how many there are of it.
-
-    `way` begins with the root. `own` and `outer` are the lower and the upper bound of the part's
-    multiplicity and of what encloses it, an upper bound `None` where it is open; `own` is `None`
-    where nothing was said.
-    """
+    """A part within the system."""
 
     way: tuple[Symbol, ...]
+    """The parts from the root, which is first, to the part itself."""
     own: tuple[int, int | None] | None
+    """The lower and upper bound of the part's multiplicity, an open upper bound `None`; `None`
+    where no multiplicity is written."""
     outer: tuple[int, int | None]
+    """The bounds of the number of enclosing parts, an open upper bound `None`."""
 
     @property
     def symbol(self) -> Symbol:

@@ -16,16 +16,16 @@ from tracerisk.errors import HardwareError, Location, one_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fields:
-    """The features of a metadata, or of a value within one.
-
-    `owner` names it in messages, `location` is where it stands, `way` leads to the part for which
-    its values are worked out.
-    """
+    """The features of a metadata, or of a value within one."""
 
     owner: str
+    """The name of the metadata or value in messages."""
     _values: Mapping[str, Given]
+    """What each feature was given, by name."""
     location: Location
+    """The place of the metadata or value in its file."""
     _way: tuple[Symbol, ...]
+    """The way from the root to the part for which the values are worked out."""
 
     @classmethod
     def of(cls, found: Metadata, way: tuple[Symbol, ...]) -> Fields:

@@ -26,14 +26,14 @@ from tracerisk.errors import HardwareError
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A power of a unit of time, or FIT, failures in 1e9 hours.
-
-    `seconds` is the length of the unit [s]; a `power` of zero is that of a plain number.
-    """
+    """A power of a unit of time, or FIT, failures in 1e9 hours."""
 
     seconds: float
+    """The length of the unit of time [s]."""
     power: int
+    """1 for a time, -1 for a rate, 0 for a plain number."""
     is_fit: bool = False
+    """Whether the unit is FIT."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,16 +41,21 @@ class Amount:
     """A number in a unit."""
 
     number: float
+    """The number, in `unit`."""
     unit: Unit
+    """The unit of time or rate."""
 
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """A value made of parts; `of` is its type."""
+    """A value made of parts."""
 
     of: Standard
+    """The type of the value."""
     arguments: dict[str, tuple[Expression, Symbol]]
+    """The expression of each part by name, with the element in which its names are looked up."""
     at: int
+    """The offset of the value in the text [characters]."""
 
 
 Meaning: TypeAlias = (
@@ -71,8 +76,11 @@ class Context:
     """
 
     scope: Symbol
+    """The element in which names are looked up."""
     way: tuple[Symbol, ...]
+    """The parts from the root to the one for which the value is worked out."""
     depth: int = 0
+    """The number of names followed so far, at most `MAX_CHAIN`."""
 
     def fail(self, message: str, at: int) -> NoReturn:
         """Raise HardwareError at an offset of the expression's file."""

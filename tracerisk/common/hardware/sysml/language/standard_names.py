@@ -143,6 +143,7 @@ class Standard:
     """An element of a library that is known by its name."""
 
     path: tuple[str, ...]
+    """The names from the library package to the element, such as `("SI", "h")`."""
 
     def __str__(self) -> str:
         return "::".join(self.path)
