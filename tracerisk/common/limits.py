@@ -16,16 +16,16 @@ _SECRET_NAMES = ("id_rsa", "id_dsa", "id_ecdsa", "id_ed25519", "credentials.json
 
 @dataclass(frozen=True, slots=True)
 class Sandbox:
-    """How strangers' code is contained.
-
-    `readable` and `writable` are files and folders that it may reach besides, `env` the names of
-    variables of the environment that it gets besides.
-    """
+    """How strangers' code is contained."""
 
     mode: SandboxMode = "auto"
+    """Whether the sandbox is used where it works, always or never."""
     readable: tuple[str, ...] = ()
+    """The files and folders that it may read besides the defaults."""
     writable: tuple[str, ...] = ()
+    """The files and folders that it may write besides the defaults."""
     env: tuple[str, ...] = ()
+    """The names of environment variables that it gets besides the defaults."""
 
 
 @dataclass(frozen=True, slots=True)
