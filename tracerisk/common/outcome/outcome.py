@@ -42,6 +42,7 @@ class ObjectOutcome:
     """Where an object that can be moved began and ended, in the frame of the scene."""
 
     name: str
+    """The name of the object in the scene."""
     begin_m: Position
     """Where its origin was at the beginning, [m]."""
     end_m: Position
@@ -108,6 +109,7 @@ class GripperUse:
     order: int
     """Its place among all steps of the run."""
     gripper: str
+    """The name of the gripper."""
     opened: float
     """How far the gripper was open afterwards: 0 closed, 1 wide open."""
     holds: str
@@ -121,6 +123,7 @@ class CellUse:
     order: int
     """Its place among all steps of the run."""
     kind: CellUseKind
+    """`call`, `message` or `goal`."""
     interface: str
     """The name of the service, topic or action."""
     content: str
@@ -134,9 +137,13 @@ class CellCount:
     """How often an interface of the cell was used."""
 
     interface: str
+    """The name of the service, topic or action."""
     kind: CellUseKind
+    """`call`, `message` or `goal`."""
     uses: int
+    """The number of uses."""
     succeeded: int
+    """The number of uses that were answered with success; messages count as such."""
 
 
 Step = Rest | GripperUse | CellUse
