@@ -32,10 +32,12 @@ _NEWEST = 7
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """What of the sandbox works here: `landlock` is its version, 0 for none."""
+    """What of the sandbox works here."""
 
     landlock: int
+    """The version of Landlock; 0 for none."""
     seccomp: bool
+    """Whether filters of system calls work on this machine."""
 
     @property
     def missing(self) -> str:

@@ -33,11 +33,14 @@ Condition = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What becomes of a call by its name: an errno, `None` for allowed, if all conditions hold."""
+    """What becomes of a system call."""
 
     call: str
+    """The name of the call."""
     answer: int | None
+    """The errno of the answer, 0 for a success without effect; `None` where the call is allowed."""
     conditions: tuple[Condition, ...] = ()
+    """What must all hold of its arguments; empty for every such call."""
     null: int | None = None
     """The number of an argument that must be a null pointer besides; `None` for none."""
 
