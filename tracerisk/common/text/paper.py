@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Paper:
-    """What tables are written for: its columns, and whether it takes escapes of colours."""
+    """What tables are written for."""
 
     width: int = 80
+    """The number of columns [characters]."""
     color: bool = False
+    """Whether escape sequences of colours are written."""
 
 
 PAPER = Paper()
