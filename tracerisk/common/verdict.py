@@ -32,17 +32,21 @@ class Uncovered:
     """A function that can reach a motion command and never ran: no risk data, not no risk."""
 
     ref: FunctionRef
+    """The file and qualified name of the function."""
     line: int
+    """The line of its definition."""
     is_spare: bool = False
     """Whether only `except` clauses lead to it, for exceptions that did not occur."""
 
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """How many of the functions that can command hardware ran, of how many."""
+    """How many of the functions that can command hardware ran."""
 
     ran: int
+    """The number of functions that can command hardware and ran."""
     all: int
+    """The number of functions that can command hardware."""
     never_ran: tuple[Uncovered, ...] = ()
     """Those that did not run, with the line of each."""
 
@@ -60,12 +64,16 @@ class Coverage:
 
 @dataclass(frozen=True, slots=True)
 class Acceptance:
-    """A reason that the user accepts, by code, function and object, with words why."""
+    """A reason that the user accepts."""
 
     code: str
+    """The code of the reason, such as `never-ran`."""
     function: str
+    """The qualified name of the function; empty for any."""
     object: str
+    """The object of the reason, such as a topic; empty for none."""
     words: str
+    """Why the user accepts it."""
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -127,9 +135,11 @@ class Verdict:
     """How far a run can be taken for the mission."""
 
     kind: VerdictKind
+    """`complete`, `partial`, `faulted` or `stuck`."""
     reasons: tuple[Reason, ...] = ()
     """Every reason, the worst first, then by time; accepted ones last."""
     coverage: Coverage = Coverage(0, 0)
+    """How many of the functions that can command hardware ran."""
     acceptances: tuple[Acceptance, ...] = ()
     """What the settings and the scenario of the run accept."""
 
