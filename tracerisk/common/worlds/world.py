@@ -29,6 +29,7 @@ class World:
     """How the cell around a controller behaves where ROS and the drivers leave it open."""
 
     name: str
+    """The name by which `--worlds` chooses it."""
     description: str
     """What is different there, as a sentence of a table."""
     source: str
@@ -44,6 +45,7 @@ class World:
     planning_s: Range = _NEVER
     """How long a plan takes, [s]."""
     joint_order: JointOrder = "robot"
+    """The order in which joint states list the joints."""
     gripper: float | None = None
     """How far grippers are open when the run begins: 0 closed, 1 wide open; None: as the robot
     says."""
