@@ -21,12 +21,18 @@ class Assessed:
     """What a run of a controller came to, from its trace to its risk."""
 
     controller: Controller
+    """The controller that ran."""
     settings: Settings
+    """The settings of the run."""
     hardware: Hardware
+    """The description of the components and their failure figures."""
     trace: Trace
+    """The trace of the run."""
     annotated: Annotated
     """The blocks, and the sources with them; not yet written."""
     sources: Mapping[str, bytes]
     """Each source with its blocks, by its path."""
     model: HybridModel
+    """The model built from the blocks in `sources`."""
     assessment: Assessment
+    """The solution of `model`: the mission's risk."""
