@@ -31,13 +31,18 @@ if TYPE_CHECKING:
 
 
 class CheckedSource(NamedTuple):
-    """A file with blocks: the name it has in messages and the lock, and what it holds."""
+    """A file with blocks."""
 
     file: str
+    """The path in the lock, from the controller's root."""
     shown: str
+    """The path in messages."""
     source: bytes
+    """The content of the file."""
     placed: tuple[PlacedBlock, ...]
+    """The risk blocks in the file, with their lines."""
     renamed: Mapping[QualifiedName, QualifiedName]
+    """The new name of each function that was renamed since the lock was written."""
 
 
 def blocks_against_lock(

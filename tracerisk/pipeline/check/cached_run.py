@@ -18,18 +18,20 @@ from tracerisk.trace import Trace
 
 @dataclass(frozen=True, slots=True)
 class KeptRun:
-    """A controller, the settings of its last run, and the trace of that run.
-
-    `files` are those with its risk blocks, as messages call them, the controller among them.
-    Where `trace` is `None`, `reason` says in a sentence why. `fingerprint` is that of the run.
-    """
+    """A controller, the settings of its last run, and the trace of that run."""
 
     controller: Controller
+    """The controller as it is now."""
     settings: Settings
+    """The settings of its last run; those of now where the lock knows none."""
     files: tuple[str, ...]
+    """The files with its risk blocks, as messages call them, the controller among them."""
     trace: Trace | None
+    """The trace of the last run; `None` where it is stale or not kept."""
     reason: str = ""
+    """Why `trace` is `None`, as a sentence; empty where there is a trace."""
     fingerprint: str = ""
+    """The fingerprint of the last run; empty where `trace` was not looked up."""
 
 
 def kept_run(path: Path | str) -> KeptRun:

@@ -39,16 +39,17 @@ ran; it was not repeated in a world that `require_worlds` names, or depends on o
 
 
 class CheckFinding(NamedTuple):
-    """One thing that `check` does not let pass, with its place.
-
-    `subject` is the dotted path of what it is about, such as `place.gripper.probability` or
-    `place`; empty where it is the whole controller.
-    """
+    """One thing that `check` does not let pass, with its place."""
 
     kind: FindingKind
+    """The kind of the finding, such as `stale` or `edited`."""
     message: str
+    """What is wrong, without its place."""
     location: Location
+    """The file and line."""
     subject: str = ""
+    """The dotted path of the part that it is about, such as `place.gripper.probability` or
+    `place`; empty for the whole controller."""
 
     @property
     def exit_code(self) -> ExitCode:
@@ -61,9 +62,11 @@ class CheckFinding(NamedTuple):
 
 
 class Checked(NamedTuple):
-    """A controller, by its path, and what was found; nothing if it may be trusted."""
+    """A controller with its findings."""
 
     path: Path
+    """The path of the controller."""
     findings: tuple[CheckFinding, ...]
+    """All findings, sorted by place; empty where the blocks may be trusted."""
     verdict: Verdict | None = None
     """The verdict of the last run; `None` where the lock keeps none."""

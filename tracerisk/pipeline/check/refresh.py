@@ -36,12 +36,16 @@ How = Literal["fresh", "recomputed", "simulated"]
 
 @dataclass(frozen=True, slots=True)
 class Refreshed:
-    """What a refresh came to: how, why, and what there is to write; nothing is written yet."""
+    """The result of a refresh; nothing is written yet."""
 
     how: How
+    """Whether nothing was to do, values were recomputed, or the controller was simulated."""
     reason: str
+    """Why it was done so, in words."""
     annotated: Annotated | None = None
+    """The sources and lock to write; `None` where they are fresh."""
     verdict: Verdict | None = None
+    """The verdict of the run behind the blocks; `None` where none is known."""
 
     @property
     def is_changed(self) -> bool:

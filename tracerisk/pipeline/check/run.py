@@ -27,14 +27,12 @@ _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
 
 
 class CoverageLimits(NamedTuple):
-    """How much of what can command hardware must have run.
-
-    `least` is a fraction, in place of the setting `min_coverage`; `base` the verdict of the
-    version that a change is made to.
-    """
+    """How much of what can command hardware must have run."""
 
     least: float | None = None
+    """The least covered fraction, from 0 to 1; `None` for the setting `min_coverage`."""
     base: Verdict | None = None
+    """The verdict of the version that a change is made to; `None` for no comparison."""
 
 
 def contact_findings(controller: Controller, entry: ControllerLock) -> Iterable[CheckFinding]:
