@@ -52,13 +52,21 @@ class Plan:
     """What a campaign tries."""
 
     nominal: Nominal
+    """The run without a failure."""
     controller: str
+    """The path of the controller, as it was given."""
     options: tuple[tuple[str, Any], ...]
+    """The settings that go before those of `pyproject.toml`, as (name, value)."""
     fingerprint: str
+    """The fingerprint of the run without a failure."""
     targets: tuple[Target, ...]
+    """The modes of units that the campaign fails."""
     uses: Mapping[str, UnitUse]
+    """The use of each unit at each step, by unit."""
     cells: tuple[Cell, ...]
+    """The failures to try, the drawn ones first, then those of the table."""
     declared: int
+    """The number of cells asked for; the table adds more."""
 
     @property
     def settings(self) -> Settings:

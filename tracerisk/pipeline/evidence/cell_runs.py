@@ -46,21 +46,22 @@ _MORE_SHARE, _MORE_S = 2.0, 30.0
 
 @dataclass(frozen=True, slots=True)
 class CellBatch:
-    """Some cells of a campaign, with all that a process needs to run them.
-
-    `options` are the settings that go before those of `pyproject.toml`, as plain values. `digest`
-    is that of the run without a failure: a machine on which that differs is no use. `folder` is
-    where a process of this machine finds that run; where it is empty, each makes the run itself.
-    `claims` is a folder that batches of the same cells share: each cell is that of the batch which
-    is the first to come to it.
-    """
+    """Some cells of a campaign, with all that a process needs to run them."""
 
     controller: str
+    """The path of the controller."""
     options: tuple[tuple[str, Any], ...]
+    """The settings that go before those of `pyproject.toml`, as (name, plain value)."""
     digest: str
+    """The digest of the run without a failure, which the machine must reproduce."""
     cells: tuple[Cell, ...]
+    """The failures to try."""
     folder: str = ""
+    """The folder on this machine with the run without a failure; empty where each process makes
+    the run itself."""
     claims: str = ""
+    """The folder in which batches of the same cells claim them, first come first served; empty
+    where no batch shares cells."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,15 +69,23 @@ class Nominal:
     """The run without a failure, as cells are compared with it."""
 
     controller: Controller
+    """The controller that ran."""
     settings: Settings
+    """The settings of the run."""
     run: ControllerRun
+    """The run with its trace and request."""
     folder: Path
+    """The folder of its recording."""
     recording: Recording
+    """The recorded calls, commands and findings."""
     digest: str
     """That of all that its trace says."""
     mission: MissionRun
+    """The outcome of the mission, as `judge` compares it."""
     samples: Samples | None
+    """The samples of the run; `None` where it moved nothing."""
     success: tuple[Condition, ...]
+    """The conditions of `success` in the scenario; empty for none."""
 
     @property
     def beside(self) -> RunBeside:
@@ -113,14 +122,12 @@ class Nominal:
 
 @dataclass(frozen=True, slots=True)
 class BatchDone:
-    """The cells of a batch, judged, in their order; of those that batches share, its own.
-
-    `whole_runs` says in words why cells were run from the beginning, where they were not branched
-    off one run.
-    """
+    """The judged cells of a batch."""
 
     cells: tuple[Cell, ...]
+    """The cells in their order; where batches share cells, only those that this one claimed."""
     whole_runs: tuple[str, ...] = ()
+    """Why cells were run from the beginning instead of branched off one run, in words."""
 
 
 def run_batch(batch: CellBatch) -> BatchDone:

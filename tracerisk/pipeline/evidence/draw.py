@@ -27,18 +27,20 @@ _TRIES = 50  # of another instant, where one is drawn that is there already
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A mode of a unit that a campaign fails, and how many cells of it are worth drawing.
-
-    `component` is what the hardware description calls it. `when` are the states in which the
-    mode can matter, empty for all time in use. `hazard` is that of the mission, in use and idle.
-    """
+    """A mode of a unit that a campaign fails, and its weight in the draw."""
 
     component: str
+    """The name of the unit's component in the hardware description."""
     unit: str
+    """The unit of the twin: a joint, gripper or sensor by name, `power` or `control`."""
     mode: FaultMode
+    """How the unit fails."""
     when: tuple[State, ...] = ()
+    """The states in which the mode can matter; empty for all time in use."""
     hazard: float = 0.0
+    """The expected number of such failures in the mission while the unit is in use [1]."""
     idle_hazard: float = 0.0
+    """The expected number of such failures in the mission while the unit is idle [1]."""
 
 
 def draw_cells(

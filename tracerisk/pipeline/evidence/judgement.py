@@ -33,11 +33,14 @@ _OF_THE_MISSION: frozenset[Effect] = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class _Seen:
-    """One thing that happened: what, when [s] (`None`: found at the end), and in words."""
+    """One thing that happened after the failure."""
 
     effect: Effect
+    """The kind of effect."""
     time_s: float | None
+    """The instant, in simulated time [s]; `None` where it was found at the end."""
     words: str
+    """What happened, in words."""
 
 
 def judge(

@@ -19,6 +19,7 @@ class MissionRun:
     """One run, as `judge` compares it."""
 
     trace: Trace
+    """The trace of the run."""
     arrivals: tuple[Mapping[str, float], ...] = ()
     """The positions of the robot's joints at the end of each visit of the trace [rad or m]."""
     things: Mapping[str, Position] | None = None

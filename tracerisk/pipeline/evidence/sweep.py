@@ -37,10 +37,12 @@ _MOST_POINTS = 10_000
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """What a sweep varies: a setting, `param:/NAME`, or `scenario:PATH`; and its values."""
+    """What a sweep varies."""
 
     name: str
+    """A setting, `param:/NAME`, or `scenario:PATH`."""
     values: tuple[Any, ...]
+    """The values in the order in which they are run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +50,11 @@ class _Job:
     """A point to run, with all that a process needs for it."""
 
     controller: str
+    """The path of the controller."""
     options: tuple[tuple[str, Any], ...]
+    """The settings that go before those of `pyproject.toml`, as (name, value)."""
     point: tuple[tuple[str, Any], ...]
+    """The value of each factor at the point, as (name, value)."""
 
 
 def sweep(

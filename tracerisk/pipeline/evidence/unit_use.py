@@ -33,17 +33,18 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnitUse:
-    """What one unit did at each step of a run; every array is (n_steps,).
-
-    `owner` is the index of the visit in which it was, -1 for none.
-    """
+    """What one unit did at each step of a run; every array is (n_steps,)."""
 
     name: str
+    """The name of the unit in the twin."""
     active: Flags
+    """Whether the unit was in use."""
     states: tuple[Flags, Flags, Flags]
     """Moving, holding, grasping."""
     owner: NDArray[np.int64]
+    """The index of the visit to which the use belongs; -1 for none."""
     step_s: float
+    """The physics step [s]."""
     measure: Callable[[Flags], Exposure]
     """Returns the exposure of the unit over the steps that are set."""
 
