@@ -23,26 +23,38 @@ _DEMANDS = {"start": "starts", "grasp": "grasps", "release": "releases"}
 
 @dataclass(frozen=True, slots=True)
 class Observed:
-    """The failures of a component: in so many unit hours, demands or missions of the cell."""
+    """The failures of a component in the field; one of the three amounts is given."""
 
     component: str
+    """The name of the component in the hardware description."""
     failures: int
+    """The number of failures."""
     line: int
+    """The line in the file of failures."""
     hours: float | None = None
+    """The time in use of all its units together [h]; `None` where not given."""
     demands: float | None = None
+    """The number of demands on all its units together; `None` where not given."""
     missions: float | None = None
+    """The number of missions of the cell; `None` where not given."""
 
 
 @dataclass(frozen=True, slots=True)
 class Update:
-    """A figure before and after: `exposure` in the figure's own basis."""
+    """A figure before and after the failures in the field."""
 
     component: str
+    """The name of the component."""
     before: FailureFigure
+    """The figure in the hardware description."""
     after: FailureFigure
+    """The figure updated by the failures."""
     failures: int
+    """The number of failures."""
     exposure: float
+    """The exposure in the figure's own basis: minutes, hours or demands."""
     posterior: Posterior
+    """The distribution of the figure given the failures."""
 
     def __str__(self) -> str:
         """Return it in words."""

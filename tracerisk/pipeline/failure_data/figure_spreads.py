@@ -20,10 +20,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class HardwareSpreads:
-    """The spreads of a description's figures, by component, and what a reader must know of them."""
+    """The uncertainty of a description's figures."""
 
     figures: Mapping[str, tuple[FigureSpread, ...]]
+    """The distributions of each component's figures, by component."""
     notes: tuple[str, ...]
+    """What was left out or assumed, as sentences."""
 
 
 def hardware_spreads(

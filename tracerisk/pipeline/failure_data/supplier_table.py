@@ -21,13 +21,17 @@ class GivenFigure:
     """The figure that a table gives a component."""
 
     component: str
+    """The name of the component in the hardware description."""
     kind: str
     """`failure_rate` or `probability`."""
     value: float
+    """The probability, or the rate, per basis."""
     per: str
     """`hour`, `minute` or `demand`."""
     error_factor: float | None
+    """The ratio p95/p50 of a lognormal, at least 1; `None` where not given."""
     source: str
+    """Where the figure is from; by default the name of the table's file."""
 
     def __str__(self) -> str:
         """Return it in words."""
