@@ -46,22 +46,21 @@ _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
 
 @dataclass(frozen=True, slots=True)
 class RunInputs:
-    """What a trace and the values made of it depended on, in plain JSON values.
-
-    `settings` are those that differ from their defaults, with the version of tracerisk; `given`
-    those of them that came from the command line.
-    `sources` and `files` map paths from the root to digests. `hardware` is a digest of the
-    description; it changes values, not the trace, and is no part of the fingerprint.
-    `libraries` are those of the sources that are library code, sorted: their functions are no
-    steps.
-    """
+    """What a trace and the values made of it depended on, in plain JSON values."""
 
     settings: Mapping[str, Any] = field(default_factory=dict)
+    """The settings that differ from their defaults, and the version of tracerisk."""
     given: Mapping[str, Any] = field(default_factory=dict)
+    """The settings that came from the command line."""
     sources: Mapping[str, str] = field(default_factory=dict)
+    """The digest of each source without comments and blank lines, by path from the root."""
     files: Mapping[str, str] = field(default_factory=dict)
+    """The digest of each other file, by path from the root."""
     hardware: str = ""
+    """The digest of the hardware description; it changes values, not the trace, and is no part of
+    the fingerprint."""
     libraries: tuple[str, ...] = ()
+    """The sources that are library code, whose functions are no steps; sorted."""
     evidence: str = ""
     """A digest of the evidence that the values took; empty for none."""
     prefixes: tuple[str, ...] = ()
