@@ -27,9 +27,13 @@ class Kept:
     """What the versions of a file and of the lock that git keeps say of the file's blocks."""
 
     is_complete: bool = False
+    """Whether all versions were read."""
     written: dict[str, list[WrittenBlock]] = field(default_factory=dict)
+    """The blocks that tracerisk wrote, by the function's name, in all versions."""
     standing: dict[str, list[RiskBlock]] = field(default_factory=dict)
+    """The blocks as they stood in the source, by the function's name, in all versions."""
     versions: set[frozenset[str]] = field(default_factory=set)
+    """The functions with a block in each version of the source."""
 
     def add_source(self, content: bytes, file: str) -> None:
         """Add a version of the source; raises as `read_blocks` does."""

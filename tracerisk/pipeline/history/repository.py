@@ -25,30 +25,32 @@ _MOST_PATHS = 60_000  # characters of paths on a command line, well below what L
 
 
 class ChangedFile(NamedTuple):
-    """A file that differs between two versions, by its paths from the repository's top.
-
-    A path is `None` where the version lacks the file; so is the blob's name where its content is
-    that of the working tree.
-    """
+    """A file that differs between two versions, by its paths from the repository's top."""
 
     before: str | None
+    """The path before; `None` where the version before lacks the file."""
     after: str | None
+    """The path after; `None` where the version after lacks the file."""
     before_blob: str | None
+    """The hash of the content before; `None` for the working tree's content."""
     after_blob: str | None
+    """The hash of the content after; `None` for the working tree's content."""
     mode: str
+    """The file mode in git, such as `100644`; of the version after, where it has the file."""
 
 
 @dataclass(frozen=True, eq=False)
 class Repository:
-    """The repository of a folder: `top` is that of its working tree.
-
-    Its blobs are read by one git process, which `opened` ends.
-    """
+    """The repository of a folder, read by one git process, which `opened` ends."""
 
     top: Path
+    """The top folder of its working tree."""
     is_shallow: bool
+    """Whether older commits are missing from the clone."""
     _is_sparse: bool
+    """Whether the working tree may leave files out."""
     _process: subprocess.Popen[bytes]
+    """The process of `git cat-file --batch`."""
 
     @classmethod
     @contextmanager
