@@ -40,16 +40,16 @@ _NOT_SET = ("HOME", "LD_", "MUJOCO", "PATH", "PYTHON", "TMP", "TZ")
 
 @dataclass(frozen=True, slots=True)
 class LaunchChoice:
-    """What a controller is given, `None` for nothing; `notes` say so, or why it is not.
-
-    `robots` are the files of robots that the launch file names which starts the controller, and
-    `file` is that launch file, for messages.
-    """
+    """What a controller is given by a launch or parameter file."""
 
     setup: LaunchSetup | None = None
+    """The parameters, arguments and remaps; `None` where nothing is given."""
     notes: tuple[str, ...] = ()
+    """Sentences on what is given and from where, or why nothing is."""
     robots: tuple[RobotSource, ...] = ()
+    """The robot description files that the launch file names."""
     file: str = ""
+    """The launch file that starts the controller, for messages; empty for none."""
 
 
 NOTHING_CHOSEN = LaunchChoice()
@@ -59,10 +59,15 @@ NOTHING_CHOSEN = LaunchChoice()
 @dataclass(frozen=True, slots=True)
 class _Candidate:
     file: LaunchFile
+    """The launch file."""
     reading: LaunchReading
+    """All that the launch file starts."""
     node: StartedNode
+    """The node of the file that is the controller."""
     started: int
+    """How many times the file starts the controller."""
     nodes: tuple[str, ...]
+    """The names that the controller's node may have."""
 
     @property
     def parameters(self) -> tuple[LaunchParameter, ...]:
@@ -171,15 +176,22 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """A search for what a program is given; `problems` are why files gave nothing."""
+    """A search for what a program is given."""
 
     program: Program
+    """The controller as launch files call it."""
     workspace: Workspace
+    """The workspace with its packages."""
     asked: Asked
+    """The parameters that the controller's source asks for."""
     root: Path
+    """The root of the controller, from which messages name files."""
     limits: Limits
+    """The limits on time and memory of reading a file."""
     readmes: ReadmeArguments
+    """The arguments that READMEs give to launch files."""
     problems: list[str] = field(default_factory=list)
+    """Why files gave nothing, filled by the search."""
 
     def named(self, path: Path, wanted_ros: Literal[1, 2]) -> LaunchChoice:
         """Return what the launch file gives that the user has named."""

@@ -25,15 +25,16 @@ _NODES = frozenset({"create_node", "init_node", "Node", "LifecycleNode"})
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """The names of parameters in a source; `required` are those without a default of its own.
-
-    `literals` are all its strings, `nodes` those that it calls its nodes.
-    """
+    """The names of parameters in a source."""
 
     names: frozenset[str] = frozenset()
+    """All parameters that the source reads."""
     required: frozenset[str] = frozenset()
+    """The parameters that it reads without a default of its own."""
     literals: frozenset[str] = frozenset()
+    """All strings in the source."""
     nodes: tuple[str, ...] = ()
+    """The names that the source gives its nodes."""
 
 
 def asked_by(controller: Controller, folders: Mapping[str, Path]) -> Asked:

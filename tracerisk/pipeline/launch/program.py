@@ -21,11 +21,14 @@ _RUNNERS = frozenset({"run", "rosrun"})
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """A script as launch files call it: its package, and the names of its executable."""
+    """A script as launch files call it."""
 
     script: Path
+    """The path of the script, links resolved."""
     package: str
+    """The name of its package."""
     names: frozenset[str]
+    """The names of its executable: file, entry points and installed names."""
 
     def started_as(self, node: StartedNode) -> StartedNode | None:
         """Return a node with the arguments of the script itself, None where it is another."""
