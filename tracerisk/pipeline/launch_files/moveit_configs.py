@@ -47,8 +47,11 @@ class _Files:
     """The packages of the workspace; what is not there is an absent value."""
 
     packages: Mapping[str, Path]
+    """The folders of the workspace's packages, by package name."""
     on_read: Callable[[Path], None]
+    """Called with each file that is read."""
     on_robot: Callable[[tuple[str, Mapping[str, Any]]], None]
+    """Called with the path and xacro arguments of each robot description."""
 
     def folder(self, package: str) -> Path | None:
         return self.packages.get(package)

@@ -28,63 +28,80 @@ Kind = Literal["launch", "parameters"]
 
 @dataclass(frozen=True, slots=True)
 class StartedNode:
-    """A program that a launch file starts.
-
-    `package` and `executable` are empty where it is started by a `command`.
-    `left_out` are the parameters that could not be evaluated, each with its reason.
-    """
+    """A program that a launch file starts."""
 
     package: str
+    """The package of the program; empty where it is started by `command`."""
     executable: str
+    """The name of the executable; empty where it is started by `command`."""
     name: str | None = None
+    """The name that the node gets; `None` for its own."""
     namespace: str = ""
+    """The namespace that the node gets; empty for the root."""
     command: tuple[str, ...] = ()
+    """The words of the command line that starts it; empty for a node of a package."""
     arguments: tuple[str, ...] = ()
+    """The arguments of the command line, without those of ROS."""
     ros_arguments: tuple[str, ...] = ()
+    """The arguments after `--ros-args`."""
     parameters: tuple[LaunchParameter, ...] = ()
+    """The parameters that the node gets."""
     remaps: tuple[tuple[str, str], ...] = ()
+    """The old and new name of each remap."""
     environment: tuple[tuple[str, str], ...] = ()
+    """The name and value of each environment variable that is set."""
     left_out: tuple[tuple[str, str], ...] = ()
+    """The name of each parameter that could not be evaluated, and why; `*` for unknown names."""
 
 
 @dataclass(frozen=True, slots=True)
 class LaunchReading:
-    """All that one launch file starts with the defaults of its arguments.
-
-    `parameters` are those of ROS 1, for its parameter server knows no owners; `left_out` those of
-    them that were not evaluated. `sources` are the files that were read, `problems` what could
-    not be. `robots` are the files of robots that it names.
-    """
+    """All that one launch file starts with the defaults of its arguments."""
 
     nodes: tuple[StartedNode, ...] = ()
+    """The programs that it starts."""
     parameters: tuple[LaunchParameter, ...] = ()
+    """The parameters of the server of ROS 1, which belong to no node; empty for ROS 2."""
     left_out: tuple[tuple[str, str], ...] = ()
+    """The name of each such parameter that was not evaluated, and why."""
     sources: tuple[Path, ...] = ()
+    """The files that were read."""
     problems: tuple[str, ...] = ()
+    """What could not be read, in words."""
     robots: tuple[RobotSource, ...] = ()
+    """The robot description files that it names."""
 
 
 @dataclass(frozen=True, slots=True)
 class LaunchSetup:
-    """What a controller is given by the file that starts it.
-
-    `file` and `sources` are paths from the controller's root; `notes` are the lines that say so.
-    `own` are those of the parameters that are meant for the controller's own node.
-    """
+    """What a controller is given by the file that starts it."""
 
     file: str
+    """The launch or parameter file, from the controller's root."""
     kind: Kind
+    """`launch` for a launch file, `parameters` for a parameter file."""
     ros: Literal[1, 2]
+    """The generation of ROS that the file is for."""
     name: str | None = None
+    """The name that the node gets; `None` for its own."""
     namespace: str = ""
+    """The namespace that the node gets; empty for the root."""
     arguments: tuple[str, ...] = ()
+    """The arguments of the command line."""
     ros_arguments: tuple[str, ...] = ()
+    """The arguments after `--ros-args`."""
     parameters: tuple[LaunchParameter, ...] = ()
+    """The parameters that are set, of all nodes that the controller may ask."""
     remaps: tuple[tuple[str, str], ...] = ()
+    """The old and new name of each remap."""
     environment: tuple[tuple[str, str], ...] = ()
+    """The name and value of each environment variable that is set."""
     sources: tuple[str, ...] = ()
+    """All files that were read, from the controller's root."""
     notes: tuple[str, ...] = ()
+    """Sentences on what is given, for outputs."""
     own: tuple[LaunchParameter, ...] = ()
+    """The parameters that are meant for the controller's own node."""
 
     def argv(self, given: Sequence[str]) -> tuple[str, ...]:
         """Return the command line of the controller: what is `given` goes before the launch file's.

@@ -16,14 +16,14 @@ _GIVES = ":="
 
 @dataclass(frozen=True, slots=True)
 class RobotSource:
-    """A file of a robot, with what xacro is given for it; or the problem for which there is none.
-
-    `path` is absolute, and empty where it is not known.
-    """
+    """A robot description file with the arguments of xacro, or why it is not known."""
 
     path: str
+    """The absolute path; empty where it is not known."""
     arguments: tuple[tuple[str, str], ...] = ()
+    """The name and value of each xacro argument."""
     problem: str = ""
+    """Why the file is not known; empty where it is."""
 
 
 def source_of_command(command: str, folder: Path) -> RobotSource | None:

@@ -25,11 +25,14 @@ class RoslaunchError(ValueError):
 
 @dataclass(slots=True)
 class Texts:
-    """What substitutions are made of: the packages, the file's folder, its arguments."""
+    """What substitutions are made of."""
 
     packages: Mapping[str, Path]
+    """The folders of the workspace's packages, by package name."""
     folder: Path
+    """The folder of the launch file, for `$(dirname)`."""
     arguments: dict[str, str] = field(default_factory=dict)
+    """The value of each argument set so far."""
 
     def of(self, text: str) -> str:
         """Return a text with its substitutions made.

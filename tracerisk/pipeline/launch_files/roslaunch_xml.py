@@ -36,15 +36,22 @@ _WIRE_LIMIT = 2**31
 
 @dataclass(frozen=True, slots=True)
 class _Scope:
-    """What holds at a place of a file; `owner` is the node around it, whose `~` names are its."""
+    """What holds at a place of a file."""
 
     texts: Texts
+    """The substitutions of the file."""
     namespace: str = "/"
+    """The namespace at the place, absolute."""
     owner: str | None = None
+    """The full name of the enclosing node, whose `~` names are its; `None` outside a node."""
     remaps: list[tuple[str, str]] = field(default_factory=list)
+    """The old and new name of each remap that holds."""
     environment: dict[str, str] = field(default_factory=dict)
+    """The environment variables that are set, by name."""
     given: Mapping[str, str] = field(default_factory=dict)
+    """The arguments that the including file or the command line gives."""
     depth: int = 0
+    """The number of including files."""
 
     def within(self, namespace: str) -> _Scope:
         """Return a scope of its own within a namespace."""

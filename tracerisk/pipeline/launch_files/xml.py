@@ -32,11 +32,14 @@ _TYPES: dict[str, Any] = {
 
 @dataclass(slots=True)
 class Element:
-    """An entity of a launch file: its tag, its attributes, its children."""
+    """An entity of a launch file."""
 
     tag: str
+    """The tag, such as `node`."""
     attributes: dict[str, Any]
+    """The values by name: text from XML, plain values from YAML."""
     children: list[Element] = field(default_factory=list)
+    """The entities inside, in the order of the file."""
 
     def all(self, tag: str) -> list[Element]:
         """Return the children with a tag."""

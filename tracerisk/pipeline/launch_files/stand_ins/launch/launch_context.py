@@ -22,9 +22,13 @@ class Reading:
     """What a walk through a description has found so far."""
 
     nodes: list[StartedNode] = field(default_factory=list)
+    """The programs that are started."""
     sources: list[Path] = field(default_factory=list)
+    """The files that were read."""
     problems: list[str] = field(default_factory=list)
+    """What could not be read, in words."""
     robots: list[RobotSource] = field(default_factory=list)
+    """The robot description files that were named."""
 
 
 class LaunchContext:
