@@ -25,18 +25,19 @@ _MORE_OWN_S = 5.0
 
 @dataclass(frozen=True, slots=True)
 class MutantJob:
-    """A change to run, with all that a process needs for it.
-
-    `options` are the settings that go before those of `pyproject.toml`, as plain values. `digest`
-    is that of the run without the change; `folder` is where a process of this machine finds that
-    run; where it is empty, each makes the run itself.
-    """
+    """A change to run, with all that a process needs for it."""
 
     controller: str
+    """The path of the controller."""
     options: tuple[tuple[str, Any], ...]
+    """The settings that go before those of `pyproject.toml`, as (name, plain value)."""
     digest: str
+    """The digest of the run without the change, which the machine must reproduce."""
     folder: str
+    """The folder on this machine with the run without the change; empty where each process makes
+    the run itself."""
     change: Change
+    """The change to the source."""
 
 
 def run_mutant(job: MutantJob) -> MutantRun:
