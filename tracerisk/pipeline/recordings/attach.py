@@ -24,11 +24,14 @@ _WAIT_S = 0.2
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """What was recorded: how many messages, of how many topics, and why it ended."""
+    """What was recorded."""
 
     messages: int
+    """The number of messages."""
     topics: tuple[str, ...]
+    """The topics with messages, sorted."""
     ended: str
+    """Why the recording ended, in words."""
 
 
 class Source(Protocol):

@@ -180,13 +180,18 @@ def _number(text: str) -> float:
 
 @dataclass(slots=True)
 class _Goal:
-    """A goal, or a set-point of many: when it began and ended [ns], `None` where it did not."""
+    """A goal of an action, or a trajectory message."""
 
     begin_ns: int
+    """When it began, by the clock of the recorder [ns]."""
     end_ns: int | None
+    """When it ended, by the clock of the recorder [ns]; `None` where the recording has no end."""
     end: CommandEnd | None
+    """How it ended; `None` where that is not recorded."""
     name: str
+    """The name of its action or topic, by which the visit is called."""
     elements: tuple[str, ...] = ()
+    """The joints and grippers that it moves; empty where the goal is not recorded."""
 
 
 def _goals(file: RecordingFile, robot: Robot, controller: str) -> Boundaries:

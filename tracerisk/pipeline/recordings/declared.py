@@ -15,14 +15,17 @@ _ALLOWED = ("Nm", "%", "mA:K", "A:K")
 
 @dataclass(frozen=True, slots=True)
 class EffortUnit:
-    """The unit of effort, for all joints or for some by name.
+    """The unit of effort, as factors to N m, or N for a sliding joint.
 
-    Each is a factor to N m (N for a sliding joint), or `None` for per cent of the torque limit.
+    A factor of `None` means per cent of the torque limit.
     """
 
     of_all: float | None = 1.0
+    """The factor of joints that are not in `by_joint`."""
     by_joint: Mapping[str, float | None] = field(default_factory=dict)
+    """The factors of single joints, by name."""
     text: str = "Nm"
+    """The unit as the user wrote it, such as `mA:1.2,joint_1=mA:3.1`."""
 
     def factor(self, joint: Joint) -> float:
         """Return what one unit is of a joint [N m or N]."""

@@ -30,14 +30,18 @@ LEAST_S = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Apart:
-    """What the field does otherwise than the twin: a function, an element, a quantity."""
+    """A difference between the field and the twin."""
 
     function: str
+    """The name of the visited function."""
     element: str
-    """Empty for the time of a visit."""
+    """The joint, gripper or sensor; empty for the time or number of visits."""
     quantity: str
+    """The quantity that differs, such as `moving_s`, `duration_s` or `visits`."""
     twin: float
+    """The value on the twin, in the unit of the quantity."""
     field: Estimate
+    """The mean in the field with its interval, in the unit of the quantity."""
 
     def __str__(self) -> str:
         """Return it in words."""

@@ -27,11 +27,14 @@ _Numbers = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class _Frame:
-    """A link on its parent; `pose` are its place [m] and its turn (x, y, z, w)."""
+    """A link on its parent."""
 
     parent: str
+    """The name of the parent frame."""
     child: str
+    """The name of the link."""
     pose: Sequence[float]
+    """The place [m], then the quaternion (x, y, z, w); (7,)."""
 
 
 def fixed_frames(robot: Robot, samples: Samples) -> bytes:

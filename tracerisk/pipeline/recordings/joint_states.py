@@ -41,25 +41,31 @@ _SECOND_NS = 1_000_000_000
 @dataclass(slots=True)
 class _Joint:
     stamps: array[int] = field(default_factory=lambda: array("q"))
+    """The time stamp of each state [ns]; (n,), as all arrays here."""
     received: array[int] = field(default_factory=lambda: array("q"))
+    """When each state was received, by the clock of the recorder [ns]."""
     position: array[float] = field(default_factory=lambda: array("d"))
+    """The positions [rad or m]."""
     velocity: array[float] = field(default_factory=lambda: array("d"))
+    """The velocities [rad/s or m/s]; NaN where a message has none."""
     effort: array[float] = field(default_factory=lambda: array("d"))
+    """The efforts in the unit of the recording; NaN where a message has none."""
 
 
 @dataclass(frozen=True, slots=True)
 class JointStates:
-    """The samples of a recording, and what they lack.
-
-    `begin_ns` is the time of the first step, by the clock of the recorder. `has_effort` are the
-    joints whose torque is known. `lost` are lines that say what is not.
-    """
+    """The samples of a recording, and what they lack."""
 
     samples: Samples
+    """The joint states at steps of equal length."""
     begin_ns: int
+    """The time of the first step, by the clock of the recorder [ns]."""
     has_effort: frozenset[str]
+    """The joints whose torque is known."""
     assumptions: tuple[str, ...]
+    """Sentences on what was assumed."""
     lost: tuple[str, ...]
+    """Sentences on what the recording lacks."""
 
 
 def read_joint_states(file: RecordingFile, robot: Robot, declared: Declared) -> JointStates:

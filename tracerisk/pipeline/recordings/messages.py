@@ -31,11 +31,14 @@ _ENCODINGS = {"cdr", "ros1"}
 
 
 class Message(NamedTuple):
-    """A message: where and when it was received [ns], and its value."""
+    """One message of a recording."""
 
     topic: str
+    """The topic on which it was received."""
     time_ns: int
+    """When it was received, by the clock of the recorder [ns]."""
     value: Any
+    """The deserialised message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +60,13 @@ class RecordingFile:
     """An open recording."""
 
     path: Path
+    """The file, or the folder of a recording of ROS 2."""
     topics: Mapping[str, Topic]
+    """The type and definition of each topic, by its name, sorted."""
     raw: Any
     """Called with topics; yields topic, time [ns] and bytes of each message, in time."""
     _stores: dict[str, Typestore] = field(default_factory=dict)
+    """The message types read so far, by their definition or encoding."""
 
     @property
     def place(self) -> Location:

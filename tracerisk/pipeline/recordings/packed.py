@@ -28,34 +28,36 @@ Rows = NDArray[np.uint8]
 
 
 class Message(NamedTuple):
-    """One message: when [ns], its channel, its bytes."""
+    """One message."""
 
     time_ns: int
+    """The time of the message, for log and publication [ns]."""
     channel: int
+    """The number of its channel."""
     data: bytes
+    """The serialised message."""
 
 
 class Part(NamedTuple):
-    """One message of each round of a series: copies of `template`, but for some bytes.
-
-    It comes `delay_ns` after the round begins [ns]; `fill` puts into copies (n, len(template))
-    what is different from one round to another.
-    """
+    """One message of each round of a series: copies of a template, but for some bytes."""
 
     channel: int
+    """The number of the channel."""
     template: bytes
+    """The serialised message, whose changing bytes are filled in."""
     fill: Callable[[Rows, int, int], None]
+    """Fills the rounds from one index to another into copies, (n, len(template))."""
     delay_ns: int = 0
+    """The time of the message after the begin of its round [ns]."""
 
 
 class Series(NamedTuple):
-    """Rounds of messages that begin at `times` [ns], (n,), rising: in each, one of each part.
-
-    The parts come by their delays, and the last before the next round.
-    """
+    """Rounds of messages; in each round, one message of each part."""
 
     times: Times
+    """When each round begins, rising [ns], (n,)."""
     parts: tuple[Part, ...]
+    """The parts by their delays, the last one before the next round."""
 
     @property
     def starts(self) -> NDArray[np.int64]:

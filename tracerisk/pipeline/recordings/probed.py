@@ -37,13 +37,16 @@ _POINTS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Boundaries:
-    """The commands of a mission, by the clock of the recorder [ns], and their source."""
+    """The commands of a mission, by the clock of the recorder [ns]."""
 
     commands: tuple[Command, ...]
+    """The commands in the order of their begins."""
     told_by: str
+    """What shows the functions at work, such as `the names on /states`; empty for the probe."""
     controller: str = ""
     """The file of the controller; empty where unknown."""
     lost: tuple[str, ...] = ()
+    """Sentences on what is not known or was left out."""
 
 
 def lines_of(path: Path) -> Iterator[str]:

@@ -97,8 +97,11 @@ _LATCHED = f"""\
 
 class _Message(NamedTuple):
     time_ns: int
+    """The time in the simulation, from 0 [ns]."""
     topic: str
+    """The topic of the message."""
     data: bytes
+    """The message in CDR."""
 
 
 def write_recording(folder: Path, trace: Trace, path: Path, *, rate_hz: float = RATE_HZ[1]) -> None:
