@@ -14,17 +14,16 @@ from tracerisk.pipeline.review.git_versions import Compared, GitVersion
 
 
 class AnnotatedFiles(NamedTuple):
-    """The annotated files that a review is about.
-
-    `pairs` are their paths from the top in both versions, `None` where a version lacks the file;
-    `renames` the later path of each that moved, by its earlier one.
-    `notes` say what was left out. `lock_folders` are those of the locks that changed.
-    """
+    """The annotated files that a review is about."""
 
     pairs: tuple[tuple[str | None, str | None], ...]
+    """The path from the top in both versions; `None` where a version lacks the file."""
     renames: Mapping[str, str]
+    """The later path of each file that moved, by its earlier one."""
     notes: tuple[str, ...]
+    """Sentences on what was left out."""
     lock_folders: tuple[str, ...] = ()
+    """The folders of the locks that changed; empty where the review names paths."""
 
 
 def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:

@@ -50,6 +50,7 @@ class _BlockValue(NamedTuple):
     """A value in a block of the later version."""
 
     function: FunctionSource
+    """The function whose block has the value."""
     component: str | None
     """`None` for a value of the function itself."""
     key: str | None

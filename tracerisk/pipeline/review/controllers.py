@@ -21,33 +21,40 @@ if TYPE_CHECKING:
 
 
 class ControllerVersion(NamedTuple):
-    """A controller in one version: its annotated sources by path from the top, and its entry.
-
-    `folder` is that of its lock, from which the entry names files. `evidence` is what failures
-    of its hardware did on the twin, `None` where none is kept.
-    """
+    """A controller in one version."""
 
     sources: Mapping[str, bytes]
+    """The annotated sources, by path from the top."""
     entry: ControllerLock | None
+    """The entry of the controller in the lock; `None` where no lock knows it."""
     folder: str
+    """The folder of the lock, from which the entry names files."""
     evidence: Evidence | None = None
+    """What failures of its hardware did on the twin; `None` where none is kept."""
 
 
 class ReviewedController(NamedTuple):
-    """A controller in both versions; `was` is its earlier path where it moved."""
+    """A controller in both versions."""
 
     name: str
+    """The path from the top in the later version."""
     was: str | None
+    """The earlier path where it moved; `None` where it did not."""
     before: ControllerVersion
+    """The earlier version."""
     after: ControllerVersion
+    """The later version."""
 
 
 class _Known(NamedTuple):
-    """What a lock knows of a controller: its files by path from the top, itself among them."""
+    """What a lock knows of a controller."""
 
     entry: ControllerLock
+    """The entry of the controller in the lock."""
     folder: str
+    """The folder of the lock, from the top."""
     files: tuple[str, ...]
+    """The files with blocks, by path from the top, the controller first."""
 
 
 def _as_it_is(path: str) -> str:
@@ -59,9 +66,13 @@ class Locks:
     """The locks of one version, each read once."""
 
     version: GitVersion
+    """The version of the repository."""
     shown: Callable[[str], str] = _as_it_is
+    """Returns how messages name a path."""
     _read: dict[str, dict[str, _Known]] = field(default_factory=dict)
+    """The controllers of each lock read so far, by folder and path."""
     _evidence: dict[str, dict[str, Evidence]] = field(default_factory=dict)
+    """The evidence read so far, by folder and controller."""
 
     def controllers_of(self, path: str) -> list[str]:
         """Return the controllers that a file belongs to, by the nearest lock that knows it."""

@@ -16,16 +16,16 @@ WORKING_TREE = "working tree"
 
 @dataclass(frozen=True, slots=True)
 class GitVersion:
-    """One version of a repository's files.
-
-    `name` is what messages call it, `prefix` what stands before its files in places;
-    `commit` is `None` for the working tree.
-    """
+    """One version of a repository's files."""
 
     repository: Repository = field(repr=False, compare=False)
+    """The repository with all its versions."""
     name: str
+    """The name of the version in messages."""
     prefix: str
+    """What stands before its files in places, such as `main:`; empty for the working tree."""
     commit: str | None
+    """The hash of the commit; `None` for the working tree."""
 
     def file(self, path: str) -> bytes | None:
         """Return the content of a file, by its path from the top; `None` where it has none.
@@ -43,11 +43,14 @@ class GitVersion:
 
 
 class Compared(NamedTuple):
-    """What is compared: two versions, and the paths from the top that it is narrowed to."""
+    """The two versions that are compared."""
 
     before: GitVersion
+    """The earlier version."""
     after: GitVersion
+    """The later version."""
     paths: tuple[str, ...] | None
+    """The paths from the top to which the review is narrowed; `None` for all."""
 
 
 def compared(repository: Repository, folder: Path, words: Sequence[str]) -> Compared:

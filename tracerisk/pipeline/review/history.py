@@ -125,9 +125,13 @@ def _go(repository: Repository, top: Path, walks: Sequence[_Walk], most: int | N
 @dataclass(frozen=True, slots=True)
 class _Commit:
     hash: str
+    """The hash of the commit; empty for the working tree."""
     date: str
+    """The date of the commit, `YYYY-MM-DD`; empty for the working tree."""
     subject: str
+    """The first line of its message; empty for the working tree."""
     path: str
+    """The path of the controller in the commit, from the top; empty where only the lock changed."""
 
     @property
     def plain(self) -> tuple[str, str, str, str]:

@@ -25,11 +25,13 @@ class KnownController:
     name: str
     """Its path from the folder that was asked about, with `/`."""
     path: Path
+    """The path of the controller's file."""
     sources: Mapping[str, bytes] = field(default_factory=dict)
     """Each file with its blocks, by its path as messages call it."""
     verdict: Verdict | None = None
     """Of the run behind the blocks; `None` where it is unknown."""
     model: HybridModel | None = None
+    """The model of the blocks; `None` where there is no figure."""
     assessment: Assessment | None = None
     """`None` where it has no blocks, or none that can be read."""
     error: str = ""

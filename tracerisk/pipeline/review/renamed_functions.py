@@ -19,11 +19,14 @@ from tracerisk.prm.review.risk_change import is_noise
 
 
 class FunctionSource(NamedTuple):
-    """A function's block, and where it stands: file and qualified name there."""
+    """A function's block, and its place."""
 
     block: RiskBlock
+    """The risk block of the function."""
     file: str
+    """The path of the source from the top."""
     name: str
+    """The qualified name in the file."""
 
 
 def renamed_functions(

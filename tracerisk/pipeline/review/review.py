@@ -89,7 +89,9 @@ class _VersionName(NamedTuple):
     """A version without its repository, as another process can be given it."""
 
     name: str
+    """The name of the version in messages."""
     prefix: str
+    """What stands before its files in places, such as `main:`."""
 
     @classmethod
     def of(cls, version: GitVersion) -> _VersionName:
