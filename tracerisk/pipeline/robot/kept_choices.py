@@ -23,9 +23,11 @@ class KeptChoices:
     """How runs ended, and what they lacked, for which no node beside the controller helped."""
 
     _launch: LaunchChoice | None = field(default=None, init=False)
+    """What the launch file gives; `None` before it was chosen."""
     _robots: list[tuple[LaunchChoice, str | None, tuple[str, ...], RobotChoice]] = field(
         default_factory=list, init=False
     )
+    """The chosen robot for each launch choice, robot setting and further names."""
 
     def launch(self, controller: Controller, settings: Settings) -> LaunchChoice:
         """Return what `choose_launch` does."""

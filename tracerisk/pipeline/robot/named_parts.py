@@ -74,8 +74,11 @@ class _Named:
     """What one source names of one robot."""
 
     parts: Parts
+    """The names of the robot's parts."""
     joints: frozenset[str]
+    """The joints that are named, also those named by a common stem."""
     places: frozenset[str]
+    """The links, frames and groups that are named."""
     is_telling: bool
     """Whether its joints can be meant as this robot's, and not as any arm's."""
 
