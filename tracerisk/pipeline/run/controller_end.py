@@ -34,27 +34,32 @@ _BY_ITSELF = frozenset({"ended", "exited", "raised"})
 
 @dataclasses.dataclass(slots=True, eq=False)
 class ControllerEnd:
-    """Notes in the recording how the run of the controller below `root` ended, once.
-
-    `judge` returns what the end is in the light of what the controller lacked, and `run_over` is
-    called with the cause before it is recorded. `missing` finds modules that are absent. `outlast`
-    carries out what a controller that ended by itself had left under way. `before_exit` (an
-    attribute) is called before the controller, or this, ends the process at once.
-    """
+    """Notes in the recording how the run of the controller ended, once."""
 
     recorder: Recorder
+    """The recording of the run."""
     twin: Twin
+    """The twin, for where objects are at the end."""
     root: Path
+    """The folder of the controller, from which the recording names files."""
     memory_limit_mb: int
+    """The memory that the process may take [MB], for the message."""
     run_over: Callable[[EndCause], None] = lambda _: None
+    """Called with the cause of the end before it is recorded."""
     judge: Callable[[EndCause, str, Location | None], JudgedEnd] = JudgedEnd
+    """Returns what the end is in the light of what the controller lacked."""
     missing: MissingModules | None = None
+    """Finds modules that are absent; `None` for no search."""
     outlast: Callable[[], None] = lambda: None
+    """Carries out what a controller that ended by itself had left under way."""
     before_exit: Callable[[], None] = lambda: None
+    """Called before the controller, or this, ends the process at once."""
     on_missing: Callable[[Mapping[str, str], Location | None], None] = lambda *_: None
     """Called with the modules for which placeholders may stand, and with the place that failed."""
     _reported: bool = dataclasses.field(default=False, init=False)
+    """Whether the end is recorded."""
     _owner: int = dataclasses.field(default_factory=os.getpid, init=False)
+    """The id of the process whose end is reported."""
 
     def forked(self) -> None:
         """Report the end of this process, which was forked from the one that began."""

@@ -31,18 +31,20 @@ _TRUNK = RunOptions(quiet=True)
 
 @dataclass(frozen=True, slots=True)
 class BranchResult:
-    """What a branch showed: what a run with its faults from the beginning shows.
-
-    `done` is that run, None where it left nothing to read: `error` says why. `is_branched` is
-    False where it did run from the beginning, and `reason` says why in words.
-    """
+    """What a branch showed: what a run with its faults from the beginning shows."""
 
     branch: Branch
+    """The branch with its faults."""
     nominal: Trace
+    """The trace of the run without faults."""
     done: ControllerRun | None
+    """The run of the branch; `None` where it left nothing to read."""
     is_branched: bool
+    """Whether it was branched off; false where it ran from the beginning."""
     reason: str = ""
+    """Why it was not branched off, in words; empty where it was."""
     error: Exception | None = None
+    """Why there is nothing to read; `None` where `done` is there."""
 
     @property
     def run(self) -> FaultRun:
@@ -103,15 +105,16 @@ def _cannot_branch() -> str:
 
 @dataclass(slots=True)
 class _Found:
-    """What became of branches, by their index; `reason` is why none of them counts.
-
-    `left` are those that left the run, or were refused to.
-    """
+    """What became of branches, by their index."""
 
     reason: str = ""
+    """Why no branch of the run counts; empty where they do."""
     left: frozenset[int] = frozenset()
+    """The branches that left the run, or were refused to."""
     done: dict[int, ControllerRun] = field(default_factory=dict)
+    """The runs of the branches that ended."""
     reasons: dict[int, str] = field(default_factory=dict)
+    """Why other branches have no run, in words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,10 +122,15 @@ class _Branching:
     """A run that is to branch, and what its branches are run with."""
 
     controller: Controller
+    """The controller to run."""
     settings: Settings
+    """The settings of the run, with its scenario."""
     nominal: ControllerRun
+    """The run without faults."""
     branches: tuple[Branch, ...]
+    """The branches, in the order of their results."""
     options: RunOptions
+    """How the runs are recorded and judged."""
 
     def results(self, at_once: int, claims: str) -> Iterator[BranchResult]:
         found = _Found(_cannot_branch())

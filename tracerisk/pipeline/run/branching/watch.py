@@ -40,16 +40,24 @@ Ended = Callable[[int, RunRequest, ProcessEnd], None]
 
 @dataclass(slots=True)
 class _Live:
-    """A branch that runs; `handle` is a pidfd of its process, None where that had ended."""
+    """A branch that runs."""
 
     handle: int | None
+    """The pidfd of its process; `None` where the process had ended."""
     request: RunRequest
+    """The request of the branch, with its own folders."""
     own: OwnTime
+    """The processor time of its process."""
     began: float = field(default_factory=time.monotonic)
+    """When it began, by the monotonic clock [s]."""
     changed_s: float = 0.0
+    """The processor time at which it last made progress [s]."""
     seen: tuple[int, int] = (-1, -1)
+    """The size of its events [bytes] and the simulated time, when it was last looked at."""
     looked: float = 0.0
+    """When its files were last counted, by the monotonic clock [s]."""
     end: ProcessEnd | None = None
+    """The limit that it reached; `None` while it has reached none."""
 
     @property
     def folder(self) -> Path:

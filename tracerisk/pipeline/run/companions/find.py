@@ -43,9 +43,13 @@ _ASKS = re.compile(r"(?<![\w.])(raw_)?input\s*\(")
 @dataclass(frozen=True, slots=True)
 class _Candidate:
     script: Path
+    """The file of the node."""
     met: tuple[Need, ...]
+    """The needs of the controller that the node meets."""
     is_near: bool
+    """Whether the node stands below the controller's root."""
     is_launched_too: bool = False
+    """Whether a launch file starts both."""
 
 
 def find_companions(
