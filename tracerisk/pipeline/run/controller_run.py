@@ -66,10 +66,15 @@ class RunningChild:
     """The process of a run, whose work begins at a mark."""
 
     process: subprocess.Popen[bytes]
+    """The child process."""
     start: StartMark
+    """The mark at which the controller's work begins; limits count from it."""
     request: RunRequest
+    """What the child was asked to run."""
     settings: Settings
+    """The settings with the limits of the run."""
     options: RunOptions
+    """What is asked of the run beside its settings."""
 
     def show(self, phase: str, simulated_ns: int) -> None:
         """Show how far the run has come."""

@@ -56,64 +56,75 @@ _LEAST_FREE = 4 * 1024**2
 
 @dataclass(frozen=True, slots=True)
 class ProcessEnd:
-    """How the process ended: its return code, or the limit that was reached and where.
-
-    `has_begun`: the controller's first line was reached. `last_line` is what it printed last.
-    `own_s` is for how long it computed or slept, where that was looked at, from that line on [s];
-    `start_s` is what it had computed by then.
-    """
+    """How the process of a run ended."""
 
     code: int
+    """The return code; negative for a signal."""
     limit: str | None = None
+    """The limit that was reached, in words; `None` for none."""
     location: Location | None = None
+    """The innermost place of the controller at the limit; `None` where not known."""
     has_begun: bool = False
+    """Whether the controller's first line was reached."""
     last_line: str = ""
+    """The last line that it printed; empty for none."""
     own_s: float = 0.0
+    """The time that it computed or slept from the controller's first line on [s]; 0 where not
+    measured."""
     start_s: float = 0.0
+    """The processor time before the controller's first line [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class ControllerRun:
-    """What one run showed: its trace, joints that it moved and the robot lacks, unmet `needs`.
-
-    `drafts` are what a scenario could say for each need, where that was asked for. `robot` and
-    `request` are what it ran with: enough to run it once more. `own_s` is for how long its process
-    computed or slept from its first line on, `start_s` what it had computed by then [s]. `shift` is
-    a place that was not reached and by how much to move it, `reach` what the arm reaches.
-    """
+    """What one run showed."""
 
     trace: Trace
+    """The trace of the run."""
     robot: Robot
+    """The robot that it ran with."""
     request: RunRequest
+    """What its process was asked; with `robot` enough to run it once more."""
     joints_asked: tuple[str, ...] = ()
+    """The joints that it moved and the robot lacks."""
     needs: tuple[Need, ...] = ()
+    """What the controller lacked, where that may be why it ended."""
     drafts: tuple[Draft, ...] = ()
+    """What a scenario could provide for each need, where that was asked for."""
     own_s: float = 0.0
+    """The time that its process computed or slept from the controller's first line on [s]."""
     shift: PlaceAndShift | None = None
+    """A place that was not reached, and by how much to move it; `None` for none."""
     start_s: float = 0.0
+    """The processor time of its process before the controller's first line [s]."""
     reach: Reach | None = None
+    """What the arm reaches, for arguments of the command line; `None` where not needed."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunOptions:
-    """What is asked of a run beside its settings.
-
-    `keep` is a folder for its recording. `drafts` says when it notes what a scenario could say
-    for its needs. With `live_speed` it is on real rospy, at most so many times as fast as the wall
-    clock. `on_run` is called with each run that is tried. What a `quiet` run prints is dropped.
-    Its trace is to be judged `beside` another run, as `make_trace` says. `meanwhile` is called
-    once its process computes. A loop is idle in which nothing was commanded for `idle_s` [s].
-    """
+    """What is asked of a run beside its settings."""
 
     keep: Path | None = None
+    """The folder for its recording; `None` to drop it."""
     progress: Progress | None = None
+    """Called with the phase and the simulated time [s]; `None` for no progress."""
     drafts: DraftsNoted = "never"
+    """When the run notes what a scenario could provide for its needs."""
     live_speed: float | None = None
+    """The greatest speed of a run on real rospy, as a factor of the wall clock; `None` for a run
+    on the stand-ins."""
     on_run: Callable[[ControllerRun], None] | None = None
+    """Called with each run that is tried."""
     quiet: bool = False
+    """Whether the controller's output is dropped."""
     beside: Recording | None = None
+    """The recording of the run that the trace is judged beside, as in `make_trace`; `None` for
+    none."""
     meanwhile: Callable[[], None] | None = None
+    """Called once the process of the run computes."""
     idle_s: float = IDLE_S
+    """The simulated time without a command after which a loop is idle [s]."""
 
 
 PLAIN = RunOptions()

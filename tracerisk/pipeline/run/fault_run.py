@@ -33,14 +33,14 @@ REPORTED = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class FaultRun:
-    """What a run with faults showed, beside the same run without: `nominal`.
-
-    `faults` are in the order of their instants.
-    """
+    """A run with faults, beside the same run without."""
 
     faults: tuple[Fault, ...]
+    """The faults in the order of their instants."""
     nominal: Trace
+    """The trace of the run without faults."""
     trace: Trace
+    """The trace of the run with faults."""
 
     @property
     def words(self) -> str:

@@ -18,14 +18,14 @@ from tracerisk.ros.imports.vendor_libraries import may_stand_in, remedy
 
 @dataclass(frozen=True, slots=True)
 class MissingModules:
-    """Finds what the script below `root` and its own modules lack.
-
-    `provided` are the names that have stand-ins.
-    """
+    """Finds what the script and its own modules lack."""
 
     script: Path
+    """The file of the controller."""
     root: Path
+    """The folder from which messages name files."""
     provided: Collection[str]
+    """The names of modules that have stand-ins."""
 
     def sentence(self, failed: str) -> str:
         """Return what to say where the import of `failed` did: of all that would, with remedies.

@@ -31,12 +31,17 @@ _Way = tuple[object, ...]
 @dataclass(slots=True)
 class _Iteration:
     start_ns: int
+    """When it began, in simulated time [ns]."""
     number: int
     """Its index among those of its loop that commanded something."""
     of_loop: _Loop
+    """The loop of the iteration."""
     ways: list[_Way] = field(default_factory=list)
+    """The kind and place of each command, which a repeated cycle has in common."""
     goals: list[tuple[float, ...]] = field(default_factory=list)
+    """The goal of each command [rad or m]."""
     has_reached: bool = False
+    """Whether one of its commands arrived."""
 
 
 @dataclass(slots=True, eq=False)
@@ -44,10 +49,13 @@ class _Loop:
     """An endless loop, or all callbacks together."""
 
     thread: int
+    """The number of the thread that runs it; 0 for callbacks."""
     place: Location | None
+    """The file and line of the loop; `None` for callbacks."""
     quiet_ns: int
     """Since when it commands nothing [ns]."""
     root: int = 0
+    """The activation of the callback that commanded last; 0 for a loop."""
     past: list[_Iteration] = field(default_factory=list)
     """Those that commanded something."""
     reached: list[int] = field(default_factory=list)
@@ -55,6 +63,7 @@ class _Loop:
     same_from: int = 0
     """The index of the first of the latest ones that all command the same."""
     current: _Iteration = field(init=False)
+    """The iteration that goes on."""
 
     def begin(self, now_ns: int) -> None:
         """Begin an iteration."""

@@ -54,17 +54,29 @@ class Answers(io.TextIOBase):
     """
 
     answers: Sequence[str]
+    """The answers in the order in which they are given."""
     recorder: Recorder
+    """The recording in which each answer is noted."""
     scheduler: Scheduler
+    """The scheduler that ends the run and notes unmet needs."""
     script: str
+    """The controller's file, in which keys are compared."""
     assume: Callable[[], Sequence[str]]
+    """Returns the answers that the code takes at the place that asks, in turn."""
     progress: Callable[[], object]
+    """Returns a value that changes whenever the controller has made progress."""
     prompt: str = field(default="", init=False)
+    """The text of the last question; empty for none."""
     _assumed: dict[str, list[str]] = field(default_factory=dict, init=False)
+    """The assumed answers that are left, by question."""
     _last_asked: tuple[str, object] = field(default=("", None), init=False)
+    """The last question, and the progress when it was asked."""
     _answered: set[str] = field(default_factory=set, init=False)
+    """The questions that were answered, by the user or by assumption."""
     _times: int = field(default=0, init=False)
+    """How many times in a row the last question came without progress."""
     _line: str = field(default="", init=False)
+    """What is left of the answer that is being read."""
 
     def __post_init__(self) -> None:
         self.keys = ScriptedKeys(self._given, self.scheduler, self.script)

@@ -22,13 +22,18 @@ _WAITS_OF_A_LOOP = 3
 
 @dataclass(slots=True)
 class _Waits:
-    """Where a thread waited since the last command, and since when at no new place [ns]."""
+    """Where a thread has waited since the last command."""
 
     new_ns: int
+    """When it last waited at a new place, in simulated time [ns]."""
     places: set[Any] = field(default_factory=set)
+    """The stacks of the controller at which it waited."""
     count: int = 0
+    """The number of waits since the last new place."""
     since: int = -1
+    """The number of the last wait that was counted; -1 for none."""
     location: Location | None = None
+    """The innermost place of the controller in the last new stack; `None` for none."""
 
 
 @dataclass(slots=True, eq=False)
@@ -36,14 +41,19 @@ class StallWatch:
     """Ends a run in which every thread waits at the same places again and again.
 
     That is so where nothing was commanded for the `idle_s` of the watch, something that the
-    controller asked for is not there, and `is_pending` says that the scenario has no more to give.
+    controller asked for is not there, and the scenario has no more to give.
     """
 
     scheduler: Scheduler
+    """The scheduler with the controller's threads and their waits."""
     watch: RunWatch
+    """The watch with the time of the last command."""
     needs: UnmetNeeds
+    """What the controller waits for in vain."""
     is_pending: Callable[[], bool]
+    """Returns whether the scenario has more to give."""
     _waits: dict[int, _Waits] = field(default_factory=dict, init=False)
+    """The waits of each thread, by its number."""
 
     def time_passed(self) -> None:
         """Look whether the controller only waits; called whenever the world has moved."""

@@ -39,13 +39,18 @@ _LASTING: frozenset[NeedKind] = frozenset({"topic", "service", "action"})
 
 @dataclass(frozen=True, slots=True)
 class JudgedEnd:
-    """How a run ended in the light of the `needs` it lacked; `scenario` lines would give them."""
+    """How a run ended in the light of what it lacked."""
 
     cause: EndCause
+    """The cause of the end."""
     message: str
+    """How the run ended, in words, with what it lacked."""
     location: Location | None
+    """The place of the controller at the end; `None` where not known."""
     scenario: str = ""
+    """The lines of a scenario that would provide what it lacked; empty for none."""
     needs: tuple[Need, ...] = ()
+    """What it lacked."""
 
 
 _Asked = Callable[[], tuple[Missed, ...]]
@@ -53,34 +58,37 @@ _Asked = Callable[[], tuple[Missed, ...]]
 
 @dataclass(slots=True, eq=False)
 class UnmetNeeds:
-    """The needs of one run; `has_commanded` returns whether anything was commanded.
-
-    `in_source` is what a source asks for, whether or not the run came so far; that of the
-    controller is `script`.
-    `drafts` says when the end notes what a scenario could say for every need, however it came.
-
-    `unused` returns what of the scenario nobody made use of, which becomes a finding at the end:
-    words, place, and the entry where that is not confirmed;
-    `unanswered` returns the goals that it sent without a result: words, place, whether taken.
-
-    `interfaces` makes the message classes whose fields the scenario lines show, and `values` are
-    what is in them. `shift` returns by how much to move assumed poses whose goals were not reached.
-    """
+    """The needs of one run."""
 
     runtime: Runtime
+    """The ROS graph, the scheduler and the recording of the run."""
     interfaces: Any
+    """Makes the message classes whose fields the scenario lines show."""
     root: Path
+    """The folder from which messages name files."""
     has_commanded: Callable[[], bool]
+    """Returns whether anything was commanded."""
     unused: Callable[[], Iterable[tuple[str, Location, str]]]
+    """Returns what of the scenario nobody used: words, place, and the entry where it is not
+    confirmed."""
     unanswered: Callable[[], Iterable[tuple[str, Location, bool]]]
+    """Returns the goals of the scenario without a result: words, place, whether taken."""
     values: UsableValues
+    """The values that are proposed for fields of messages."""
     script: Path = Path()
+    """The controller's file."""
     in_source: Callable[[Path], Iterable[Missed]] = lambda _: ()
+    """Returns what a source asks for, whether or not the run came so far."""
     drafts: DraftsNoted = "never"
+    """When the end notes what a scenario could provide for every need, however it came."""
     shift: Callable[[], PlaceAndShift | None] = lambda: None
+    """Returns by how much to move assumed poses whose goals were not reached; `None` for none."""
     _at_end: dict[_Asked, tuple[Missed, ...]] | None = field(default=None, init=False)
+    """What each query returned when the run was over; `None` while it goes on."""
     _named: tuple[Missed, ...] = field(default=(), init=False)
+    """The needs that the error of the end names, or that were sought in vain."""
     _modules: tuple[Missed, ...] = field(default=(), init=False)
+    """The modules that are not here, with their remedies."""
 
     def __post_init__(self) -> None:
         self.runtime.scheduler.on_over = self._keep

@@ -16,6 +16,7 @@ SPIN_PATIENCE_S = 10.0
 @dataclass(slots=True)
 class _Ident:
     of: int = 0
+    """The number of the thread that has just sent something."""
 
     def ident(self) -> int:
         return self.of
@@ -23,17 +24,18 @@ class _Ident:
 
 @dataclass(slots=True)
 class RemoteThreads:
-    """Stands for the scheduler before a `RunWatch`: its clock, and the controller's threads.
-
-    `baton` names the thread that has just reported something.
-    """
+    """Stands for the scheduler before a `RunWatch`: its clock, and the controller's threads."""
 
     scheduler: Scheduler
+    """The scheduler of the twin, whose clock counts."""
     baton: _Ident = field(default_factory=_Ident)
+    """The thread that has just sent something."""
     main: ControllerThread = field(
         default_factory=lambda: ControllerThread("MainThread", 0, daemon=False, is_main=True)
     )
+    """The main thread of the controller, the only one known."""
     over: RunOver | None = None
+    """How the run is over; `None` while it goes on."""
     last_ns: int = 0
     """When the controller sent or asked anything last, simulated time [ns]."""
 
