@@ -31,10 +31,12 @@ _JOINTS = re.compile(r"joint|angle|^q$|posture")
 
 @dataclass(frozen=True, slots=True)
 class CommandLine:
-    """Arguments with which a controller may be started, and where they are from."""
+    """Arguments with which a controller may be started."""
 
     words: tuple[str, ...]
+    """The arguments, without the program."""
     remark: str
+    """Where they are from, in words."""
 
 
 def reads_arguments(controller: Controller, end: RunEnd) -> bool:
@@ -124,10 +126,15 @@ def _of_argparse(tree: ast.AST, text: str, top: Path, reach: Reach | None) -> It
 @dataclass(frozen=True, slots=True)
 class _Option:
     words: tuple[str, ...]
+    """The words with which it is given: flag and values, or the values alone."""
     owner: str
+    """The expression of the parser or group that it belongs to."""
     is_needed: bool
+    """Whether it must be given."""
     is_switch: bool
+    """Whether it takes no value."""
     is_file: bool
+    """Whether its value names a file to read."""
 
     @classmethod
     def read(cls, call: ast.Call, text: str, reach: Reach | None) -> _Option:
@@ -198,10 +205,12 @@ def _required_groups(tree: ast.AST) -> set[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Word:
-    """A word of `sys.argv` as a source reads it: what it is called, and whether it is a number."""
+    """A word of `sys.argv` as a source reads it."""
 
     name: str
+    """The variable that holds it; empty for none."""
     cast: str
+    """The type that it is converted to, `float` or `int`; empty for a text."""
 
 
 def _words_read(tree: ast.AST) -> dict[int, _Word]:

@@ -30,11 +30,14 @@ EntryKey = tuple[str, str]
 
 @dataclass(slots=True)
 class Entries:
-    """What a scenario holds beside its base; `repeats` are how often answers are given anew."""
+    """What a scenario holds beside its base."""
 
     drafts: dict[EntryKey, Draft] = field(default_factory=dict)
+    """The drafted entries, by section and key."""
     repeats: dict[EntryKey, int] = field(default_factory=dict)
+    """How often an answer is given, by section and key; 1 where left out."""
     arguments: CommandLine | None = None
+    """The command line of the controller; `None` for no arguments."""
 
     def copy(self) -> Entries:
         """Return entries that can be changed apart from these."""
@@ -54,16 +57,18 @@ class Entries:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """A run with some entries: what it showed, what it `wanted`, what kept it from running.
-
-    `shift` is a place that was not reached, and by how much to move it.
-    """
+    """A run with some entries."""
 
     entries: Entries
+    """The entries of the scenario."""
     trace: Trace | None = None
+    """The trace of the run; `None` where it could not run."""
     wanted: tuple[Draft, ...] = ()
+    """What a scenario could provide for what the run lacked."""
     error: TraceRiskError | None = None
+    """What kept it from running; `None` where it ran."""
     shift: PlaceAndShift | None = None
+    """A place that was not reached, and by how much to move it; `None` for none."""
 
     @property
     def is_traced(self) -> bool:
@@ -93,19 +98,22 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class ScenarioDraft:
-    """A scenario that a controller runs with, as far as one was found.
-
-    `given` are its new entries, `missing` what no scenario can give. `trace` is the run with it,
-    `error` what kept it from running. `cut` says what ended the search before its time.
-    """
+    """A scenario that a controller runs with, as far as one was found."""
 
     text: str
+    """The scenario file."""
     given: tuple[Draft, ...]
+    """The new entries."""
     missing: tuple[Draft, ...]
+    """The needs that no scenario can provide."""
     cut: str = ""
+    """What ended the search before its time, in words; empty where nothing did."""
     arguments: CommandLine | None = None
+    """The command line of the controller; `None` for no arguments."""
     trace: Trace | None = None
+    """The trace of the run with the scenario; `None` where it could not run."""
     error: TraceRiskError | None = None
+    """What kept it from running; `None` where it ran."""
 
 
 def is_given(known: Scenario, draft: Draft) -> bool:

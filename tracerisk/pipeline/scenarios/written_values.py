@@ -51,20 +51,22 @@ _PLACEHOLDER = re.compile(r"^[\[<{].*[\]>}]?$|^\.\.\.$|[<>{}\[\]$|]")
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A value that the repository writes, and where: `README.md:12`.
-
-    One that is not whole leaves fields open, which a program computes.
-    """
+    """A value that the repository writes."""
 
     value: Any
+    """The plain value; a mapping of fields for a message."""
     place: str
+    """The file and line, `README.md:12`."""
     is_whole: bool = True
+    """Whether it is complete; false where a program computes further fields."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Command:
     words: tuple[str, ...]
+    """The words of the command line, program included."""
     place: str
+    """The file and line, `README.md:12`."""
 
 
 class WrittenValues:
