@@ -50,31 +50,37 @@ _OF_ROBOTS = frozenset({"control_msgs", "moveit_msgs", "trajectory_msgs", "frank
 
 @dataclass(frozen=True, slots=True)
 class StartFile:
-    """A file that is to be written: its path from the root, all that it will hold, and why."""
+    """A file that is to be written."""
 
     path: str
+    """The path from the root."""
     content: bytes
+    """The whole new content."""
     why: str
+    """What the file is for, in words."""
     is_new: bool = True
+    """Whether the file does not exist yet; false where lines are added to it."""
 
 
 @dataclass(frozen=True, slots=True)
 class ProjectStart:
-    """What was found in a repository, and what it lacks.
-
-    `robots` are those of its controllers, each with the controllers that drive it; `robot_why`
-    says why there is none of a controller, `settings_lack` what settings that are there should
-    say of the robot. `asked` is what the source of a controller asks its cell for,
-    in words: what a scenario may have to give.
-    """
+    """What was found in a repository, and what it lacks."""
 
     root: Path
+    """The top folder of the repository."""
     controllers: tuple[str, ...]
+    """The files of controllers, from the root."""
     robots: Mapping[str, tuple[str, ...]]
+    """The controllers that drive each robot, by the robot's name."""
     robot_why: str
+    """Why no robot is known for a controller, in words; empty where all are."""
     settings_lack: tuple[str, ...]
+    """What existing settings should say of the robot, as sentences."""
     asked: Mapping[str, tuple[str, ...]]
+    """What each controller's source asks its cell for, in words; a scenario may have to provide
+    it."""
     files: tuple[StartFile, ...]
+    """The files to write."""
 
 
 def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> ProjectStart:
