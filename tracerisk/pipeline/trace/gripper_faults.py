@@ -16,10 +16,12 @@ _BY_ITSELF: frozenset[EndCause] = frozenset({"ended", "quiescent", "idle"})
 
 @dataclass(frozen=True, slots=True)
 class EmptyGrasp:
-    """A gripper that closed on nothing, was carried on and opened; `intended`: to hold a thing."""
+    """A gripper that closed on nothing, was carried on and opened."""
 
     command: IssuedCommand
+    """The command that closed it."""
     intended: bool
+    """Whether it was meant to hold a thing."""
 
 
 def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Iterator[EmptyGrasp]:
@@ -77,6 +79,7 @@ class GripperFault:
     code: str
     """That of its reason: docs/verdict.md."""
     words: str
+    """What is wrong, in words."""
     command: IssuedCommand
     """The command that shows it."""
 

@@ -21,11 +21,14 @@ _WHOLE_N = 10.0  # forces from here on are given in whole newtons
 
 @dataclass(frozen=True, slots=True, order=True)
 class UnexpectedContact:
-    """A link, or a thing held, and the body that it touched in a function."""
+    """An unexpected contact in a function."""
 
     function: FunctionRef
+    """The function whose visit had the contact."""
     link: str
+    """The link, or the thing held."""
     other: str
+    """The body that it touched."""
 
     @property
     def bodies(self) -> str:

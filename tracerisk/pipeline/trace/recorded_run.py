@@ -21,15 +21,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Ran:
-    """A controller that has run: with what, its recording in `folder`, and how it ended."""
+    """A controller that has run."""
 
     controller: Controller
+    """The controller with the sources that ran."""
     robot: Robot
+    """The robot that it ran with."""
     scene: str
+    """The name or path of the scene."""
     settings: Settings
+    """The settings of the run."""
     recording: Recording
+    """The recorded calls, commands and findings."""
     folder: Path
+    """The folder of the recording."""
     end: RunEnd
+    """How the run ended."""
     has_faults: bool = False
     """Whether units of its robot failed, so that not all came to be that the controller makes."""
 
@@ -43,15 +50,20 @@ Grip = Literal["closes", "opens"]
 
 @dataclass(frozen=True, slots=True)
 class IssuedCommand:
-    """A command as the judge sees it, with its end; times in [s]."""
+    """A command as the judge sees it, with its end."""
 
     kind: str
+    """The kind of the command, as the recording has it."""
     function: str
     """The qualified name of the function that issued it."""
     location: Location | None
+    """The place of the call that issued it; `None` where not known."""
     elements: tuple[str, ...]
+    """The joints and grippers that it moves."""
     issue_s: float
+    """When it was issued, in simulated time [s]."""
     end_s: float | None = None
+    """When it ended, in simulated time [s]; `None` where it did not."""
     end: CommandEnd | None = None
     """How it ended; `None` where the controller's process died first."""
     way_done: float | None = None
@@ -85,10 +97,15 @@ class UnmetNeed:
     """Something that the controller asked for in vain and went on without."""
 
     object: str
+    """The name of what it asked for, such as a topic."""
     words: str
+    """What it asked for, in words."""
     location: Location | None = None
+    """The place that asked; `None` where not known."""
     function: str = ""
+    """The qualified name of the function that asked; empty where not known."""
     is_frame: bool = False
+    """Whether it asked for a frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +117,7 @@ class MissedCommand:
     call: str
     """As it is written: `self.arm.go`."""
     location: Location
+    """The place of the call."""
     was_executed: bool = True
     """Whether the run executed it, in vain."""
 
@@ -123,6 +141,7 @@ class Fall:
     """A thing that fell, tipped or slipped out of a hand."""
 
     object: str
+    """The name of the thing."""
     time_s: float
     """When it was let go, slipped, or was first touched [s]."""
     height_m: float
@@ -140,15 +159,21 @@ class RecordedRun:
     """All that the verdict of a run rests on."""
 
     end: RunEnd
+    """How the run ended."""
     end_function: str = ""
     """The qualified name of the function in which it ended badly."""
     findings: tuple[Finding, ...] = ()
+    """What the run found, refusals settled by a later success left out."""
     commands: tuple[IssuedCommand, ...] = ()
     """In the order of issue."""
     unmet: tuple[UnmetNeed, ...] = ()
+    """What the controller asked for in vain and went on without."""
     coverage: Coverage = field(default_factory=lambda: Coverage(0, 0))
+    """How many of the functions that can command hardware ran."""
     missed: tuple[MissedCommand, ...] = ()
+    """The calls that led to no command."""
     falls: tuple[Fall, ...] = ()
+    """The things that fell, tipped or slipped."""
     mission: tuple[MissedCondition, ...] = ()
     """What `success` declares and the run did not bring about."""
     assumed: tuple[tuple[str, str], ...] = ()

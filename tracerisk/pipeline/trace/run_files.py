@@ -84,19 +84,20 @@ reasons that it may `accept`.
 
 @dataclass(frozen=True, slots=True)
 class Companion:
-    """A node of the workspace that is started beside a controller, and what it provides.
-
-    `script` is its file, `root` the folder of its own sources, `told` its path from the
-    controller's root. `launch` is what a launch file gives it. `provides` are the needs that its
-    source shows it to meet, in words; `files` what a run with it depends on, from that root.
-    """
+    """A node of the workspace that is started beside a controller."""
 
     script: str
+    """The path of its file."""
     root: str
+    """The folder of its own sources."""
     told: str
+    """The path of its file from the controller's root, for reports."""
     provides: tuple[str, ...]
+    """The needs that its source shows it to meet, in words."""
     files: tuple[str, ...] = ()
+    """The files that a run with it depends on, from the controller's root."""
     launch: LaunchSetup | None = None
+    """What a launch file gives it; `None` for nothing."""
 
     @property
     def line(self) -> str:
@@ -106,15 +107,14 @@ class Companion:
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """A branch of a run: from an instant on it goes its own way, with the faults that it has.
-
-    `seconds` is the instant of simulated time [s] at which one without faults leaves; another
-    leaves right before its first fault.
-    """
+    """A branch of a run: from an instant on it goes its own way, with its faults."""
 
     index: int
+    """The number by which results and folders name the branch."""
     faults: tuple[Fault, ...] = ()
+    """The faults; the branch leaves right before the first."""
     seconds: float = 0.0
+    """The instant at which a branch without faults leaves, in simulated time [s]."""
 
     @property
     def leaves_s(self) -> float:
@@ -134,19 +134,22 @@ def claimed(claims: str, index: int) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class BranchPlan:
-    """The branches that a run is to have, at most `at_once` at any time; with them all, it waits.
+    """The branches that a run is to have.
 
-    A branch counts until who watches the run has read it and removed its folder. `folder` is that
-    of all their folders. `cpu_limit_s` is the processor time of each [s]. `claims` is a folder that
-    several such runs share: each has the branches that it is the first to claim; empty where it
-    has all.
+    A branch counts until who watches the run has read it and removed its folder.
     """
 
     folder: str
+    """The folder of all branches' folders."""
     branches: tuple[Branch, ...]
+    """The branches, by their index."""
     at_once: int
+    """The greatest number of branches at any time; with so many, the run waits."""
     cpu_limit_s: float
+    """The processor time that each branch may take [s]."""
     claims: str = ""
+    """The folder in which several such runs claim branches, first come first served; empty where
+    this run has all."""
 
     @property
     def log(self) -> str:
@@ -167,77 +170,91 @@ class BranchPlan:
 
 @dataclass(frozen=True, slots=True)
 class RunBeside:
-    """What a run with a failure is compared with while it runs: that without one.
-
-    `reports` are the failures that were reported there, each with its kind, message and object;
-    `touches` the pairs of bodies that touched. `arrivals` are where the robot's joints were [rad
-    or m] when a visit after the first began, by the number of its first command. `has_conditions`
-    says that the scenario declares what the mission is, so that of what can be seen on the way a
-    collision alone fails it.
-    """
+    """The run without a failure, as far as a run with one is compared with it while it goes on."""
 
     reports: tuple[tuple[str, str, str], ...] = ()
+    """The failures that were reported: kind, message and object."""
     touches: tuple[tuple[str, str], ...] = ()
+    """The pairs of bodies that touched."""
     arrivals: tuple[tuple[int, tuple[float, ...]], ...] = ()
+    """The number of the first command of each later visit, and the joint positions when it began
+    [rad or m]."""
     has_conditions: bool = False
+    """Whether the scenario declares the mission; then a collision alone fails it on the way."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunRequest:
-    """What the child is asked to run; `folder` is that of the recording.
-
-    `distro` is the distribution of ROS whose rules it follows.
-    `packages` are those of the workspace and their folders, `prefixes` where others are installed.
-    `argv` holds what `launch` adds to it; `launch_notes` are the lines that describe `launch`.
-    `reads_around` says that other launch files of the workspace may give parameters too.
-    `companions` are started beside the controller. `drivers` are files that describe drivers.
-    `drafts`: when what a scenario could say for every need is noted. `states` are the steps that
-    settings name. `written` is the folder into which goes what the controller writes, `None`
-    where it writes as it likes; `readable` and `writable` are what it may reach then.
-    `faults` are those of the robot's units that begin during the run.
-    `greenlets` says that the controller's threads are greenlets, which can be forked; `plan` are
-    the branches that the run has then.
-    `live_speed`: the controller runs on real rospy, with a clock that moves at most so many times
-    as fast as the wall's.
-    `replaced` maps files below the root to sources, as Latin-1 text of their bytes, that are
-    compiled in the place of what the files hold.
-    `beside` is the run without faults: one with faults ends when its fate is decided; `None` where
-    it is to be followed to its end. `world` names how the cell around the controller behaves.
-    `idle_s` is for how long nothing must have been commanded before a loop counts as idle [s].
-    """
+    """What the child is asked to run."""
 
     controller: str
+    """The absolute path of the controller."""
     root: str
+    """The absolute path of the folder from which the recording names files."""
     folder: str
+    """The folder of the recording."""
     packages: Mapping[str, str]
+    """The folders of the workspace's packages, by package name."""
     prefixes: tuple[Prefix, ...]
+    """The folders in which other packages are installed."""
     argv: tuple[str, ...]
+    """The arguments of the controller, with those that `launch` adds."""
     states: tuple[str, ...]
+    """The functions that the settings name as steps."""
     answers: tuple[str, ...]
+    """The answers to `input()`, in order."""
     scene: str
+    """The name or path of the scene."""
     scenario: str | None
+    """The path of the scenario; `None` for none."""
     params: tuple[str, ...]
+    """The paths of parameter files."""
     drivers: tuple[str, ...]
+    """The paths of files that describe drivers."""
     launch: LaunchSetup | None
+    """What a launch file gives the controller; `None` for nothing."""
     launch_notes: tuple[str, ...]
+    """The lines that describe `launch`."""
     reads_around: bool
+    """Whether other launch files of the workspace may give parameters too."""
     companions: tuple[Companion, ...]
+    """The nodes that are started beside the controller."""
     duration_s: float
+    """The longest simulated time [s]."""
     memory_limit_mb: int
+    """The memory that the process may take [MB]."""
     seed: int
+    """The seed of all that is random."""
     distro: DistroChoice
+    """The distribution of ROS whose rules the run follows."""
     drafts: DraftsNoted = "never"
+    """When the run notes what a scenario could provide for every need."""
     written: str | None = None
+    """The folder into which the controller's files are redirected; `None` where it writes in
+    place."""
     readable: tuple[str, ...] = ()
+    """The files and folders that it may read, where `written` is set."""
     writable: tuple[str, ...] = ()
+    """The folders that it may write, where `written` is set."""
     faults: tuple[Fault, ...] = ()
+    """The faults of the robot's units that begin during the run."""
     greenlets: bool = False
+    """Whether the controller's threads are greenlets, which can be forked."""
     plan: BranchPlan | None = None
+    """The branches of the run; `None` for none."""
     live_speed: float | None = None
+    """The greatest speed of the clock of a run on real rospy, as a factor of the wall clock;
+    `None` for a run on the stand-ins."""
     beside: RunBeside | None = None
+    """The run without faults, beside which a run with faults ends once its fate is decided; `None`
+    to follow it to its end."""
     replaced: Mapping[str, str] = field(default_factory=dict)
+    """The sources that are compiled instead of files below the root, as Latin-1 text of their
+    bytes, by path."""
     world: str = NOMINAL.name
+    """The name of the world that the cell behaves as."""
     idle_s: float = IDLE_S
+    """The simulated time without a command after which a loop is idle [s]."""
 
     @property
     def replaced_bytes(self) -> dict[str, bytes]:
@@ -256,14 +273,12 @@ class RunRequest:
 
 @dataclass(frozen=True, slots=True)
 class WallTime:
-    """How long a run took [s of wall time]: a measurement, which nothing is computed from.
-
-    `controller_s` is the time from the controller's first line to its end, planning and all;
-    `simulation_s` the part in which physics was stepped and sampled.
-    """
+    """How long a run took: a measurement, from which nothing is computed."""
 
     controller_s: float
+    """The wall time from the controller's first line to its end, planning included [s]."""
     simulation_s: float
+    """The part of it in which physics was stepped and sampled [s]."""
 
     def write(self, folder: Path) -> None:
         """Write the times beside the recording."""

@@ -50,12 +50,16 @@ def reading_spans(recording: Recording, end_ns: int) -> tuple[ReadingSpan, ...]:
 
 @dataclass(frozen=True, slots=True)
 class RunActivity:
-    """What the elements of a robot did in a run; `activity` is that of joints and grippers."""
+    """What the elements of a robot did in a run."""
 
     elements: Sequence[Element]
+    """All elements, sensors that the scenario adds included."""
     attribution: Attribution
+    """The visits to which steps belong."""
     activity: Mapping[str, ElementActivity]
+    """What each joint and gripper did, by name."""
     samples: Samples
+    """The samples of the run."""
 
 
 def with_sensors(

@@ -73,8 +73,11 @@ class _Maker:
     """Reads the parts of an outcome out of a run."""
 
     ran: Ran
+    """The controller that has run, with robot and recording."""
     samples: Samples
+    """The samples of the run."""
     contacts: RunContacts | None
+    """The touches and holds of the run; `None` where contacts were not logged."""
 
     # The arms
 
@@ -295,13 +298,16 @@ def _is_same(one: Sequence[float], other: Sequence[float]) -> bool:
 
 @dataclass(frozen=True)
 class _Span:
-    """A time in which an arm was under way without a stop [ns], with the commands of it."""
+    """A time in which an arm was under way without a stop, in simulated time."""
 
     start_ns: int
+    """When its first command was issued [ns]."""
     end_ns: int
+    """When its last command ended [ns]."""
     next_ns: int
     """When the next one began, or the run ended."""
     commands: tuple[Command, ...]
+    """The commands of the time, in the order of issue."""
 
 
 def _busy_spans(commands: Sequence[Command], end_ns: int) -> Iterator[_Span]:
