@@ -20,15 +20,16 @@ _ENTRY = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class ConsoleScript:
-    """A command, the last name of its module, its function, and the name of the file.
-
-    `name` is empty where the source puts it together.
-    """
+    """A command that a package installs."""
 
     name: str
+    """The name of the command; empty where the source puts it together."""
     module: str
+    """The last name of its module."""
     function: str
+    """The function that it calls."""
     file: str
+    """The name of the file that defines it, such as `setup.py`."""
 
 
 def console_scripts(folder: Path) -> Iterator[ConsoleScript]:

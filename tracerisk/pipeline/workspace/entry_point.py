@@ -19,10 +19,12 @@ _MAIN = "main"
 
 @dataclass(frozen=True, slots=True)
 class EntryPoint:
-    """A function without required arguments, and the file that names it: `None` for none."""
+    """A function without required arguments that starts a controller."""
 
     function: str
+    """The name of the function in the module."""
     named_in: str | None
+    """The file that names it, such as `setup.py`; `None` where it is only called `main`."""
 
 
 def find_entry_point(script: Path, source: bytes, root: Path) -> EntryPoint | None:

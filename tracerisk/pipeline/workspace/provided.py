@@ -14,13 +14,18 @@ from tracerisk.ros.controller.needs import Need, NeedKind
 
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """Of a call about a thing: where its name and its type stand, and their keywords."""
+    """Where a call has the name and the type of a thing."""
 
     kind: NeedKind
+    """The kind of the thing."""
     name: int
+    """The position of the name among the arguments."""
     type: int | None
+    """The position of the type among the arguments; `None` where it has none."""
     names: tuple[str, ...] = ("name",)
+    """The keywords of the name."""
     types: tuple[str, ...] = ()
+    """The keywords of the type."""
 
 
 OF_ACTION = ("ActionSpec", "action_type")
@@ -52,13 +57,12 @@ _BROADCASTS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Provided:
-    """What a source provides: kind, name as written, and the last name of the type (or empty).
-
-    `frames` are its strings where it broadcasts transforms, else none.
-    """
+    """What a source provides."""
 
     offers: frozenset[tuple[NeedKind, str, str]]
+    """Kind, name as written, and last name of the type (or empty) of each thing."""
     frames: frozenset[str]
+    """The strings of a source that broadcasts transforms, as frames; else empty."""
 
     def meets(self, need: Need) -> bool:
         """Return whether it provides what is needed, under that name and of that type."""
