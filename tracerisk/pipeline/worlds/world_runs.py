@@ -33,17 +33,18 @@ _MORE, _MORE_S = 1.1, 3.0
 
 @dataclass(frozen=True, slots=True)
 class WorldJob:
-    """A world to run a controller in, with all that a process needs for it.
-
-    `options` are the settings that go before those of `pyproject.toml`, as plain values. `digest`
-    is that of the run itself; `folder` is where a process of this machine finds it.
-    """
+    """A world to run a controller in, with all that a process needs for it."""
 
     controller: str
+    """The path of the controller."""
     options: tuple[tuple[str, Any], ...]
+    """The settings that go before those of `pyproject.toml`, as (name, plain value)."""
     digest: str
+    """The digest of the run itself, which the machine must reproduce."""
     folder: str
+    """The folder on this machine with the run itself; empty where each process makes it."""
     world: str
+    """The name of the world."""
 
 
 def run_worlds(
