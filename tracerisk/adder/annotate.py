@@ -28,23 +28,24 @@ from tracerisk.errors import EditInTheWayError
 
 @dataclass(frozen=True, slots=True)
 class SourceBlocks:
-    """One source of a controller and the blocks computed for its functions.
-
-    `file` is relative to the lock's folder, with slashes; messages say `shown_as`.
-    `lines` gives the `def` line of a function, needed where its name is defined twice.
-    `original` is what the file holds where functions were renamed since it was annotated: in
-    `source` their blocks have the new names, to which `renamed` maps the old ones.
-    `instances` gives for each function how the units of its components fail.
-    """
+    """One source of a controller and the blocks computed for its functions."""
 
     file: str
+    """The path from the lock's folder, with slashes."""
     source: bytes
+    """The content, in which blocks have the names of their functions."""
     computed: Mapping[QualifiedName, RiskBlock]
+    """The block computed for each function."""
     lines: Mapping[QualifiedName, int] = field(default_factory=dict)
+    """The line of a function's `def`, needed where its name is defined twice."""
     shown_as: str | None = None
+    """The path in messages; `None` for `file`."""
     original: bytes | None = None
+    """The content of the file where `source` differs from it by renamed functions; else `None`."""
     renamed: Mapping[QualifiedName, QualifiedName] = field(default_factory=dict)
+    """The new name of each function renamed since the last annotation, by its old one."""
     instances: Mapping[QualifiedName, InstanceValues] = field(default_factory=dict)
+    """How the units of each component fail, by function."""
 
     @property
     def name(self) -> str:
@@ -59,11 +60,14 @@ class SourceBlocks:
 
 @dataclass(frozen=True, slots=True)
 class AnnotatedSource:
-    """A source whose bytes change: `file` as in `SourceBlocks`."""
+    """A source whose bytes change."""
 
     file: str
+    """The path from the lock's folder, with slashes."""
     before: bytes
+    """The content of the file."""
     after: bytes
+    """The content to write."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,18 +75,19 @@ class Unchanged:
     """Every block and the lock are as they would be written."""
 
     lock: Lock
+    """The lock as it is."""
 
 
 @dataclass(frozen=True, slots=True)
 class Changed:
-    """What is to be written. `sources` may be empty where only the lock changes.
-
-    `pending` is the lock while the sources are being written: until then it holds the old values.
-    """
+    """What is to be written."""
 
     sources: tuple[AnnotatedSource, ...]
+    """The sources that change; empty where only the lock does."""
     lock: Lock
+    """The lock once the sources are written."""
     pending: Lock
+    """The lock while the sources are being written, which holds the old values too."""
 
     def writes(self, lock_path: Path) -> tuple[FileWrite, ...]:
         """Return the writes in the order in which a kill between them does no harm."""
@@ -101,6 +106,7 @@ class EditsInTheWay:
     """A user edited computed values: nothing may be written."""
 
     edits: tuple[HandEdit, ...]
+    """The edits for which nothing may be written."""
 
     def error(self) -> EditInTheWayError:
         """Return the error that names every edited field."""
@@ -113,7 +119,9 @@ Annotation: TypeAlias = Unchanged | Changed | EditsInTheWay
 @dataclass(frozen=True, slots=True)
 class _MergedSource:
     blocks: Mapping[QualifiedName, RiskBlock | None]
+    """The merged block of each function; `None` for one to remove."""
     edits: tuple[HandEdit, ...]
+    """The edits of users that were found."""
 
 
 def annotate_sources(
