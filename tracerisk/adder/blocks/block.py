@@ -14,22 +14,22 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Field(Generic[T]):
-    """One value of a block.
-
-    `=` is the tool's (`pinned` false), `:=` the user's (`pinned` true).
-    `text` is the value as written, with the user's digits; for a pinned value `computed` is
-    what the tool would write, as text (`none` where it computes nothing there any more), and
-    `reason` what the user wrote after `;`, in single spaces.
-    An empty `text` is a value left out, which only an omitted component may do.
-    Where a value stands is not part of what it says: `location` is not compared.
-    """
+    """One value of a block."""
 
     value: T
+    """The value; a default where none is stated."""
     text: str
+    """The value as written, with the user's digits; empty for a value left out, which only an
+    omitted component may do."""
     pinned: bool = False
+    """Whether a user set the value (`:=`); else it is the tool's (`=`)."""
     computed: str | None = None
+    """What the tool would write for a pinned value, as text, or `none` where it computes nothing;
+    `None` where not written."""
     reason: str | None = None
+    """The user's reason for a pinned value, in single spaces; `None` where not given."""
     location: Location | None = field(default=None, compare=False)
+    """The file and line; `None` for a value that is not read from a file. It is not compared."""
 
     @property
     def is_stated(self) -> bool:
@@ -38,50 +38,58 @@ class Field(Generic[T]):
 
 
 class Transition(NamedTuple):
-    """One `next` line: the function (or `done`) that follows, and how often, as a fraction."""
+    """One `next` line."""
 
     target: str
+    """The function that follows, or `done`."""
     weight: Fraction
+    """The fraction of visits after which it follows, from 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class ComponentEntry:
-    """One `@Component` of a block.
-
-    `redundancy` false: each of the quantity is needed; true: one suffices; see `Redundancy`.
-    `probability` is that of one unit of the quantity failing during one visit.
-    `added` marks `@Component := {`, `omitted` marks `@Component := omit {`: both the user's,
-    with the user's `reason`. An omitted component is no part of the function's risk; its
-    values may be left out.
-    """
+    """One `@Component` of a block."""
 
     name: str
+    """The name of the component in the hardware description."""
     probability: Field[float]
+    """The probability that one unit of the quantity fails during one visit."""
     quantity: Field[int]
+    """The number of units."""
     redundancy: Field[Redundancy]
+    """Whether one unit suffices (true) or each is needed (false); see `Redundancy`."""
     added: bool = False
+    """Whether a user added the component (`@Component := {`)."""
     omitted: bool = False
+    """Whether a user omitted the component (`@Component := omit {`); it is then no part of the
+    function's risk, and its values may be left out."""
     location: Location | None = field(default=None, compare=False)
+    """The file and line; `None` for a component that is not read from a file."""
     reason: str | None = None
+    """The user's reason for adding or omitting it; `None` where not given."""
 
 
 @dataclass(frozen=True, slots=True)
 class RiskBlock:
-    """The risk annotation of one function.
-
-    `next` is one field over all its lines; `None` where a block (the published form) has none.
-    `added` marks a block given by hand (`@Function := {`), with the user's `reason`.
-    `digest` is that of the values that the tool wrote (see `block_digest.py`), `None` for a block
-    of an earlier version or in the published form. It is no part of what the block says.
-    `has_evidence`: the computed values count only failures that ended the mission on the twin.
-    """
+    """The risk annotation of one function."""
 
     name: str
+    """The qualified name of the function."""
     call_sequence: Field[int]
+    """The rank of the function in the order of first visits, from 1."""
     next: Field[tuple[Transition, ...]] | None
+    """What follows the function, one field over all `next` lines; `None` where the block has none,
+    as in the published form."""
     components: tuple[ComponentEntry, ...]
+    """The components, in the order of the hardware description."""
     added: bool = False
+    """Whether a user gave the block (`@Function := {`)."""
     location: Location | None = field(default=None, compare=False)
+    """The file and line; `None` for a block that is not read from a file."""
     reason: str | None = None
+    """The user's reason for giving the block; `None` where not given."""
     digest: str | None = field(default=None, compare=False)
+    """The digest of the values that the tool wrote (see `block_digest.py`); `None` for a block of
+    an earlier version or in the published form. It is not compared."""
     has_evidence: bool = False
+    """Whether the computed values count only failures that ended the mission on the twin."""

@@ -49,31 +49,44 @@ _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
 
 
 class BlockLine(NamedTuple):
-    """One line of a block: its number in the file and its text behind the gutter."""
+    """One line of a block."""
 
     number: int
+    """The number of the line in the file, from 1."""
     text: str
+    """The text behind the gutter."""
 
 
 class _Assignment(NamedTuple):
-    """A `key = value` line with all of its comment, which may go on over further lines."""
+    """A `key = value` line with all of its comment."""
 
     key: str
+    """The key, such as `probability`."""
     pinned: bool
+    """Whether the operator is `:=`."""
     value: str
+    """The text between operator and comment."""
     comment: list[str]
+    """The comment after `!`, line by line, with its further lines."""
     line: int
+    """The number of the line in the file."""
 
 
 class _Section(NamedTuple):
     """One `@Function { ... }` or `@Component { ... }` before its values are read."""
 
     kind: str
+    """`Function` or `Component`."""
     by_hand: bool
+    """Whether the mark is `:=`."""
     omitted: bool
+    """Whether the mark is `:= omit`."""
     comment: list[str]
+    """The comment after the brace, line by line."""
     line: int
+    """The number of its first line in the file."""
     assignments: list[_Assignment]
+    """The lines between the braces."""
 
 
 def is_header(text: str) -> bool:

@@ -151,8 +151,11 @@ class FieldKind(NamedTuple):
     """How the text of one kind of field is read, and what makes two values the same."""
 
     key: str
+    """The key in a block, such as `probability`."""
     read: Callable[[str], Any]
+    """Reads the text of a value; raises ValueError with what is allowed."""
     is_noisy: bool = False
+    """Whether small changes of the value count as noise."""
 
     def same(self, one: Any, other: Any) -> bool:
         """Return whether two values say the same; the order of `next` lines says nothing."""
