@@ -48,19 +48,18 @@ ProfileText = Mapping[str, Mapping[str, str]]
 
 @dataclass(frozen=True, slots=True)
 class ComputedBlocks:
-    """The blocks of one trace and what stands behind them.
-
-    `exposures` are seconds active by function and component, summed over visits and averaged
-    over units; `observed` the components seen active in each function, those that are always
-    active left out; `assumptions` what a reader must know to read the figures; `instances` the
-    units behind the one value of each component, in the order of the description.
-    """
+    """The blocks of one trace and what stands behind them."""
 
     blocks: Mapping[FunctionRef, RiskBlock]
+    """The computed block of each function."""
     exposures: Mapping[FunctionRef, Mapping[str, float]]
+    """The time active by function and component, summed over visits and averaged over units [s]."""
     observed: Mapping[FunctionRef, tuple[str, ...]]
+    """The components seen active in each function, without those that are always active."""
     assumptions: tuple[str, ...]
+    """Sentences that a reader must know to read the figures."""
     instances: tuple[ComponentInstances, ...] = ()
+    """The units behind the one value of each component, in the order of the description."""
 
     @property
     def names(self) -> dict[FunctionRef, str]:

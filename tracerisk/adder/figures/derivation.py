@@ -13,31 +13,32 @@ from tracerisk.config import ActiveMode
 
 @dataclass(frozen=True, slots=True)
 class VisitOfFunction:
-    """One visit, by its number in the trace, from 1; times in [s], `None` where unknown.
-
-    `weight` is how often it comes in a mission, relative to the function's other visits: 1 but
-    where the function is visited before a cycle and in it.
-    """
+    """One visit of the function."""
 
     number: int
+    """The number of the visit in the trace, from 1."""
     weight: int
+    """How often it comes in a mission, relative to the function's other visits; above 1 only where
+    the function is visited before a cycle and in it."""
     start_s: float
+    """When the visit began, in simulated time [s]."""
     duration_s: float | None
+    """The duration [s]; `None` where unknown."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoadOfUnit:
-    """What the load law needs of one unit in the function's visits.
-
-    `wear_s` is for each visit the integral of |v| L^k over the moving time, `travel_s` that of
-    |v| [s]; `wearing_s` the time at reference load and speed that wears as much [s].
-    `reference_speed` is that of the law, or the unit's own mean over the mission.
-    """
+    """What the load law needs of one unit in the function's visits; tuples are (n_visits,)."""
 
     reference_speed: float
+    """The law's reference speed, or the unit's own mean over the mission, as a fraction of the
+    rated speed [1]."""
     wear_s: tuple[float, ...]
+    """The integral of |v| L^k over the moving time [s]."""
     travel_s: tuple[float, ...]
+    """The integral of |v| over the moving time [s]."""
     wearing_s: tuple[float, ...]
+    """The time at reference load and speed that wears as much [s]."""
 
     def mean_load(self, exponent: float) -> float:
         """Return the load at which all the travel would wear as much: (wear/travel)^(1/k)."""
@@ -47,134 +48,169 @@ class LoadOfUnit:
 
 @dataclass(frozen=True, slots=True)
 class TermOfUnit:
-    """What one term comes to for one unit, in each of the function's visits.
+    """The value of one term for one unit, in each of the function's visits; tuples are (n_visits,).
 
-    `rate` is the hazard per second, demand or visit; `amounts` are what the term counts, and
-    `counted` the same by load. hazards[v] = rate x share x counted[v] x ends[v], of which `ends`
-    is the share that ends the mission; empty where no evidence gives it.
+    hazards[v] = rate x share x counted[v] x ends[v].
     """
 
     rate: float
+    """The hazard per second, demand or visit."""
     amounts: tuple[float, ...]
+    """What the term counts: seconds, demands or visits."""
     counted: tuple[float, ...]
+    """The amounts as the load law counts them."""
     hazards: tuple[float, ...]
+    """The hazard of the term in each visit [1]."""
     load: LoadOfUnit | None = None
+    """What the load law needs; `None` without a load law."""
     ends: tuple[float, ...] = ()
+    """The share of the hazard that ends the mission; empty where no evidence gives it."""
 
 
 @dataclass(frozen=True, slots=True)
 class TermDerivation:
-    """One summand of the hazard: a figure, or the share of it that is one failure mode.
-
-    `units` are in the order of the component's units.
-    """
+    """One summand of the hazard: a figure, or the share of it that is one failure mode."""
 
     figure: FailureFigure
+    """The figure in the hardware description."""
     counts: Counted
+    """What the term counts."""
     share: float
+    """The share of the figure that is the mode, from 0 to 1; 1 without a mode."""
     mode: str | None
+    """The name of the failure mode; `None` where the figure counts as a whole."""
     states: tuple[State, ...] | None
+    """The states whose time counts; `None` for all time in use."""
     demands: tuple[Demand, ...]
+    """The demands that count; empty for a term that counts none."""
     units: tuple[TermOfUnit, ...]
+    """The value for each unit, in the order of the component's units."""
 
 
 @dataclass(frozen=True, slots=True)
 class UnitDerivation:
-    """One unit, or `count` that share an element: hazard and probability in each visit.
-
-    `in_use_s` is the time in use over the mission, as the load law counts it; of what ages [s].
-    """
+    """One unit, or several that share an element."""
 
     element: str | None
+    """The element in which the twin sees it; `None` for a component that is always active."""
     count: int
+    """The number of units that share the element."""
     in_use_s: float
+    """The time in use over the mission, as the load law counts it; for wear-out only [s]."""
     hazards: tuple[float, ...]
+    """The hazard in each visit [1], (n_visits,)."""
     probabilities: tuple[float, ...]
+    """The failure probability in each visit, (n_visits,)."""
 
 
 @dataclass(frozen=True, slots=True)
 class HiddenGroup:
     """A group of unlike units whose failures stay hidden until the mission ends.
 
-    Over so many `missions` between two tests the units fail with `units`, in the order of the
-    units, each of the quantity for itself, so that the group fails with `group`, `None` where a
-    common cause or spares are in it. With the mean hazard of one of these missions fails a group
-    of which each unit fails with `like`. The function has the `share` of what survives that:
-    1 - p = (1 - like)^(share / times), of `times` visits in a mission.
+    With the mean hazard of one mission between tests fails a group of which each unit fails with
+    `like`. The function has a share of what survives that: 1 - p = (1 - like)^(share / times).
     """
 
     units: tuple[float, ...]
+    """The failure probability of each unit between two tests, (quantity,)."""
     group: float | None
+    """The failure probability of the group between two tests; `None` where a common cause or
+    spares are in it."""
     like: float
+    """The failure probability of each of like units with which the group fails as often."""
     share: float
+    """The share of the hazard over a mission that the function has, from 0 to 1."""
     times: int
+    """The number of visits of the function in a mission."""
     missions: float = 1.0
+    """The number of missions between two tests."""
 
 
 @dataclass(frozen=True, slots=True)
 class GroupDerivation:
     """How the units' figures become the block's one value, before rounding.
 
-    `hazard` is the sum over all units and visits, of which there are `visits`, each as often as its
-    weight says. `is_mean`: the value is 1 - exp(-mean hazard),
-    as of units that are each needed, and of units that are alike. Else the group is `hidden`, or
-    renewed at each visit and fails in the visits with `renewed`; that is empty where spares or a
-    common cause make it more than so many units out of so many.
+    The value is the one of a mean hazard, of a hidden group, or of a group renewed at each visit.
     """
 
     redundancy: Redundancy
+    """How many units must work."""
     visits: int
+    """The number of visits, each as often as its weight says."""
     quantity: int
+    """The number of units."""
     hazard: float
+    """The hazard summed over all units and visits [1]."""
     is_mean: bool
+    """Whether the value is 1 - exp(-mean hazard), as for units that are each needed or alike."""
     value: float
+    """The failure probability of one unit in one visit."""
     hidden: HiddenGroup | None = None
+    """The group whose failures stay hidden; `None` for another kind."""
     renewed: tuple[float, ...] = ()
+    """The failure probability of a renewed group in each visit, (n_visits,); empty for another
+    kind, and where spares or a common cause make it more than so many units out of so many."""
 
 
 @dataclass(frozen=True, slots=True)
 class BlockValue:
-    """What stands in the block: its text, and what the tool computes, as text.
-
-    `is_kept`: the text was computed before and stays, for the value is within the noise of it.
-    """
+    """What the block holds for the component."""
 
     text: str
+    """The probability in the block."""
     computed: str
+    """What the tool computes now, as text."""
     is_pinned: bool = False
+    """Whether a user set the value."""
     is_omitted: bool = False
+    """Whether a user omitted the component."""
     is_kept: bool = False
+    """Whether an earlier computed text stays, because the new value is within its noise."""
     reason: str | None = None
+    """The user's reason; `None` where not given."""
 
 
 @dataclass(frozen=True, slots=True)
 class ComponentDerivation:
-    """One component of the function: its terms, its units, their group and the block."""
+    """One component of the function."""
 
     name: str
+    """The name of the component."""
     redundancy: str
+    """The redundancy as the block has it, as text."""
     always_active: bool
+    """Whether it is active during the whole mission."""
     source: str | None
+    """Where its figures are from; `None` where the description names no source."""
     load_law: LoadLaw | None
+    """How load ages a unit; `None` for no effect of load."""
     age_s: float
+    """The time in use before the mission [s]."""
     terms: tuple[TermDerivation, ...]
+    """The summands of the hazard."""
     units: tuple[UnitDerivation, ...]
+    """The units, one for all that share an element."""
     group: GroupDerivation
+    """How the units become the one value."""
     block: BlockValue | None
+    """What the block holds; `None` where it lacks the component."""
 
 
 @dataclass(frozen=True, slots=True)
 class FunctionDerivation:
-    """Everything behind one function's block, in the order of the block.
-
-    `times` is how often a mission visits the function; `by_hand` names the components that a
-    user added to the block, of which nothing is computed.
-    """
+    """Everything behind one function's block, in the order of the block."""
 
     function: str
+    """The name of the function in the model."""
     file: str
+    """The path of its source, from the controller's root."""
     active: ActiveMode
+    """Which states count as active."""
     times: int
+    """How often a mission visits the function."""
     visits: tuple[VisitOfFunction, ...]
+    """The visits in the trace that count."""
     components: tuple[ComponentDerivation, ...]
+    """The components of which something is computed."""
     by_hand: tuple[str, ...] = ()
+    """The names of components that a user added to the block, without computed values."""

@@ -16,35 +16,35 @@ from tracerisk.common.hardware.model import Component
 
 @dataclass(frozen=True, slots=True)
 class Instance:
-    """One unit of a component, or several that share an element of the robot.
-
-    `per_visit` is its failure probability in one visit of each function, by its mean hazard over
-    the visits. `p_failure` is that over the mission; `fussell_vesely` the share of the
-    component's failures that go with the instance, `share` the same such that those of all
-    instances sum to one.
-    """
+    """One unit of a component, or several that share an element of the robot."""
 
     element: str
+    """The name of the element."""
     units: int
+    """The number of units that share it."""
     per_visit: Mapping[FunctionRef, float]
+    """The failure probability of one unit in one visit, by function, from its mean hazard."""
     p_failure: float
+    """The failure probability of one unit over the mission."""
     fussell_vesely: float
+    """The share of the component's failures that go with the instance, from 0 to 1."""
     share: float
+    """The same share, scaled so that all instances sum to 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class ComponentInstances:
-    """A component of the description and its instances, in the order of its elements.
-
-    `figure_shares` are the parts of its hazard over the mission that go with each of its
-    figures; empty where the component is not used. `ending` is the part of it that ends the
-    mission, `None` where no evidence gives it.
-    """
+    """A component of the description and its instances."""
 
     component: Component
+    """The component as it is described."""
     instances: tuple[Instance, ...]
+    """The instances, in the order of the elements; empty where the twin sees none."""
     figure_shares: tuple[float, ...] = ()
+    """The part of the component's hazard over the mission by each figure, (n_figures,); empty
+    where it is not used."""
     ending: EndingShare | None = None
+    """The share of the hazard that ends the mission; `None` where no evidence gives it."""
 
     @property
     def are_alike(self) -> bool:

@@ -25,11 +25,14 @@ def check_redundancies(block: RiskBlock, instances: InstanceValues) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Unfounded:
-    """A redundancy over units that differ: its dotted path and place, and what is wrong."""
+    """A redundancy over units that differ."""
 
     path: str
+    """The dotted path of the value, such as `place.motor.redundancy`."""
     location: Location | None
+    """The file and line of the value; `None` where not known."""
     message: str
+    """What is wrong and what to do."""
 
 
 def unfounded_redundancies(block: RiskBlock, instances: InstanceValues) -> Iterator[Unfounded]:
