@@ -42,20 +42,21 @@ class LockError(InputError):
 
 
 class WrittenComponent(NamedTuple):
-    """The tool's values of one component as last written, as text by key.
-
-    `omitted`: a user had omitted the component then.
-    """
+    """The tool's values of one component as last written."""
 
     values: Mapping[str, str]
+    """The text of each value, by key."""
     omitted: bool = False
+    """Whether a user had omitted the component then."""
 
 
 class WrittenBlock(NamedTuple):
     """The tool's values of one block as last written: those behind `=` and `computed`."""
 
     values: Mapping[str, str]
+    """The text of each value of the function, by key."""
     components: Mapping[str, WrittenComponent]
+    """The values of each component, by name."""
 
 
 Written = Mapping[str, WrittenBlock]
@@ -121,24 +122,23 @@ def _field(kind: FieldKind, values: Mapping[str, str]) -> Field[Any] | None:
 
 @dataclass(frozen=True, slots=True)
 class ControllerLock:
-    """What the lock knows of one controller.
-
-    `blocks` maps each source, relative to the lock's folder, to what was last written in it.
-    `previous` is not `None` while a write is under way: what the sources held before it.
-    `others` is what other branches had written into the sources, of locks that were merged: what
-    the sources hold now may be of any of them, until the next write.
-    `is_mixed` marks an entry read from a file into which a merge has put lines of several.
-    `fingerprint` is a digest of what the trace depended on, `inputs` what that was and `trace`
-    the summary of the trace: plain JSON values, as the caller gave them.
-    """
+    """What the lock knows of one controller."""
 
     fingerprint: str
+    """The digest of all that the trace depended on."""
     blocks: Mapping[str, Written]
+    """What was last written into each source, by path from the lock's folder and function."""
     trace: Mapping[str, Any] = field(default_factory=dict)
+    """The summary of the trace, as plain JSON values."""
     previous: Mapping[str, Written] | None = None
+    """What the sources held before a write that is under way; `None` where none is."""
     inputs: Mapping[str, Any] = field(default_factory=dict)
+    """All that the trace depended on, as plain JSON values."""
     others: tuple[Mapping[str, Written], ...] = ()
+    """What other branches had written into the sources, of locks that were merged; the sources may
+    hold any of them until the next write."""
     is_mixed: bool = False
+    """Whether a merge has put lines of several entries into this one."""
 
     @property
     def is_settled(self) -> bool:
@@ -154,9 +154,10 @@ class ControllerLock:
 
 @dataclass(frozen=True, slots=True)
 class Lock:
-    """The lock file: one entry a controller, by its path relative to the lock's folder."""
+    """The lock file."""
 
     controllers: Mapping[str, ControllerLock] = field(default_factory=dict)
+    """The entry of each controller, by its path from the lock's folder."""
 
     def with_controller(self, path: str, controller: ControllerLock) -> Lock:
         """Return a lock in which `controller` stands at `path` (posix, relative).
