@@ -28,21 +28,19 @@ Author = Literal["tool", "user", "unknown"]
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """What is known of one source beyond its blocks and the lock.
-
-    `is_fresh`: nothing that the values depend on has changed since the lock was written, and the
-    blocks were last written as the lock says, so that no other branch has come in.
-    `is_complete`: git kept every version of the source.
-    `written` are the blocks that the tool wrote in those versions, by function; `standing` all
-    blocks in them, whoever wrote what they say. `versions` are the functions that have a block in
-    each of them.
-    """
+    """What is known of one source beyond its blocks and the lock."""
 
     is_fresh: bool = True
+    """Whether nothing that the values depend on has changed since the lock was written, and no
+    other branch has come in."""
     is_complete: bool = False
+    """Whether git kept every version of the source."""
     written: Mapping[str, Sequence[WrittenBlock]] = field(default_factory=dict)
+    """The blocks that the tool wrote in those versions, by function."""
     standing: Mapping[str, Sequence[RiskBlock]] = field(default_factory=dict)
+    """All blocks in those versions, whoever wrote their values, by function."""
     versions: Collection[frozenset[str]] = ()
+    """The functions with a block in each version."""
 
 
 class KnownBlock:

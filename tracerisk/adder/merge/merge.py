@@ -31,34 +31,33 @@ NOISE = 0.01
 
 @dataclass(frozen=True, slots=True)
 class MergePolicy:
-    """What becomes of a user's edits of `=` values, and of changes below `NOISE`.
-
-    `edits`: "stop" reports them, "accept" pins them (`:=`), "discard" writes the tool's value.
-    `fresh` writes every computed value anew.
-    """
+    """What becomes of a user's edits of `=` values, and of changes below `NOISE`."""
 
     edits: Literal["stop", "accept", "discard"] = "stop"
+    """`stop` reports them, `accept` pins them (`:=`), `discard` writes the tool's values."""
     fresh: bool = False
+    """Whether computed values are written also where they changed by no more than noise."""
 
 
 @dataclass(frozen=True, slots=True)
 class HandEdit:
-    """What a user changed among the values that the tool writes.
-
-    `field` is its dotted path: `place.gripper.probability` for a value that is "changed",
-    `place.gripper` or `place` for a component or a block that was "added" or "removed".
-    `found` is what stands there, `written` what was last written and `computed` what the tool
-    computes now, as text, where there is such a value.
-    `is_certain` is false where it is unknown whether a user did it, or another branch.
-    """
+    """What a user changed among the values that the tool writes."""
 
     kind: Literal["changed", "added", "removed"]
+    """Whether a value was changed, or a component or block was added or removed."""
     field: str
+    """The dotted path: `place.gripper.probability` for a value, `place.gripper` or `place` for a
+    component or a block."""
     location: Location | None
+    """The file and line; `None` where not known."""
     found: str | None = None
+    """The text in the block; `None` for an addition or removal."""
     written: str | None = None
+    """The text last written; `None` where not known."""
     computed: str | None = None
+    """The text that the tool computes now; `None` where it computes nothing."""
     is_certain: bool = True
+    """Whether a user did it; false where another branch may have."""
 
     def __str__(self) -> str:
         place = "" if self.location is None else f"{self.location}: "
@@ -72,13 +71,15 @@ class HandEdit:
 
 @dataclass(frozen=True, slots=True)
 class Merged:
-    """The outcome of a merge: the block to write, `None` for none, and the edits found.
+    """The outcome of a merge.
 
-    With the policy "stop" and edits, the block is as if they were accepted; do not write it.
+    With the policy `stop` and edits, the block is as if they were accepted; do not write it.
     """
 
     block: RiskBlock | None
+    """The block to write; `None` for no block."""
     edits: tuple[HandEdit, ...]
+    """The edits of a user that were found."""
 
 
 def edits_error(edits: Iterable[HandEdit]) -> EditInTheWayError:
@@ -148,10 +149,15 @@ def merge(
 @dataclass(slots=True)
 class _Merger:
     known: KnownBlock
+    """Who wrote the values of the current block."""
     current: RiskBlock
+    """The block in the source."""
     computed: RiskBlock | None
+    """The block that the tool computes; `None` for a function that is not relevant any more."""
     policy: MergePolicy
+    """What becomes of edits."""
     edits: list[HandEdit] = field(default_factory=list)
+    """The edits found so far."""
 
     def block(self) -> RiskBlock | None:
         current, computed = self.current, self.computed
