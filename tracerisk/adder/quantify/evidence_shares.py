@@ -50,6 +50,7 @@ class EvidenceShares:
     """
 
     evidence: Evidence
+    """The evidence, complete or not."""
 
     @functools.cached_property
     def _taken(self) -> dict[Stratum, float]:

@@ -39,14 +39,13 @@ def figure_shares(used: ComponentUse, times: Mapping[int, float]) -> tuple[float
 
 @dataclass(frozen=True, slots=True)
 class EndingShare:
-    """The share of a component's hazard that ends the mission, as drawn failures show it.
-
-    `cells` is the number of equal draws that would know it as well: the effective sample size
-    (Kish, Survey Sampling, 1965).
-    """
+    """The share of a component's hazard that ends the mission, as drawn failures show it."""
 
     share: float
+    """The share, from 0 to 1."""
     cells: float
+    """The number of equal draws with the same uncertainty: the effective sample size (Kish, Survey
+    Sampling, 1965)."""
 
 
 def ending_share(used: ComponentUse, times: Mapping[int, float]) -> EndingShare | None:

@@ -14,13 +14,12 @@ Visits = Sequence[Sequence[float]]
 
 @dataclass(frozen=True, slots=True)
 class FunctionUse:
-    """What the units of one group did in one function: see `Visits`.
-
-    `times` is how often a mission visits the function; the visits are a sample of these.
-    """
+    """What the units of one group did in one function."""
 
     visits: Visits
+    """The failure probability of each unit in each visit of the trace, (n_visits, n_units)."""
     times: float
+    """How often a mission visits the function; the visits are a sample of these."""
 
     @property
     def scale(self) -> float:

@@ -28,11 +28,14 @@ _STEP = Decimal("1e-15")
 
 @dataclass(frozen=True, slots=True)
 class HiddenHazards:
-    """The hazards of one mean visit of a function: of each unit by itself, and the common one."""
+    """The hazards of one mean visit of a function."""
 
     own: tuple[Decimal, ...]
+    """The hazard of each unit by itself [1], (n_units,)."""
     common: Decimal
+    """The hazard of the common cause [1]; 0 where there is none."""
     times: Decimal
+    """How often a mission visits the function."""
 
 
 def hidden_hazards(

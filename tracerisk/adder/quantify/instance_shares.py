@@ -26,16 +26,14 @@ from tracerisk.common.hardware.redundancy import Redundancy
 
 @dataclass(frozen=True, slots=True)
 class InstanceShare:
-    """What one unit contributes to the failures of its group over a mission.
-
-    `p_failure` is its own failure probability over the mission. `fussell_vesely` is the share of
-    the group's hazard that goes with the unit, `share` the same such that those of all units sum
-    to one.
-    """
+    """What one unit contributes to the failures of its group over a mission."""
 
     p_failure: float
+    """The unit's own failure probability over the mission."""
     fussell_vesely: float
+    """The share of the group's hazard that goes with the unit, from 0 to 1."""
     share: float
+    """The same share, scaled so that all units sum to 1."""
 
 
 @with_digits

@@ -33,15 +33,16 @@ _AT_REST = Exposure()
 
 @dataclass(frozen=True, slots=True)
 class UnitUse:
-    """One unit over the run: its use in each visit of the trace, and the summands of its hazard.
-
-    `element` is where the twin sees it, `None` of what is always active.
-    """
+    """One unit over the run."""
 
     element: str | None
+    """The element in which the twin sees it; `None` for a component that is always active."""
     mission: UnitMission
+    """What of the unit's mission its hazards depend on."""
     terms: tuple[Term, ...]
+    """The summands of its hazard."""
     uses: tuple[Use, ...]
+    """The use of the unit in each visit of the trace, (n_visits,)."""
 
     def hazard(self, visit: int) -> float:
         """Return the hazard of the unit in a visit, by its number in the trace.
@@ -58,17 +59,16 @@ class UnitUse:
 
 @dataclass(frozen=True, slots=True)
 class ComponentUse:
-    """The units of a component over the run.
-
-    `units` holds one for each of the quantity; those that share an element are the same.
-    `is_active` says for each visit of the trace whether the component counts as active in it.
-    `missions_between_tests` is how many missions, one after the other, a hidden failure may last.
-    """
+    """The units of a component over the run."""
 
     bound: BoundComponent
+    """The component with its elements."""
     units: tuple[UnitUse, ...]
+    """One entry for each of the quantity; units that share an element have the same."""
     is_active: tuple[bool, ...]
+    """Whether the component counts as active in each visit of the trace, (n_visits,)."""
     missions_between_tests: float = 1.0
+    """The number of successive missions that a hidden failure may last."""
 
     @property
     def component(self) -> Component:
@@ -105,10 +105,12 @@ class ComponentUse:
 
 @dataclass(frozen=True, slots=True)
 class FunctionVisits:
-    """The visits of one function: their numbers in the trace, and how often a mission has each."""
+    """The visits of one function."""
 
     numbers: tuple[int, ...]
+    """The index of each visit in the trace, (n_visits,)."""
     times: tuple[Fraction, ...]
+    """How often a mission has each visit, (n_visits,)."""
 
     @property
     def total(self) -> int:

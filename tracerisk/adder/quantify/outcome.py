@@ -26,10 +26,12 @@ _CLOSE = Decimal("1e-30")
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """The probability `p` of failing and `q`, its complement."""
+    """A failure probability and its complement."""
 
     p: Decimal
+    """The probability of failing."""
     q: Decimal
+    """The probability of not failing, 1 - p."""
 
     @property
     def hazard(self) -> Decimal:

@@ -21,10 +21,12 @@ NORMAL_95 = 1.6448536269514722
 
 @dataclass(frozen=True, slots=True)
 class Posterior:
-    """A figure after the field: its mean, and the 95th percentile over the median."""
+    """A figure after the field."""
 
     mean: float
+    """The mean of the distribution, in the unit of the figure."""
     error_factor: float
+    """The 95th percentile over the median."""
     alpha: float
     """The first parameter of the gamma or beta distribution: failures, with those of the prior."""
     beta: float

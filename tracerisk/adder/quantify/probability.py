@@ -41,25 +41,29 @@ Counted = Literal["time in use", "standby", "demands", "visits"]
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """One summand of a unit's hazard: a figure, or the share of it that is one failure mode.
-
-    `rate` is the hazard per second, demand or visit, `share` the fraction that the mode is of
-    it. `states` are those whose time counts, `None` for all, and `seconds` counts it; `demands`
-    are the uses that count. `ends` is for each visit the share of the hazard that ends the
-    mission, by its number; empty where all of it does. `cells` name the failures that show it,
-    and say how many they are.
-    """
+    """One summand of a unit's hazard: a figure, or the share of it that is one failure mode."""
 
     figure: FailureFigure
+    """The figure in the hardware description."""
     counts: Counted
+    """What the term counts."""
     rate: float
+    """The hazard per second, demand or visit."""
     mode: FailureMode | None = None
+    """The failure mode; `None` where the figure counts as a whole."""
     states: tuple[State, ...] | None = None
+    """The states whose time counts; `None` for all time in use."""
     demands: tuple[Demand, ...] = ()
+    """The demands that count; empty for a term that counts none."""
     load: UnitLoad | None = None
+    """The load law of the unit; `None` for no effect of load."""
     seconds: Seconds | None = None
+    """Returns the time that counts of an exposure [s]; `None` for a term that counts none."""
     ends: tuple[float, ...] = ()
+    """The share of the hazard that ends the mission, by the visit's number in the trace,
+    (n_visits,); empty where all of it does."""
     cells: tuple[str, int] = ("", 0)
+    """The name and number of the failures that show `ends`."""
 
     @property
     def share(self) -> float:
@@ -113,17 +117,17 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class UnitMission:
-    """What of a unit's mission its hazards depend on.
-
-    `kind` is that of the element in which the twin sees it, `None` of what is always active.
-    `states` are those that count where no mode says otherwise, `None` for all.
-    `in_use_s` is the time in use, by load where there is a load law; needed for what ages [s].
-    """
+    """What of a unit's mission its hazards depend on."""
 
     kind: ElementKind | None
+    """The kind of the element in which the twin sees it; `None` for a component that is always
+    active."""
     states: tuple[State, ...] | None = None
+    """The states that count where no mode says otherwise; `None` for all."""
     load: UnitLoad | None = None
+    """The load law of the unit; `None` for no effect of load."""
     in_use_s: float = 0.0
+    """The time in use over the mission, as the load law counts it; for wear-out only [s]."""
 
 
 def terms_of(component: Component, mission: UnitMission) -> tuple[Term, ...]:
