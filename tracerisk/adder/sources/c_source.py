@@ -37,31 +37,38 @@ _CONTINUED = re.compile(rb"(?:\\|\?\?/)[ \t]*\r?\n\Z")
 
 @dataclass(frozen=True, slots=True)
 class CFunction:
-    """A function with a body: `line` is that on which it begins, a template's included.
-
-    `start` and `end` are the bytes of its body, braces included; `site` is the byte before which a
-    block goes, `None` where no line is free for one. `indent_at` is the byte of the line whose
-    indentation the block takes.
-    """
+    """A function with a body; places are offsets into the source [bytes]."""
 
     name: QualifiedName
+    """The qualified name, its scopes between `::`."""
     line: int
+    """The line on which the function begins, a template's included."""
     begins: int
+    """The first byte of the function, a template's included."""
     start: int
+    """The first byte of the body, the brace."""
     end: int
+    """The byte after the body's closing brace."""
     site: int | None
+    """The byte before which a block goes; `None` where no line is free for one."""
     indent_at: int
+    """The first byte of the line whose indentation the block takes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CSource:
-    """A parsed C or C++ source: its bytes, the tree, the functions in the order of the file."""
+    """A parsed C or C++ source."""
 
     file: str
+    """The path in messages."""
     source: bytes
+    """The content of the file."""
     tree: Tree
+    """The syntax tree of tree-sitter."""
     functions: tuple[CFunction, ...]
+    """The functions with a body, in the order of the file."""
     starts: tuple[int, ...]
+    """The first byte of each line, (n_lines,)."""
 
     def line_of(self, offset: int) -> int:
         """Return the line of a byte, from 1 on."""

@@ -23,8 +23,11 @@ class Edit:
     """Replace the bytes from `start` up to `end` of a source by `text`."""
 
     start: int
+    """The first byte to replace."""
     end: int
+    """The byte after the last one to replace; `start` for an insertion."""
     text: bytes
+    """The new bytes."""
 
 
 def apply_edits(source: bytes, edits: Iterable[Edit]) -> bytes:

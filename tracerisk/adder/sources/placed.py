@@ -39,18 +39,22 @@ class MisplacedBlockError(BlockError):
 
 
 class PlacedBlock(NamedTuple):
-    """A block in a source: the function it describes and the lines it takes, from 1 on.
-
-    Where it describes one instance of several, `function` is the instance's name: `Pick (tray)`.
-    `line` is that of the function's `def`; of the first statement for module-level code.
-    """
+    """A block in a source, with the function that it describes; lines count from 1."""
 
     block: RiskBlock
+    """The risk block."""
     function: QualifiedName
+    """The qualified name; where the block describes one instance of several, its name: `Pick
+    (tray)`."""
     line: int
+    """The line of the function's `def`; of the first statement for module-level code."""
     place: Place
+    """Where the block stands: in the function's body, above the function, or at the top of the
+    module."""
     first_line: int
+    """The first line of the block."""
     last_line: int
+    """The last line of the block."""
 
 
 def only_one_each(placed: tuple[PlacedBlock, ...], file: str) -> tuple[PlacedBlock, ...]:

@@ -40,12 +40,16 @@ _BEGINS = re.compile(rf"\s*(?:{HEADER_LINE}|@(?:Function|Component)\b.*)\s*")
 
 
 class CComment(NamedTuple):
-    """A comment of C, C++ or Java with risk blocks: the bytes it takes, and its first line."""
+    """A comment of C, C++ or Java with risk blocks."""
 
     start: int
+    """The offset of its first byte in the source."""
     end: int
+    """The offset of the byte after it."""
     line: int
+    """The line on which it begins, from 1."""
     blocks: tuple[RiskBlock, ...]
+    """The risk blocks in it."""
 
 
 def c_comments(source: bytes, file: str) -> Iterator[CComment]:

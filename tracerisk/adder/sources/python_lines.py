@@ -32,19 +32,25 @@ _CODING = rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+"
 
 
 class Site(NamedTuple):
-    """Where the block of a function goes: before line `line`, indented as `indent_line`."""
+    """Where the block of a function goes."""
 
     line: int
+    """The line before which it is inserted, from 1."""
     indent_line: int
+    """The line whose indentation it takes."""
 
 
 class PythonSource(NamedTuple):
-    """A parsed Python source with its lines as bytes, line ends kept."""
+    """A parsed Python source."""
 
     file: str
+    """The path in messages."""
     lines: tuple[bytes, ...]
+    """The lines as bytes, line ends kept."""
     encoding: str
+    """The encoding of the file, such as `utf-8`."""
     tree: ast.Module
+    """The syntax tree, which nobody may change."""
 
     def text(self, number: int) -> str:
         """Return line `number` as text, without its line end.

@@ -36,19 +36,25 @@ _ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component
 
 
 class _Owner(NamedTuple):
-    """A function that a block may belong to, and where the block stands."""
+    """A function that a block may belong to."""
 
     name: QualifiedName
+    """The qualified name of the function."""
     line: int
+    """The line of its `def`; of the first statement for module-level code."""
     place: Place
+    """Where the block stands, seen from the function."""
 
 
 class _Run(NamedTuple):
-    """Gutter lines without a gap, from the first `RiskAnnotation` on, and how many blocks."""
+    """Gutter lines without a gap, from the first `RiskAnnotation` on."""
 
     first: int
+    """The first line, from 1."""
     last: int
+    """The last line."""
     headers: tuple[int, ...]
+    """The lines with `RiskAnnotation`, one a block."""
 
 
 def read_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:

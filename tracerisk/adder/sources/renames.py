@@ -27,15 +27,14 @@ _NEXT = _GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)"
 
 
 class FollowedBlocks(NamedTuple):
-    """The blocks of a source under their functions' names, and the renamings that took.
-
-    `renamed` maps the old name, which a block still has, to that of its function; `source` has the
-    new names in the blocks.
-    """
+    """The blocks of a source under their functions' names."""
 
     source: bytes
+    """The content with the new names in the blocks."""
     placed: tuple[PlacedBlock, ...]
+    """The blocks, with their lines."""
     renamed: Mapping[QualifiedName, QualifiedName]
+    """The new name of each renamed function, by the old name that its block still has."""
 
 
 def follow_renames(source: bytes, file: str, known: Collection[QualifiedName]) -> FollowedBlocks:

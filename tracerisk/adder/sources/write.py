@@ -18,11 +18,14 @@ _LEFTOVER = re.compile(r"\.(?P<of>.+)\.(?P<process>\d+)-\d+\.tmp")
 
 @dataclass(frozen=True, slots=True)
 class FileWrite:
-    """New content for a file; `expected` is what it was made from, where that matters."""
+    """New content for a file."""
 
     path: Path
+    """The path of the file."""
     data: bytes
+    """The content to write."""
     expected: bytes | None = None
+    """The content that it was made from, which the file must still hold; `None` for no check."""
 
 
 def write_all(writes: Iterable[FileWrite]) -> None:
