@@ -20,7 +20,7 @@ class Site:
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """Replace the bytes from `start` up to `end` of a source by `text`."""
+    """A replacement of some bytes of a source."""
 
     start: int
     """The first byte to replace."""

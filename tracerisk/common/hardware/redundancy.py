@@ -24,8 +24,8 @@ class Redundancy:
     """The share of a unit's failure probability that hits all units together (beta factor), from 0
     to 1; the rest is each unit's own."""
     dormancy: float = 1.0
-    """The failure rate of a spare by that of a working unit [1]: 1 for one that runs along (hot),
-    0 for one that cannot fail before it is needed (cold)."""
+    """The failure rate of a spare over that of a working unit [1]: 1 for one that runs along
+    (hot), 0 for one that cannot fail before it is needed (cold)."""
     switch: float = 0.0
     """The probability that a spare fails to take over."""
     detected: Detection = "mission_start"

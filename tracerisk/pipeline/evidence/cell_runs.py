@@ -83,7 +83,7 @@ class Nominal:
     mission: MissionRun
     """The outcome of the mission, as `judge` compares it."""
     samples: Samples | None
-    """The samples of the run; `None` where it moved nothing."""
+    """The samples of the run; `None` where none were recorded."""
     success: tuple[Condition, ...]
     """The conditions of `success` in the scenario; empty for none."""
 

@@ -32,9 +32,9 @@ class ChangedFile(NamedTuple):
     after: str | None
     """The path after; `None` where the version after lacks the file."""
     before_blob: str | None
-    """The hash of the content before; `None` for the working tree's content."""
+    """The hash of the content before; `None` where it is in the working tree, or absent."""
     after_blob: str | None
-    """The hash of the content after; `None` for the working tree's content."""
+    """The hash of the content after; `None` where it is in the working tree, or absent."""
     mode: str
     """The file mode in git, such as `100644`; of the version after, where it has the file."""
 

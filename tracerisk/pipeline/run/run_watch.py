@@ -37,9 +37,9 @@ class _Iteration:
     of_loop: _Loop
     """The loop of the iteration."""
     ways: list[_Way] = field(default_factory=list)
-    """The kind and place of each command, which a repeated cycle has in common."""
+    """The calls on the stack of each command, without immediate repetitions."""
     goals: list[tuple[float, ...]] = field(default_factory=list)
-    """The goal of each command [rad or m]."""
+    """The goal of each command [rad or m], without immediate repetitions."""
     has_reached: bool = False
     """Whether one of its commands arrived."""
 

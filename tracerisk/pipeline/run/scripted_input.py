@@ -41,16 +41,16 @@ def scripted_input(stream: Answers) -> Iterator[None]:
 class Answers(io.TextIOBase):
     """The answers line by line.
 
-    What waits for a line or a key gets Enter when they are used up; what reads to the end of
-    the input finds it there, as behind a pipe.
+    What waits for a line or a key gets Enter when they are used up; what reads to the end of the
+    input finds it there, as behind a pipe.
 
-    Each answer is noted in the recording. A question that gets Enter is a need that is not met, and
-    one that is asked again and again ends the run: as a loop that commands nothing any more where
-    it was answered before, and something was commanded. A controller that reads keys gets each
-    answer as one; `script` is the file of its own in which the keys are compared.
+    Each answer is noted in the recording. A question that gets Enter is a need that is not met,
+    and one that is asked again and again ends the run: as a loop that commands nothing any more
+    where it was answered before, and something was commanded. A controller that reads keys gets
+    each answer as one.
 
-    A question that comes again and again with no `progress` between does not take Enter: it gets
-    what `assume` returns for it, in turn, and each is an assumption.
+    A question that comes again and again without progress does not take Enter: it gets an assumed
+    answer, and each is an assumption.
     """
 
     answers: Sequence[str]
@@ -60,9 +60,9 @@ class Answers(io.TextIOBase):
     scheduler: Scheduler
     """The scheduler that ends the run and notes unmet needs."""
     script: str
-    """The controller's file, in which keys are compared."""
+    """The controller's file, in which the keys that it reads are compared."""
     assume: Callable[[], Sequence[str]]
-    """Returns the answers that the code takes at the place that asks, in turn."""
+    """Returns the answers that the code takes at the place that asks, to be given in turn."""
     progress: Callable[[], object]
     """Returns a value that changes whenever the controller has made progress."""
     prompt: str = field(default="", init=False)

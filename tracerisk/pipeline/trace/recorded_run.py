@@ -163,7 +163,7 @@ class RecordedRun:
     end_function: str = ""
     """The qualified name of the function in which it ended badly."""
     findings: tuple[Finding, ...] = ()
-    """What the run found, refusals settled by a later success left out."""
+    """All findings of the run; a refused call is marked as recovered where it needs no report."""
     commands: tuple[IssuedCommand, ...] = ()
     """In the order of issue."""
     unmet: tuple[UnmetNeed, ...] = ()

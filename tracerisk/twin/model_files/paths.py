@@ -16,12 +16,12 @@ _PACKAGE_SCHEMES = ("package", "model")
 
 @dataclass(frozen=True, slots=True)
 class ModelFolder:
-    """Where the files of a model may stand: below `top`, or in one of the workspace's packages."""
+    """The folders in which the files of a model may stand."""
 
     base: Path
     """The folder from which relative names start."""
     top: Path
-    """The folder below which files are read."""
+    """The folder below which files are read, beside the workspace's packages."""
     packages: Mapping[str, Path] = field(default_factory=dict)
     """The folders of the workspace's packages, by package name."""
 

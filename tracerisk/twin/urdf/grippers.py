@@ -27,7 +27,7 @@ class GripperParts:
     """The joints of a gripper and their group."""
 
     name: str
-    """The name of the gripper, which is that of the group."""
+    """The name of the gripper, equal to that of its group."""
     group: str
     """The planning group that moves the joints."""
     joints: tuple[str, ...]

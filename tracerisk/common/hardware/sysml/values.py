@@ -69,16 +69,13 @@ _PRECEDENCE = {"+": 1, "-": 1, "*": 2, "/": 2, "%": 2, "**": 4, "^": 4}
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """Where an expression is worked out.
-
-    Its names are looked up in `scope`; an attribute has the value that the nearest part on the
-    `way` gives it, which may redefine it.
-    """
+    """Where an expression is worked out."""
 
     scope: Symbol
     """The element in which names are looked up."""
     way: tuple[Symbol, ...]
-    """The parts from the root to the one for which the value is worked out."""
+    """The parts from the root to the one for which the value is worked out; an attribute has the
+    value that the nearest of them gives it."""
     depth: int = 0
     """The number of names followed so far, at most `MAX_CHAIN`."""
 
