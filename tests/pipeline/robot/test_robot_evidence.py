@@ -616,3 +616,34 @@ def test_with_a_description_beside_comes_its_own_configuration(tmp_path, folder,
 def test_the_sdk_of_one_arm_names_it(tmp_path, line):
     choice = of_source(tmp_path, f"{line}\n")
     assert (choice.robot.name, choice.robot.doubt) == ("sawyer", "")
+
+
+@pytest.mark.parametrize(
+    ("folder", "line", "is_taken"),
+    [
+        ("test", "", False),
+        ("tests/data", "", False),
+        ("config", "", True),
+        ("test", 'ROBOT = "rr"', True),
+    ],
+)
+def test_what_only_tests_of_another_project_describe_is_no_robot(tmp_path, folder, line, is_taken):
+    mine = written(
+        tmp_path / "src/mine",
+        {
+            "go.py": f'PACKAGE = "planner"\n{line}\narm = MoveGroupCommander("reach")\n',
+            "package.xml": PACKAGE.format("mine"),
+        },
+    )
+    group = '<group name="reach"><joint name="swing"/><joint name="lift"/></group>'
+    files = {
+        "package.xml": PACKAGE.format("planner"),
+        "urdf/readme.txt": "",
+        f"{folder}/rr.urdf": urdf("rr", "swing", "lift"),
+        f"{folder}/rr.srdf": f'<robot name="rr">{group}</robot>',
+    }
+    for name, content in files.items():
+        path = tmp_path / "src/other/planner" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content)
+    assert (choose_robot(api.load_controller(mine), Settings()).robot.name == "rr") is is_taken
