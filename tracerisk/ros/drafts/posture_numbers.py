@@ -22,6 +22,11 @@ _POINT = re.compile(r"pos|point|xyz|target|goal|cent(er|re)|translation", re.IGN
 _POSE = re.compile(r"(^|_)pose$|cartesian|xyz_?rpy|tcp", re.IGNORECASE)
 
 
+def says_no_place(name: str) -> bool:
+    """Return whether a list of this name holds no joints and no pose: speeds, forces, limits."""
+    return _NO_PLACE.search(name) is not None
+
+
 def numbers_of(
     name: str,
     length: int | None,
@@ -34,7 +39,7 @@ def numbers_of(
     `length` is that of a fixed list. A pose is x, y, z and, where there is room, the turn: as a
     quaternion of four numbers or as roll, pitch and yaw.
     """
-    if _NO_PLACE.search(name):
+    if says_no_place(name):
         return []
     if "joint" not in name.lower():
         found = _of_pose(name, length, pose, units)

@@ -18,8 +18,15 @@ from typing import Any
 
 from tracerisk.instrument.source.literals.compared_values import Compared
 from tracerisk.ros.drafts.drafted_pictures import PICTURES, cloud, picture
-from tracerisk.ros.drafts.named_numbers import Reach, Units, named_number, units_of, units_said
-from tracerisk.ros.drafts.posture_numbers import numbers_of, roll_pitch_yaw
+from tracerisk.ros.drafts.named_numbers import (
+    Reach,
+    Units,
+    named_number,
+    numbers_in_place,
+    units_of,
+    units_said,
+)
+from tracerisk.ros.drafts.posture_numbers import numbers_of, roll_pitch_yaw, says_no_place
 from tracerisk.ros.messages.fields import (
     DURATIONS,
     FLOATS,
@@ -61,6 +68,7 @@ _FAILED = re.compile(r"fail|err|abort|reject|refus|invalid|timeout|cancel")
 _FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORECASE)
 _NUMBERS = re.compile(r"(^|_)ids?$", re.IGNORECASE)
 _SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK", "ADD")
+_SOME = 0.5  # what stands for a number of a list in which others are compared
 _LONGEST = 64  # as long as a list is drafted
 BOX = (0.04, 0.04, 0.1)
 """A thing that a gripper can hold [m]."""
@@ -373,12 +381,28 @@ class UsableValues:
         length, most = place.compared.length(place.path), field.longest or _LONGEST
         if field.length is None and length is not None and length <= most:
             field = replace(field, length=length)
-        numbers = self._numbers(field, place)
         least = min(place.compared.least(place.path), most)
+        if field.base in FLOATS and (found := self._by_index(field, place, least)):
+            return found
+        numbers = self._numbers(field, place)
         if field.length is None and field.base not in ("string", "wstring"):
             zero = type(numbers[0])() if numbers else 0.0 if field.base in FLOATS else 0
             numbers += [zero] * (least - len(numbers))
         return numbers
+
+    def _by_index(self, field: MessageField, place: _Place, least: int) -> list[float]:
+        """Return numbers of which the code compares some, or whose name says nothing; [] else."""
+        count = field.length or least
+        known = place.compared.by_index(place.path)
+        if count != len(self.posture) and known and max(known) < count:
+            # Each has a meaning of its own: no list of joints.
+            return [float(known.get(index, _SOME)) for index in range(count)]
+        if numbers_of(field.name, field.length, self.posture, self.pose, place.units):
+            return []
+        found = (
+            None if says_no_place(field.name) else numbers_in_place(count, place.units, self.reach)
+        )
+        return list(found or ())
 
     def _numbers(self, field: MessageField, place: _Place) -> list[Any]:
         if field.base in ("string", "wstring"):

@@ -111,6 +111,29 @@ def lengths(test: ast.expr, *, is_refused: bool) -> Iterator[tuple[ast.expr, str
         yield test, LEAST, 1
 
 
+def lengths_read(node: ast.AST) -> Iterator[tuple[ast.expr, str, int]]:
+    """Yield a list that a node reads by index or takes apart, with `LENGTH` or `LEAST` and it."""
+    if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Load):
+        is_part = isinstance(node.slice, ast.Slice)
+        last = node.slice.upper if isinstance(node.slice, ast.Slice) else node.slice
+        index = None if last is None else whole(last)
+        if index is not None and (index > 0 or not is_part):
+            yield node.value, LEAST, index if is_part else index + 1 if index >= 0 else -index
+    elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple):
+        parts = node.targets[0].elts
+        if not any(isinstance(part, ast.Starred) for part in parts):
+            yield node.value, LENGTH, len(parts)
+
+
+def whole(node: ast.expr) -> int | None:
+    """Return the whole number that an expression is; None where it is none."""
+    try:
+        value = ast.literal_eval(node)
+    except (ValueError, TypeError, SyntaxError, RecursionError):
+        return None
+    return value if type(value) is int else None
+
+
 def _counted(node: ast.expr) -> ast.expr | None:
     if isinstance(node, ast.Call) and last_name(node.func) == "len" and len(node.args) == 1:
         return node.args[0]

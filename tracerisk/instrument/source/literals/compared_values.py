@@ -7,6 +7,7 @@ it is handed to a function of the same file.
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache, partial
@@ -20,8 +21,10 @@ from tracerisk.instrument.source.literals.bounds import (
     LENGTH,
     bounds,
     lengths,
+    lengths_read,
     refused_tests,
     turns_away,
+    whole,
     within,
 )
 from tracerisk.instrument.source.literals.named_literals import with_named_literals
@@ -41,6 +44,8 @@ _ANY_FIELD = frozenset({"data", "name", "id", "frame_id", "child_frame_id", "typ
 _THROUGH = frozenset({"enumerate", "list", "reversed", "sorted"})
 _ARRAYS = frozenset({"array", "asarray", "list", "tuple"})
 _RESHAPES = frozenset({"reshape", "flatten", "ravel", "copy", "astype"})
+_INDEX = re.compile(r"\[(\d+)\]")
+"""The last part of the path of an item of a list that is taken by its index."""
 _OF_GOAL = frozenset({"request", "goal"})
 
 
@@ -67,6 +72,15 @@ class Compared:
     def least(self, path: tuple[str, ...]) -> int:
         """Return how long the code asks a list to be at least."""
         return max(self.values.get((*path, LEAST), ()), default=0)
+
+    def by_index(self, path: tuple[str, ...]) -> dict[int, float]:
+        """Return for items of a list one number each with which the code compares it."""
+        found: dict[int, float] = {}
+        for inner, values in self.values.items():
+            number = next((each for each in values if _is_number(each)), None)
+            if inner[:-1] == path and (match := _INDEX.fullmatch(inner[-1])) and number is not None:
+                found[int(match[1])] = number
+        return found
 
     def truths(self, path: tuple[str, ...]) -> tuple[bool, ...]:
         """Return the truth values for each of which the code has a branch for a field."""
@@ -237,6 +251,10 @@ def _flow(
     _bound(function, known, found)
     refused = set(_refused(function))
     for node in ast.walk(function):
+        for listed, kind, length in lengths_read(node):
+            path = _path(_made_of(listed), known)
+            if path:
+                found.setdefault((*path, kind), []).append(length)
         if node not in refused:
             _compare(node, known, found)
         if depth < _DEEPEST:
@@ -339,6 +357,20 @@ def _compare(node: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found)
         path = None if subject is None else _path(subject, known)
         if path is not None:
             found.setdefault(path, []).append(value)
+        item = None if subject is None else _item_path(subject, known)
+        if item is not None:
+            found.setdefault(item, []).append(value)
+
+
+def _item_path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:
+    """Return the path of an item that is taken by its index: `msg.data[0]`; None for others."""
+    bare = bare_value(node)
+    if isinstance(bare, ast.Call) and last_name(bare.func) == "abs" and len(bare.args) == 1:
+        bare = bare_value(bare.args[0])
+    if not isinstance(bare, ast.Subscript) or (index := whole(bare.slice)) is None or index < 0:
+        return None
+    path = _path(_made_of(bare.value), known)
+    return (*path, f"[{index}]") if path else None
 
 
 def _bound(function: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found) -> None:
@@ -348,8 +380,9 @@ def _bound(function: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Foun
             path, value = _path(subject, known), within(low, high)
             if value is None and is_refused:
                 value = _beyond(low, +1) if low is not None else _beyond(high, -1)
-            if path is not None and value is not None:
-                found.setdefault(path, []).append(value)
+            for each in (path, _item_path(subject, known)):
+                if each is not None and value is not None:
+                    found.setdefault(each, []).append(value)
         for counted, kind, length in lengths(test, is_refused=is_refused):
             path = _path(_made_of(counted), known)
             if path is not None:
