@@ -21,6 +21,10 @@ _ABOVE_M = 0.02  # a thing that is set down comes from above [m]
 _BEGINS_S = 1.0  # when messages that are repeated begin
 _REPEATED_HZ = 1.0
 _REPEATED_S = 60.0  # until when [s]
+_STREAM_HZ = 10.0
+_MOVED_M = 0.1  # how far a pose of a stream is from the one before [m]
+_IN_TURN = 4  # poses of a stream before the last one stays
+_STREAMED = re.compile(r"std_msgs/Float|geometry_msgs/(Twist|Vector3|Wrench)")
 _OF_COMMANDS = re.compile(r"std_msgs/|sensor_msgs/Joy|trajectory_msgs/")
 _QUATERNION = frozenset("xyzw")
 
@@ -260,16 +264,45 @@ def repeated(entries: Entries) -> Entries | None:
     return None if again.drafts == entries.drafts else again
 
 
-def _raised(value: Any) -> Any:
+def as_streams(entries: Entries) -> Entries | None:
+    """Return entries whose messages are a live stream; None where none can be one.
+
+    Numbers and speeds come ten times a second, for a program forgets what is old; poses once a
+    second and each other than the one before, for a program may follow what changes alone.
+    """
+    streamed = entries.copy()
+    for key, draft in entries.drafts.items():
+        message = draft.value.get("message") if key[0] == "publish" else None
+        if not isinstance(message, dict):
+            continue
+        value = {name: each for name, each in draft.value.items() if name != "after"}
+        words = draft.words.partition("; once a second")[0]
+        moved = _raised(message, _MOVED_M)
+        if moved != message:
+            del value["message"]
+            in_turn = [message, moved] * (_IN_TURN // 2)
+            value |= {"messages": in_turn, "rate": _REPEATED_HZ}
+            words += "; moved a little once a second"
+        elif _STREAMED.match(draft.need.type_name) and "rate" not in value:
+            value["rate"] = _STREAM_HZ
+            words += f"; {_STREAM_HZ:g} times a second"
+        else:
+            continue
+        value |= {"at": _BEGINS_S, "until": _REPEATED_S}
+        streamed.drafts[key] = replace(draft, value=value, words=words)
+    return None if streamed.drafts == entries.drafts else streamed
+
+
+def _raised(value: Any, metres: float = _ABOVE_M) -> Any:
     """Return a message with the position of each pose in it higher."""
     if isinstance(value, list):
-        return [_raised(each) for each in value]
+        return [_raised(each, metres) for each in value]
     if not isinstance(value, dict):
         return value
-    made = {key: _raised(each) for key, each in value.items()}
+    made = {key: _raised(each, metres) for key, each in value.items()}
     place = made.get("position")
     if isinstance(place, dict) and "orientation" in made and "z" in place:
-        made["position"] = {**place, "z": round(place["z"] + _ABOVE_M, 3)}
+        made["position"] = {**place, "z": round(place["z"] + metres, 3)}
     return made
 
 

@@ -30,6 +30,7 @@ from tracerisk.pipeline.scenarios.entries import (
     EntryKey,
     ScenarioDraft,
     answered_alone,
+    as_streams,
     is_accompanied,
     is_given,
     merged,
@@ -283,6 +284,10 @@ class Rounds:
             again = repeated(self.best.entries)
             if again is not None:
                 yield again
+        if not self.best.is_traced:
+            streamed = as_streams(self.best.entries)
+            if streamed is not None:
+                yield streamed
         if self.best.is_faulted:
             yield without_repeats(self.best.entries)
         if self.best.has_raised:
