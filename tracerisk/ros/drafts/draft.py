@@ -31,6 +31,7 @@ from tracerisk.ros.drafts.drafted_parameter import (
 from tracerisk.ros.drafts.drafted_pictures import DEPTHS, PICTURES, picture, with_seen
 from tracerisk.ros.drafts.drivers.asked import Asked
 from tracerisk.ros.drafts.drivers.guessed_driver import Guess, guessed_driver
+from tracerisk.ros.drafts.json_texts import json_texts
 from tracerisk.ros.drafts.known_answers import known_answers
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
@@ -328,7 +329,10 @@ def _topic(lack: _Lack) -> _Made:
     message = values.fields(made, compared, need.name, said, comments)
     entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
     several: tuple[str | bool, ...] = ()
-    if need.type_name == "std_msgs/String":
+    texts = json_texts(lack.place, values) if need.type_name == "std_msgs/String" else ()
+    if texts:
+        several, message = texts if len(texts) > 1 else (), {"data": texts[0]}
+    elif need.type_name == "std_msgs/String":
         known = without_emergency(ordered_answers(compared.texts(("data",))))
         several = known[:_MOST_WORDS]
     elif need.type_name == "std_msgs/Bool" and message["data"]:
@@ -358,6 +362,8 @@ def _topic(lack: _Lack) -> _Made:
     # A command finds that what was seen has come already.
     after = 2.0 if _COMMAND.match(need.type_name) else 1.0
     entry = {**entry, "after": after, "message": message}
+    if texts:
+        return entry, "JSON with what the code looks up"
     return entry, _typed_text(need.type_name, compared.values, values)
 
 
