@@ -373,3 +373,21 @@ def test_a_gripper_begins_where_its_hardware_does():
     )
     found = read_urdf(RATED.replace("</robot>", hardware), "tiny.urdf")
     assert found.initial_state["left_finger_joint"] == 0.0
+
+
+@pytest.mark.parametrize(
+    "group",
+    [
+        '<chain base_link="base" tip_link="tool"/>',
+        '<link name="base"/><joint name="shoulder"/><joint name="elbow"/>',
+        '<link name="base"/><link name="upper"/><link name="fore"/>',
+    ],
+    ids=["a chain", "a link and joints", "links"],
+)
+def test_an_arm_that_its_srdf_calls_an_end_effector_stays_an_arm(group: str):
+    head, _, _ = RATED.partition('  <link name="left_finger">')
+    srdf = f"""<robot name="tiny"><group name="limb">{group}</group>
+      <end_effector name="flange" parent_link="base" group="limb"/></robot>"""
+    found = read_urdf(head + "</robot>", "tiny.urdf", srdf=read_srdf(srdf, "tiny.srdf"))
+    assert [joint.name for joint in found.arm_joints] == ["shoulder", "elbow"]
+    assert not found.grippers

@@ -64,9 +64,12 @@ class _AssumedGroups(Mapping[str, Group]):
         arms = [name for name in groups if name not in grippers]
         # An arm with its hand has no tip to which a pose could be asked for.
         plain = [name for name in arms if fingers.isdisjoint(groups[name].joints)]
-        return max(plain or arms, key=lambda each: len(groups[each].joints))
+        # Where every group is a gripper's, as of a tool on a table, one of them is what moves.
+        return max(plain or arms or groups, key=lambda each: len(groups[each].joints))
 
     def __contains__(self, name: object) -> bool:
+        if not self._robot.groups:
+            return False
         return isinstance(name, str) and bool(name) and not self._is_slip(name)
 
     def _is_slip(self, name: str) -> bool:

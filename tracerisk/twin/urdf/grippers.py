@@ -134,12 +134,12 @@ def grippers_of(
 
     `known` are joints that are fingers whatever their names. Fingers behind the same joint of the
     arm are one gripper. A joint that carries the link to which an end effector is fixed is of the
-    arm, though the effector's group has it, too.
+    arm, though the effector's group has it, too. A group that has that link itself is no hand.
     """
     wanted = {
         name
         for effector in (srdf.end_effectors if srdf is not None else ())
-        if effector.group in groups
+        if effector.group in groups and not _has_link(srdf, effector.group, effector.parent_link)
         for name in (*groups[effector.group].joints, *_followers(groups[effector.group], tree))
         if name not in {joint.name for joint in tree.way(effector.parent_link)}
     }
@@ -165,6 +165,19 @@ def grippers_of(
         group = _group(joints, groups) or _fresh("gripper", {*groups, *(p.group for p in found)})
         found.append(GripperParts(group, group, joints))
     return tuple(found)
+
+
+def _has_link(srdf: Srdf | None, group: str, link: str) -> bool:
+    """Return whether a group names a link, or begins a chain at it.
+
+    The link that carries an end effector should not be one of its own group (moveit/moveit,
+    `moveit_setup_assistant/src/widgets/end_effectors_widget.cpp`); MoveIt takes such a file all
+    the same, and moves the group as an arm.
+    """
+    named = next((one for one in srdf.groups if one.name == group), None) if srdf else None
+    if named is None:
+        return False
+    return link in named.links or any(base == link for base, _ in named.chains)
 
 
 def _followers(group: Group, tree: Tree) -> Iterator[str]:
