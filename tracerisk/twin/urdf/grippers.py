@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.robots.robot import Gripper, Group, Joint, Link, Servo
-from tracerisk.twin.urdf.srdf import Srdf
+from tracerisk.twin.urdf.srdf import EndEffector, Srdf
 from tracerisk.twin.urdf.tree import Tree, UrdfJoint
 
 _FINGER = re.compile(r"finger|gripper|jaw|knuckle|claw|thumb|mors|pinch", re.IGNORECASE)
@@ -139,7 +139,7 @@ def grippers_of(
     wanted = {
         name
         for effector in (srdf.end_effectors if srdf is not None else ())
-        if effector.group in groups and not _has_link(srdf, effector.group, effector.parent_link)
+        if effector.group in groups and not _is_arm(effector, srdf, tree)
         for name in (*groups[effector.group].joints, *_followers(groups[effector.group], tree))
         if name not in {joint.name for joint in tree.way(effector.parent_link)}
     }
@@ -167,14 +167,18 @@ def grippers_of(
     return tuple(found)
 
 
-def _has_link(srdf: Srdf | None, group: str, link: str) -> bool:
-    """Return whether a group names a link, or begins a chain at it.
+def _is_arm(effector: EndEffector, srdf: Srdf | None, tree: Tree) -> bool:
+    """Return whether an end effector is an arm: its group has its parent link, which stands still.
 
     The link that carries an end effector should not be one of its own group (moveit/moveit,
     `moveit_setup_assistant/src/widgets/end_effectors_widget.cpp`); MoveIt takes such a file all
     the same, and moves the group as an arm.
     """
-    named = next((one for one in srdf.groups if one.name == group), None) if srdf else None
+    link = effector.parent_link
+    if any(joint.moves for joint in tree.way(link)):
+        return False
+    groups = srdf.groups if srdf is not None else ()
+    named = next((group for group in groups if group.name == effector.group), None)
     if named is None:
         return False
     return link in named.links or any(base == link for base, _ in named.chains)
