@@ -550,3 +550,41 @@ here = measured()
 """)
     assert result["here"]["panda_joint1"] == pytest.approx(0.1, abs=0.005)
     assert result.recording.findings == ()
+
+
+@pytest.mark.parametrize(
+    "topic", ["/position_commands", "/arm/joint_cmd", "/joint_position_command"]
+)
+def test_positions_on_a_topic_of_commands_that_nobody_takes_go_to_an_assumed_controller(ran, topic):
+    result = ran(f"""
+publisher = rospy.Publisher("{topic}", Float64MultiArray, queue_size=1)
+publisher.publish(Float64MultiArray(data=[0.1, *READY[1:]]))
+rospy.sleep(3.0)
+""")
+    (command,) = result.recording.commands
+    assert (command.kind, command.end) == ("joint_group_command", "arrived")
+    (finding,) = result.recording.findings
+    assert finding.kind == "answer_assumed"
+    assert f"messages on {topic} go to a forward position controller of panda_joint1" in (
+        finding.message
+    )
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        "data = [0.1, 0.2]",
+        "data = [90.0, *READY[1:]]",
+        "data = READY; rospy.Subscriber('/position_commands', Float64MultiArray, lambda _: None)",
+    ],
+    ids=["too few", "degrees", "heard"],
+)
+def test_no_controller_is_assumed_for_numbers_that_are_no_positions_of_the_arm(ran, program):
+    result = ran(f"""
+{program}
+publisher = rospy.Publisher("/position_commands", Float64MultiArray, queue_size=1)
+publisher.publish(Float64MultiArray(data=data))
+rospy.sleep(0.5)
+""")
+    assert result.recording.commands == ()
+    assert "answer_assumed" not in {each.kind for each in result.recording.findings}

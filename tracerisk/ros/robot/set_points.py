@@ -56,12 +56,14 @@ SINGLE = "std_msgs/Float64"
 JOINT_STATE_TYPE = "sensor_msgs/JointState"
 
 _COMMANDS = ("command", "commands")
+_SAYS_COMMANDS = re.compile(r"^(joints?|arm|positions?|joint_positions?)_(commands?|cmd)$")
 _TAKES_STATES = re.compile(r"(^|_)(commands?|cmd)$|^fake_controller_joint_states$")
 _FEEDBACK = "joint_states"
 _INDUSTRIAL = "joint_path_command"  # the topic of the drivers of ROS-Industrial
 _QUANTITY = re.compile(
     r"(?<=[/_])(?:(pos|positions?)|(vel|velocity|velocities)|(efforts?|torques?))(?=[/_])"
 )
+_GROUP_COMMAND = "joint_group_command"
 _NEARLY = 0.05  # of the goal of a motion whose time is over: the joints come to rest [rad or m]
 Array = NDArray[np.float64]
 
@@ -181,6 +183,9 @@ class SetPoints(TrajectoryNode):
 
     def _take_group(self, topic: str, message: Any) -> None:
         values = [float(value) for value in message.data]
+        if _SAYS_COMMANDS.match(topic.rsplit("/", 1)[-1]):
+            self._take_assumed(topic, values)
+            return
         joints = self._declared_joints(topic, len(values))
         own = self._joints_declared_for(topic)
         if joints is None and own and {joint.name for joint in self._twin.robot.joints} >= {*own}:
@@ -193,7 +198,30 @@ class SetPoints(TrajectoryNode):
         if joints is None:
             self._refuse_group(topic, len(values))
             return
-        self._command(topic, joints, np.array(values), "joint_group_command")
+        self._command(topic, joints, np.array(values), _GROUP_COMMAND)
+
+    def _take_assumed(self, topic: str, values: list[float]) -> None:
+        """Move the arm as a forward controller would whose topic a bring-up has renamed.
+
+        Such a controller takes one value for each joint (ros-controls/ros2_controllers
+        `forward_command_controller`). It is assumed only where the values are as many as the joints
+        of the arm, and positions that these can reach.
+        """
+        arm = self._twin.robot.arm_joints
+        fits = len(values) == len(arm) and all(
+            joint.lower - _NEARLY <= value <= joint.upper + _NEARLY
+            for joint, value in zip(arm, values, strict=True)
+        )
+        if any(each.node != self.node for each in self._graph.subscriptions(topic)):
+            return
+        joints = tuple(joint.name for joint in arm)
+        kind, words = "not_simulated", "move nothing: no known controller takes them"
+        if fits:
+            kind = "answer_assumed"
+            words = f"go to a forward position controller of {', '.join(joints)}, which is assumed"
+        self._commands.report(kind, f"messages on {topic} {words}", object_name=topic)
+        if fits:
+            self._command(topic, joints, np.array(values), _GROUP_COMMAND)
 
     def _command(self, topic: str, joints: tuple[str, ...], values: Array, kind: str) -> None:
         """Bring joints to positions, or move them at velocities, as the topic means its numbers."""
@@ -316,6 +344,8 @@ def is_command_topic(name: str, type_name: str) -> bool:
     last = name.rsplit("/", 1)[-1]
     if type_name == JOINT_STATE_TYPE:
         return _TAKES_STATES.search(last) is not None
+    if type_name == GROUP and _SAYS_COMMANDS.match(last):
+        return True
     return type_name == TRAJECTORY or (type_name in (GROUP, SINGLE) and last in _COMMANDS)
 
 
