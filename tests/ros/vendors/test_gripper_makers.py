@@ -155,3 +155,29 @@ rospy.sleep(1.5)
     assert ran["planned"]
     found = [ran.position(f"joint{number}") for number in range(1, 5)]
     assert found == pytest.approx([0.2, -0.5, 0.3, 0.4], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "name", ["goal_task_space_path_position_only", "goal_joint_space_path_to_kinematics_position"]
+)
+def test_an_open_manipulator_goes_to_a_position_alone_and_says_where_its_tool_is(run_on, name):
+    ran = run_on(
+        "open_manipulator_x",
+        f"""
+import rospy
+from open_manipulator_msgs.msg import KinematicsPose
+from open_manipulator_msgs.srv import *
+rospy.init_node('task')
+def tool():
+    place = rospy.wait_for_message('gripper/kinematics_pose', KinematicsPose).pose.position
+    return [place.x, place.y, place.z]
+asked = SetKinematicsPoseRequest(end_effector_name='gripper', path_time=2.0)
+goal = asked.kinematics_pose.pose.position
+goal.x, goal.y, goal.z = 0.155, 0.180, 0.203
+planned = rospy.ServiceProxy('{name}', SetKinematicsPose)(asked).is_planned
+rospy.sleep(2.5)
+tool = tool()
+""",
+    )
+    assert ran["planned"]
+    assert ran["tool"] == pytest.approx([0.155, 0.180, 0.203], abs=0.01)

@@ -222,9 +222,10 @@ def _servo(entry: YamlMap) -> Servo:
 
 
 def _group(entry: YamlMap, joints: Mapping[str, Joint], links: Collection[str]) -> Group:
-    entry.forbid_unknown({"joints", "tip_link"})
+    entry.forbid_unknown({"joints", "tip_link", "turns_freely"})
     names = _known_all(entry, "joints", joints)
-    return Group(names, entry.choice("tip_link", links, "name") if "tip_link" in entry else None)
+    tip = entry.choice("tip_link", links, "name") if "tip_link" in entry else None
+    return Group(names, tip, turns_freely=entry.boolean("turns_freely", default=False))
 
 
 def _named_states(
