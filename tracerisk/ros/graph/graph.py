@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 _OF_TOOLS = re.compile(
     r"tf2_msgs/FrameGraph$|dynamic_reconfigure/|rcl_interfaces/|roscpp/|lifecycle_msgs/Get"
 )
+_FIRST_NS = 1_000_000_000  # what comes once a second has come to a node of the bring-up [ns]
 _SHOWN = re.compile(r"(visualization_msgs|rosgraph_msgs|rcl_interfaces)/|moveit_msgs/Display")
 
 _Finder = Callable[[str], tuple[str, Callable[[Any], Any], str] | None]
@@ -193,6 +194,8 @@ class Subscription:
     """The simulated time at which it was made [ns]."""
     is_assumed: bool = False
     """Whether it stands for an assumed listener, for which the controller waits."""
+    has_received: bool = False
+    """Whether a message has come."""
 
     @property
     def publications(self) -> tuple[Publication, ...]:
@@ -213,6 +216,7 @@ class Subscription:
         if publication.on_received is not None and self.by_controller:
             publication.on_received(self)
         self.has_missed_latched = False
+        self.has_received = True
         self.deliver(message, publication)
 
     def close(self) -> None:
@@ -314,6 +318,7 @@ class Graph:
         self._topics: dict[str, _Topic] = {}
         self.counts: Counter[str] = Counter()
         self.cell: CellWatch | None = None
+        self._warm: set[NodeProcess] = set()
         self._unheard: dict[str, tuple[Publication, Location | None]] = {}
         self._services: dict[str, ServiceServer] = {}
         self._callers: dict[Need, Missed] = {}
@@ -739,6 +744,7 @@ class Graph:
             self.carrier.pass_latency(server.name)
             return response
         self.scheduler.ask(server.process)
+        self._await_first_messages(server.process)
         answer = _Answer()
         thread = self.scheduler.spawn(
             lambda: self._handle(server, request, answer),
@@ -753,6 +759,29 @@ class Graph:
         if answer.error is not None:
             raise answer.error
         return answer.response
+
+    def _await_first_messages(self, process: NodeProcess | None) -> None:
+        """Wait until a companion that is called for the first time knows the robot's state.
+
+        A bring-up starts it before the controller: by then, a message has come on each topic that
+        the twin publishes. What comes more seldom than `_FIRST_NS` it may lack.
+        """
+        if process is None or process in self._warm or process is self.scheduler.process:
+            return
+        self._warm.add(process)
+        heard = [
+            subscription
+            for topic in self._topics.values()
+            for subscription in topic.subscriptions
+            if subscription.process is process
+            and any(not sender.by_controller for sender in topic.publications)
+        ]
+        if heard:
+            self.scheduler.wait_until(
+                lambda: all(one.has_received or one.closed for one in heard),
+                timeout_ns=_FIRST_NS,
+                reason=f"the first messages of {process.name}",
+            )
 
     def _handle(self, server: ServiceServer, request: Any, answer: _Answer) -> None:
         root = self.tracer.root("service") if self.tracer is not None else nullcontext()

@@ -37,18 +37,22 @@ turn()
 FINDER = """\
 import sys
 import rospy
+from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger, TriggerResponse
 
 FIND = "find_part"
+states = []
 
 
 def find(request):
+    states[0]  # a bring-up has started this node, which has heard of the robot by now
     return TriggerResponse(True, str(rospy.get_param("~angle", 0.4)))
 
 
 if __name__ == "__main__":
     rospy.init_node("finder")
     rospy.loginfo("%s %s", rospy.get_name(), sys.argv[0].rpartition("/")[2])
+    rospy.Subscriber("/joint_states", JointState, states.append)
     rospy.Service(FIND, Trigger, find)
     rospy.spin()
 """
