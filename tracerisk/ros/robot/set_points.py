@@ -203,9 +203,10 @@ class SetPoints(TrajectoryNode):
     def _take_assumed(self, topic: str, values: list[float]) -> None:
         """Move the arm as a forward controller would whose topic a bring-up has renamed.
 
-        Such a controller takes one value for each joint (ros-controls/ros2_controllers
-        `forward_command_controller`). It is assumed only where the values are as many as the joints
-        of the arm, and positions that these can reach.
+        Such a controller takes one value for each joint, and passes over messages with another
+        number (ros-controls/ros2_controllers
+        `forward_command_controller/src/forward_controllers_base.cpp`). It is assumed only where
+        the values are as many as the joints of the arm, and positions that these can reach.
         """
         arm = self._twin.robot.arm_joints
         fits = len(values) == len(arm) and all(
