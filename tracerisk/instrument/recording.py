@@ -101,14 +101,14 @@ class CommandWatch(Protocol):
 class Recorder:
     """Writes the events of one run to `stream`, each line at once, until it is closed.
 
-    `stream` is a file open for writing; only its descriptor is used. `clock` returns the simulated
-    time [ns]. `watch` (an attribute) is notified of each command; `on_event` gets each event, its
+    `stream` is a file open for writing; only its descriptor is used. `clock` (an attribute, too)
+    returns the simulated time [ns]. `watch` (an attribute) is notified of each command; `on_event` gets each event, its
     time [ns] and its data.
     """
 
     def __init__(self, stream: BinaryIO, *, clock: Callable[[], int]) -> None:
         self._stream = stream
-        self._clock = clock
+        self.clock = clock
         self.watch: CommandWatch | None = None
         self.on_event: Callable[[str, int, Mapping[str, Any]], None] | None = None
         self._next_command = itertools.count(1).__next__
@@ -291,12 +291,12 @@ class Recorder:
     def _write(self, event: str, **data: Any) -> None:
         if self._stream.closed:
             return  # a controller's `__del__` runs when the interpreter ends, after the run
-        text = _json({"event": event, "ns": self._clock(), **data})
+        text = _json({"event": event, "ns": self.clock(), **data})
         line = memoryview(f"{text}\n".encode())
         while line:
             line = line[os.write(self._stream.fileno(), line) :]
         if self.on_event is not None:
-            self.on_event(event, self._clock(), data)
+            self.on_event(event, self.clock(), data)
 
 
 def _json(event: dict[str, Any]) -> str:

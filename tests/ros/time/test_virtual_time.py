@@ -218,7 +218,8 @@ def test_a_main_thread_that_swallows_every_end_is_handed_to_the_last_resort(worl
         given_up.append(over.cause)
         raise ProcessEndedError
 
-    scheduler = Scheduler(world, duration_ns=SECOND, on_stuck=give_up)
+    scheduler = Scheduler(world, duration_ns=SECOND)
+    scheduler.on_stuck = give_up
 
     def main():
         while True:

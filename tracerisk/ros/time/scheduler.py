@@ -81,8 +81,8 @@ class Scheduler:
     `tracer` gives new threads the stack of their creator.
     `listens` (an attribute, set by the graph) returns whether the controller listens to the world
     outside, so that a standstill is no hang. `failed_threads` names those that died of an error.
-    `on_stuck` is called in the main thread when it has swallowed the end of the run a thousand
-    times; it should end the process.
+    `on_stuck` (an attribute) is called in the main thread when it has swallowed the end of the run
+    a thousand times; it should end the process.
     `on_over` (an attribute) is called when the run is over before the controller has ended, and
     when its main program has failed, before its exit calls.
     `on_abort` (an attribute) is called where the process is to end at once.
@@ -96,7 +96,6 @@ class Scheduler:
         *,
         duration_ns: int,
         tracer: CallTracer | None = None,
-        on_stuck: Callable[[RunOver], None] | None = None,
         baton: Baton | None = None,
     ) -> None:
         self.world = world
@@ -105,7 +104,7 @@ class Scheduler:
         self.tracer = tracer
         self.listens: Callable[[], bool] = lambda: False
         self.failed_threads: list[tuple[str, BaseException]] = []
-        self._on_stuck = on_stuck
+        self.on_stuck: Callable[[RunOver], None] | None = None
         self._now_ns = 0
         self._sequence = itertools.count()
         self._thread_numbers = itertools.count()
@@ -623,8 +622,8 @@ class Scheduler:
         if thread.raises > RAISES_BEFORE_GIVING_UP:
             if not thread.is_main:
                 self._abandon(thread)
-            elif self._on_stuck is not None:
-                self._on_stuck(self._over)
+            elif self.on_stuck is not None:
+                self.on_stuck(self._over)
         raise self._over.again()
 
     def _abandon(self, thread: ControllerThread) -> None:

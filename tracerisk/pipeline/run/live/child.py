@@ -10,7 +10,6 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,18 +17,10 @@ from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.sandbox.limited_process import mark_start
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recording import CELL, Recorder
-from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
-from tracerisk.pipeline.mission.asked_calls import AskedCalls
-from tracerisk.pipeline.run.child import (
-    drivers_of,
-    note_given,
-    recorded,
-    runtime_of,
-    serve_twin,
-    twin_of,
-    workspace_asked,
-)
+from tracerisk.pipeline.run.assembly.graph import build_graph
+from tracerisk.pipeline.run.assembly.world import build_world
+from tracerisk.pipeline.run.child import recorded
 from tracerisk.pipeline.run.live.watch import RemoteThreads
 from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.trace.run_files import (
@@ -41,7 +32,7 @@ from tracerisk.pipeline.trace.run_files import (
     WallTime,
 )
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
-from tracerisk.pipeline.workspace.prefixes import with_interfaces
+from tracerisk.pipeline.workspace.project import Project
 from tracerisk.ros.graph.parameter_files import private_of
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.graph.runtime import activate
@@ -52,9 +43,7 @@ from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import DESCRIPTION
-from tracerisk.ros.scenario.cell_log import CellLog
-from tracerisk.ros.scenario.world import ScenarioWorld
-from tracerisk.ros.time.scheduler import RunOver, Scheduler
+from tracerisk.ros.time.scheduler import RunOver
 from tracerisk.twin.recording.samples import SampleWriter
 
 _NO_NETWORK = (
@@ -71,57 +60,32 @@ def main() -> int:
     request = RunRequest.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     is_alone = leave_network()
 
-    def run(asked: RunRequest, samples: SampleWriter, recorder: Recorder, clock: Any) -> None:
+    def run(asked: RunRequest, samples: SampleWriter, recorder: Recorder) -> None:
         if not is_alone:
             recorder.finding("not_simulated", _NO_NETWORK)
-        _LiveRun(asked, samples, recorder, clock).run()
+        _LiveRun(asked, samples, recorder).run()
 
     return recorded(request, run)
 
 
 class _LiveRun:
-    def __init__(
-        self,
-        request: RunRequest,
-        samples: SampleWriter,
-        recorder: Recorder,
-        clock: list[Callable[[], int]],
-    ) -> None:
+    def __init__(self, request: RunRequest, samples: SampleWriter, recorder: Recorder) -> None:
         self._request, self._recorder = request, recorder
         script, root = Path(request.controller), Path(request.root)
-        self._twin, scenario = twin_of(request, samples, recorder)
-        tracer = Tracer()
-        self._scheduler = Scheduler(
-            self._twin, duration_ns=round(request.duration_s * 1e9), tracer=tracer
-        )
-        clock[0] = lambda: self._scheduler.now_ns
-        self._workspace = workspace_asked(request)
-        self._runtime = runtime_of(
-            request,
-            scenario,
-            self._scheduler,
-            tracer,
-            self._twin,
-            recorder,
-            self._workspace,
-            is_live=True,
-        )
-        asked = AskedCalls(recorder, self._scheduler, scenario.success).take
-        self._cell = CellLog(self._runtime.graph, asked)
+        world = build_world(request, samples, recorder)
+        self._twin, self._scheduler = world.twin, world.scheduler
+        self._graph = build_graph(request, Project(root), world)
+        self._runtime = self._graph.runtime
+        assert isinstance(self._graph.interfaces, Interfaces)
+        self._interfaces = self._graph.interfaces
         self._threads = RemoteThreads(self._scheduler)
         self._watch = RunWatch(self._threads, recorder)  # type: ignore[arg-type]
         recorder.watch = self._watch
-        note_given(recorder, scenario)
-        drivers, more = drivers_of(request, scenario)
-        self._interfaces = Interfaces(
-            self._workspace.interfaces, more, with_interfaces(self._runtime.installed)
-        )
-        serve_twin(self._runtime, self._interfaces, drivers)
-        self._watch.schedule = ScenarioWorld(self._runtime, self._interfaces, scenario).schedule
+        self._watch.schedule = self._graph.scenario.schedule
         self._end: dict[str, Any] | None = None
         self._ended_wall: float | None = None
         self._refused: dict[str, Any] | None = None
-        tracer.add_file(str(script), script.resolve().relative_to(root.resolve()).as_posix())
+        world.tracer.add_file(str(script), script.resolve().relative_to(root.resolve()).as_posix())
 
     def run(self) -> None:
         """Run the controller to its end, and record how that was."""
@@ -139,9 +103,9 @@ class _LiveRun:
             request.root,
             request.argv,
             None if entry is None else entry.function,
-            {name: str(each) for name, each in self._workspace.python_packages.items()},
+            {name: str(each) for name, each in self._graph.workspace.python_packages.items()},
             (
-                *map(str, self._workspace.import_paths),
+                *map(str, self._graph.workspace.import_paths),
                 *([str(modules)] if has_made else []),
             ),
             dict(launch.environment),
@@ -170,7 +134,7 @@ class _LiveRun:
         self._scheduler.outlast()
         self._report_end(over, session.controller_code)
         self._recorder.note(GRAPH_USE, counts=dict(sorted(self._runtime.graph.counts.items())))
-        self._recorder.note(CELL, **self._cell.note())
+        self._recorder.note(CELL, **self._graph.cell.note())
         self._twin.close()
         WallTime(time.perf_counter() - began, 0.0).write(Path(self._request.folder))
 

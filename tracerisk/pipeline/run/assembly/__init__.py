@@ -1,0 +1,1 @@
+"""What a run is made of, each part built by one function: world, graph, watches, controller."""

@@ -1,0 +1,95 @@
+"""What a controller imports: stand-ins, installed libraries, modules of its own, placeholders."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from tracerisk.errors import Location
+from tracerisk.instrument.import_finder import ControllerFinder
+from tracerisk.instrument.recording import Recorder
+from tracerisk.pipeline.run.assembly.graph import ServedGraph
+from tracerisk.pipeline.run.assembly.watches import Watches
+from tracerisk.pipeline.run.assembly.world import SimulatedWorld
+from tracerisk.pipeline.run.missing_modules import MissingModules
+from tracerisk.pipeline.trace.run_files import ELSEWHERE, RunRequest
+from tracerisk.pipeline.workspace.libraries import Libraries
+from tracerisk.pipeline.workspace.prefixes import python_folders
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.ros.imports.finder import StandInFinder
+from tracerisk.ros.imports.installed_libraries import InstalledLibraries
+from tracerisk.ros.imports.placeholder_modules import PlaceholderFinder, PlaceholderValues
+from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, giving_way
+
+
+@dataclass(frozen=True, slots=True)
+class Imports:
+    """The finders of what a controller imports, and what says that a module is missing."""
+
+    stand_ins: StandInFinder
+    """Finds the stand-ins for the ROS client libraries."""
+    beside: InstalledLibraries
+    """Finds libraries of prefixes that fill in what the others lack."""
+    installed: InstalledLibraries
+    """Finds libraries of an overlay and of an installed ROS."""
+    placeholders: PlaceholderFinder
+    """Finds the modules for which the scenario has placeholders."""
+    own: ControllerFinder
+    """Finds the controller's own modules, which are traced."""
+    missing: MissingModules
+    """Says what is missing and what to do about it."""
+
+
+def build_imports(
+    request: RunRequest,
+    project: Project,
+    world: SimulatedWorld,
+    graph: ServedGraph,
+    watches: Watches,
+) -> Imports:
+    """Build the finders of a request, none of them active yet."""
+    script, root = Path(request.controller), project.root
+    workspace, recorder = graph.workspace, world.recorder
+    ways = giving_way(workspace.python_packages)
+    for name, folder in ways.python_2.items():
+        words = f"{name} of the workspace is for Python 2; tracerisk's stand-in for it runs instead"
+        recorder.finding("removed_name", words, Location(str(folder)), object_name=name)
+    stand_ins = StandInFinder(graph.interfaces, ways.names)
+    kinds = stand_ins.provides.items()
+    libraries = {name for name, kind in kinds if kind.startswith("library")} - ways.names
+    installed, beside = (
+        InstalledLibraries(
+            python_folders(prefix for prefix in workspace.prefixes if prefix.fills_in == fills_in),
+            libraries | (VENDOR_LIBRARIES if fills_in else set()),
+            graph.interfaces.packages,
+        )
+        for fills_in in (False, True)
+    )
+    own = ControllerFinder(
+        world.tracer,
+        root,
+        packages=workspace.python_packages,
+        reserved=libraries,
+        shared=set(stand_ins.provides) - libraries - ways.names,
+        elsewhere=lambda name: _folder_elsewhere(name, workspace, root, recorder),
+        is_library=Libraries(script, project, request.states).holds,
+        replaced=request.replaced_bytes,
+    )
+    placeholders = PlaceholderFinder(
+        [name for name, _ in world.scenario.modules],
+        PlaceholderValues(lambda: watches.values.posture, lambda: world.scheduler.now_ns),
+    )
+    missing = MissingModules(script, root, stand_ins.provides)
+    return Imports(stand_ins, beside, installed, placeholders, own, missing)
+
+
+def _folder_elsewhere(
+    name: str, workspace: Workspace, root: Path, recorder: Recorder
+) -> Path | None:
+    """Return the folder of a module that stands off the import path, and say so."""
+    folder = workspace.folder_of_module(name, root)
+    if folder is not None:
+        recorder.note(ELSEWHERE, module=name, folder=os.path.relpath(folder, root))
+    return folder

@@ -1,0 +1,120 @@
+"""Who watches a run: when it is over, what it lacked, and what is noted at its end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from tracerisk.common.worlds.world import NOMINAL
+from tracerisk.instrument.marks.call_log import CALLS
+from tracerisk.instrument.recording import CELL
+from tracerisk.pipeline.run.assembly.graph import ServedGraph
+from tracerisk.pipeline.run.assembly.world import SimulatedWorld
+from tracerisk.pipeline.run.branching.fate import FateWatch
+from tracerisk.pipeline.run.run_watch import RunWatch
+from tracerisk.pipeline.run.stall_watch import StallWatch
+from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
+from tracerisk.pipeline.trace.run_files import INSTALLED, LOST_ON_THE_WAY, RunRequest
+from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.moveit.move_group import MoveGroupServer
+from tracerisk.ros.readings.stale_messages import StaleMessages
+from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.trace import EndCause
+
+
+@dataclass(frozen=True, slots=True)
+class Watches:
+    """Who watches one run."""
+
+    run: RunWatch
+    """Ends a run that repeats itself or only idles."""
+    needs: UnmetNeeds
+    """What the controller asked for in vain."""
+    values: UsableValues
+    """Values that the robot can use, for what is assumed or drafted."""
+    fate: FateWatch | None
+    """Ends a run with a failure once its fate is decided; `None` without a run beside it."""
+
+
+def build_watches(
+    request: RunRequest, project: Project, world: SimulatedWorld, graph: ServedGraph
+) -> Watches:
+    """Build who watches a run, and have the world call them."""
+    twin, scheduler, recorder = world.twin, world.scheduler, world.recorder
+    watch = RunWatch(scheduler, recorder, request.idle_s)
+    recorder.watch, world.tracer.on_iteration = watch, watch.looped
+    schedule = watch.schedule = graph.scenario.schedule
+    values = UsableValues(
+        twin.robot,
+        twin.forward_kinematics,
+        lambda group, pose: twin.inverse_kinematics(group, pose, avoid_collisions=True),
+        alone=lambda: twin.planning_among(()),
+    )
+    needs = UnmetNeeds(
+        graph.runtime,
+        graph.interfaces,
+        project.root,
+        lambda: watch.has_commanded,
+        graph.scenario.unused,
+        graph.scenario.unanswered,
+        values,
+        script=Path(request.controller),
+        in_source=lambda source: asked_in_file(source, graph.ros, project),
+        drafts=request.drafts,
+        shift=lambda: (
+            graph.runtime.client(MoveGroupServer).shift_to_reach()
+            if world.scenario.unconfirmed
+            else None
+        ),
+    )
+    fate = _fate_watch(request, world)
+    stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
+    world.metered.time_passed = [watch.time_passed, stall.time_passed]
+    return Watches(watch, needs, values, fate)
+
+
+def _fate_watch(request: RunRequest, world: SimulatedWorld) -> FateWatch | None:
+    """Return who ends a run whose mission has failed for certain, beside a run without faults."""
+    if request.beside is None:
+        return None
+    twin = world.twin
+    fate = FateWatch(request.beside, twin.robot, world.scheduler, twin, world.recorder)
+    if request.faults:
+        fate.begin(request.faults)
+    return fate
+
+
+def note_run_over(
+    cause: EndCause,
+    request: RunRequest,
+    world: SimulatedWorld,
+    graph: ServedGraph,
+    watches: Watches,
+) -> None:
+    """Note what is known once a run is over, before its end is recorded."""
+    recorder, runtime = world.recorder, graph.runtime
+    recorder.note(CALLS, **world.tracer.executed_calls())
+    runtime.client(TwinCommands).finish(cause)
+    runtime.client(SensorReading).finish()
+    recorder.note(CELL, **graph.cell.note())
+    recorder.note(INSTALLED, files=graph.reads.files())
+    carrier = runtime.graph.carrier
+    for early in carrier.lost:
+        recorder.finding(
+            "sent_early",
+            early.words(carrier.times),
+            early.place,
+            object_name=early.name,
+            time_ns=early.time_ns,
+        )
+    runtime.client(StaleMessages).report()
+    if request.world != NOMINAL.name:
+        root = Path(request.root)
+        read = [] if graph.state_reads is None else graph.state_reads.places_in(root)
+        recorder.note(LOST_ON_THE_WAY, lost=[*carrier.lost_in(root), *read])
+    watches.run.run_over(cause)
+    if watches.fate is not None:
+        watches.fate.note_end()
