@@ -102,8 +102,8 @@ class Recorder:
     """Writes the events of one run to `stream`, each line at once, until it is closed.
 
     `stream` is a file open for writing; only its descriptor is used. `clock` (an attribute, too)
-    returns the simulated time [ns]. `watch` (an attribute) is notified of each command; `on_event` gets each event, its
-    time [ns] and its data.
+    returns the simulated time [ns]. `watch` (an attribute) is notified of each command; `on_event`
+    gets each event, its time [ns] and its data.
     """
 
     def __init__(self, stream: BinaryIO, *, clock: Callable[[], int]) -> None:

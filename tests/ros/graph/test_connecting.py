@@ -262,7 +262,7 @@ def test_the_master_of_ros_1_knows_every_service(ros1):
         from std_srvs.srv import Trigger
 
         rospy.init_node("calls")
-        ros1.graph.serve(
+        ros1.graph.services.serve(
             "/s", TRIGGER, lambda _: Trigger._response_class(), node="/cell", is_callback=False
         )
         rospy.wait_for_service("/s", timeout=0.001)
@@ -443,7 +443,7 @@ def test_a_service_of_ros_2_is_not_ready_at_once(ros2):
         import rclpy
         from std_srvs.srv import Trigger
 
-        ros2.graph.serve(
+        ros2.graph.services.serve(
             "/s", TRIGGER, lambda _: Trigger.Response(), node="/cell", is_callback=False
         )
         rclpy.init()
@@ -470,7 +470,7 @@ def test_who_asks_once_and_gives_up_asked_too_early(ros2):
         import rclpy
         from std_srvs.srv import Trigger
 
-        ros2.graph.serve(
+        ros2.graph.services.serve(
             "/s", TRIGGER, lambda _: Trigger.Response(), node="/cell", is_callback=False
         )
         rclpy.init()
@@ -490,7 +490,7 @@ def test_who_asks_until_somebody_serves_did_not_ask_too_early(ros2):
         import rclpy
         from std_srvs.srv import Trigger
 
-        ros2.graph.serve(
+        ros2.graph.services.serve(
             "/s", TRIGGER, lambda _: Trigger.Response(), node="/cell", is_callback=False
         )
         rclpy.init()

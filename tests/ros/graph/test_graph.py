@@ -4,9 +4,10 @@ import pytest
 
 from tracerisk.ros.graph import graph_names
 from tracerisk.ros.graph.callback_thread import CallbackThread
-from tracerisk.ros.graph.graph import Graph, ServiceFailedError
+from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.graph.runtime import Runtime, activate, current
+from tracerisk.ros.graph.services import ServiceFailedError
 from tracerisk.ros.time.scheduler import RunOver
 
 SECOND = 1_000_000_000
@@ -145,7 +146,7 @@ def test_a_watcher_is_reported_of_what_is_there_and_of_what_comes(scheduler, gra
         collect(graph, "/t")
         graph.watch(lambda *change: log.append(change))
         publication = graph.advertise("/goal", "control_msgs/Goal", node="/p")
-        server = graph.serve("/s", "std_srvs/Trigger", lambda request: request, node="/n")
+        server = graph.services.serve("/s", "std_srvs/Trigger", lambda request: request, node="/n")
         server.close()
         publication.close()
 
@@ -182,8 +183,8 @@ def test_a_call_waits_for_the_handler_which_runs_on_a_thread_of_its_own(schedule
 
     def main():
         threads.append(scheduler.current)
-        server = graph.serve("/add", "pkg/Add", handle, node="/n")
-        return graph.call(server, 1)
+        server = graph.services.serve("/add", "pkg/Add", handle, node="/n")
+        return graph.services.call(server, 1)
 
     assert scheduler.run_main(main) == 2
     assert scheduler.now_ns == 2 * SECOND
@@ -192,10 +193,10 @@ def test_a_call_waits_for_the_handler_which_runs_on_a_thread_of_its_own(schedule
 
 def test_a_handler_of_the_twins_runs_on_the_callers_thread(scheduler, graph):
     def main():
-        server = graph.serve(
+        server = graph.services.serve(
             "/s", "pkg/S", lambda _: scheduler.current, node="/twin", is_callback=False
         )
-        return graph.call(server, None) is scheduler.current
+        return graph.services.call(server, None) is scheduler.current
 
     assert scheduler.run_main(main)
 
@@ -206,15 +207,15 @@ def test_what_a_handler_raises_is_raised_in_the_caller(scheduler, graph):
 
     def main():
         with pytest.raises(ServiceFailedError, match="no"):
-            graph.call(graph.serve("/s", "pkg/S", handle, node="/n"), None)
+            graph.services.call(graph.services.serve("/s", "pkg/S", handle, node="/n"), None)
 
     scheduler.run_main(main)
 
 
 def test_waiting_for_a_service_ends_when_it_is_served(scheduler, graph):
     def main():
-        scheduler.call_at(SECOND, lambda: graph.serve("/s", "pkg/S", print, node="/n"))
-        return graph.wait_for_service("/s")
+        scheduler.call_at(SECOND, lambda: graph.services.serve("/s", "pkg/S", print, node="/n"))
+        return graph.services.wait_for("/s")
 
     assert scheduler.run_main(main)
     assert scheduler.now_ns == SECOND
@@ -222,7 +223,7 @@ def test_waiting_for_a_service_ends_when_it_is_served(scheduler, graph):
 
 def test_waiting_for_a_service_that_nobody_serves_is_a_deadlock_that_names_it(scheduler, graph):
     with pytest.raises(RunOver) as over:
-        scheduler.run_main(lambda: graph.wait_for_service("/s", type_name="pkg/S"))
+        scheduler.run_main(lambda: graph.services.wait_for("/s", type_name="pkg/S"))
     assert over.value.cause == "deadlock"
     assert "service /s (pkg/S)" in over.value.message
     assert over.value.location.file == __file__
@@ -232,10 +233,10 @@ def test_two_handlers_that_call_each_other_for_ever_end_with_the_duration(schedu
     # Each call nests deeper; nothing but the end of the simulated time stops it.
     def handle(request):
         scheduler.sleep(10 * SECOND)
-        return graph.call(graph.service("/s"), request)
+        return graph.services.call(graph.services.find("/s"), request)
 
     def main():
-        graph.call(graph.serve("/s", "pkg/S", handle, node="/n"), None)
+        graph.services.call(graph.services.serve("/s", "pkg/S", handle, node="/n"), None)
 
     with pytest.raises(RunOver) as over:
         scheduler.run_main(main)

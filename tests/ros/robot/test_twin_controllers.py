@@ -105,8 +105,8 @@ def test_in_ros_2_controllers_are_activated(world):
     ControllerManager(runtime, TwinMessages(interfaces))
     kind = interfaces.service("controller_manager_msgs/SwitchController")
     request = kind.Request(deactivate_controllers=["panda_arm_controller"], strictness=2)
-    assert graph.service("/controller_manager/switch_controller").handle(request).ok
-    listing = graph.service("/controller_manager/list_controllers").handle(None)
+    assert graph.services.find("/controller_manager/switch_controller").handle(request).ok
+    listing = graph.services.find("/controller_manager/list_controllers").handle(None)
     found = {each.name: each for each in listing.controller}
     assert found["panda_arm_controller"].state == "inactive"
     assert found["panda_hand_controller"].claimed_interfaces[0] == "panda_finger_joint1/position"
@@ -118,10 +118,10 @@ def test_humble_switches_by_the_older_fields_too(world):
     runtime = Runtime(graph.scheduler, graph, SimpleNamespace(robot=load_robot("panda")))
     ControllerManager(runtime, TwinMessages(interfaces))
     kind = interfaces.service("controller_manager_msgs/SwitchController")
-    switch = graph.service("/controller_manager/switch_controller")
+    switch = graph.services.find("/controller_manager/switch_controller")
 
     def running():
-        listed = graph.service("/controller_manager/list_controllers").handle(None).controller
+        listed = graph.services.find("/controller_manager/list_controllers").handle(None).controller
         return {each.name for each in listed if each.state == "active"}
 
     name = "panda_arm_controller"
@@ -191,8 +191,8 @@ def test_switch(what, distro, world, tmp_path):
     request.strictness = strictness
     for name, asked in zip(names, (start, stop), strict=True):
         setattr(request, f"{name}_controllers", [f"{each}_controller" for each in asked.split()])
-    ok = graph.service("/controller_manager/switch_controller").handle(request).ok
-    listing = graph.service("/controller_manager/list_controllers").handle(None)
+    ok = graph.services.find("/controller_manager/switch_controller").handle(request).ok
+    listing = graph.services.find("/controller_manager/list_controllers").handle(None)
     runs = " ".join(
         sorted(
             each.name.removesuffix("_controller")

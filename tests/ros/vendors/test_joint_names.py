@@ -6,7 +6,7 @@ import re
 import pytest
 
 from tracerisk.errors import DriverError
-from tracerisk.ros.graph.joint_names import JointName, JointNames
+from tracerisk.ros.robot.trajectories.joint_names import JointName, JointNames
 from tracerisk.ros.vendors.description_reader import read_driver
 
 MAST = """\

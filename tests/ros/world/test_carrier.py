@@ -128,14 +128,16 @@ def test_a_client_of_ros2_finds_a_service_later_than_the_master_knows_it(schedul
     kind = "std_srvs/Trigger"
 
     def main():
-        graph.serve("/s", kind, lambda request: request, node="/cell", is_callback=False)
-        assert graph.service("/s", kind) is None
+        graph.services.serve("/s", kind, lambda request: request, node="/cell", is_callback=False)
+        assert graph.services.find("/s", kind) is None
         scheduler.sleep(SECOND)
-        assert graph.service("/s", kind) is not None
-        graph.serve("/late", kind, lambda request: request, node="/cell", is_callback=False)
-        graph.become_caller("/late", kind, connects=True)
-        assert graph.service("/late", kind) is None
-        assert graph.wait_for_service("/late", type_name=kind)
+        assert graph.services.find("/s", kind) is not None
+        graph.services.serve(
+            "/late", kind, lambda request: request, node="/cell", is_callback=False
+        )
+        graph.services.become_caller("/late", kind, connects=True)
+        assert graph.services.find("/late", kind) is None
+        assert graph.services.wait_for("/late", type_name=kind)
         assert scheduler.now_ns == 3 * SECOND // 2
 
     scheduler.run_main(main)
@@ -146,13 +148,13 @@ def test_the_master_knows_all_services_of_a_node_at_the_same_time(scheduler):
 
     def main():
         for name in ("/one", "/other"):
-            graph.serve(
+            graph.services.serve(
                 name, "std_srvs/Trigger", lambda request: request, node="/cell", is_callback=False
             )
-        assert graph.service("/other") is None
-        assert graph.wait_for_service("/one")
+        assert graph.services.find("/other") is None
+        assert graph.services.wait_for("/one")
         assert scheduler.now_ns > 0
-        assert graph.service("/other") is not None
+        assert graph.services.find("/other") is not None
 
     scheduler.run_main(main)
 

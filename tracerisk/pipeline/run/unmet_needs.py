@@ -246,7 +246,7 @@ class UnmetNeeds:
 
     def _is_served(self, need: Need) -> bool:
         """Return whether somebody serves a service, of the type that is asked for."""
-        server = self.runtime.graph.service(need.name, need.type_name or None)
+        server = self.runtime.graph.services.find(need.name, need.type_name or None)
         return server is not None and need.type_name in ("", server.type_name)
 
     def _is_arms(self, need: Need) -> bool:
@@ -405,7 +405,7 @@ class UnmetNeeds:
     def _unserved(self) -> tuple[Missed, ...]:
         """Return what the controller has a client of, or listens to, and nobody provides."""
         graph, actions = self.runtime.graph, self.runtime.client(Actions)
-        found = (*graph.unserved(), *actions.unserved(), *graph.unpublished())
+        found = (*graph.services.unserved(), *actions.unserved(), *graph.unpublished())
         return tuple({(each.need.kind, each.need.name): each for each in found}.values())
 
     def _all_now(self) -> tuple[Missed, ...]:
@@ -425,7 +425,7 @@ class UnmetNeeds:
 
     def _uncalled(self) -> tuple[Missed, ...]:
         graph, actions = self.runtime.graph, self.runtime.client(Actions)
-        return (*graph.uncalled(), *actions.uncalled())
+        return (*graph.services.uncalled(), *actions.uncalled())
 
     def _missed_now(self) -> tuple[Missed, ...]:
         graph, actions = self.runtime.graph, self.runtime.client(Actions)

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.gazebo.world import GazeboWorld, ModelRefusedError
-from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.graph import Change
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.robot.messages import TwinMessages

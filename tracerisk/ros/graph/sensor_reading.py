@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tracerisk.ros.graph.graph import Publication, Subscription
     from tracerisk.ros.graph.runtime import Runtime
+    from tracerisk.ros.graph.topic_ends import Publication, Subscription
     from tracerisk.trace import SensorKind
     from tracerisk.twin.robots.sensors import Sensor
 

@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import InputError
 from tracerisk.instrument.tracer import Frame
-from tracerisk.ros.graph.graph import Change, Publication, Subscription
+from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.topic_ends import Publication, Subscription
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.rospy_hooks import digest
 from tracerisk.ros.messages.ros1_wire import encode
@@ -94,7 +95,7 @@ class Bridge:
     def service_client(self, name: str, type_name: str) -> None:
         """Note that the controller has a client of a service."""
         self._types[name] = type_name
-        self._graph.become_caller(name, type_name)
+        self._graph.services.become_caller(name, type_name)
         self._offer(name)
 
     # What the relay sends
@@ -245,7 +246,7 @@ class Bridge:
 
     def _offer(self, name: str) -> None:
         """Serve in real ROS what the graph serves under a name, if anything."""
-        server = self._graph.service(name, self._types.get(name))
+        server = self._graph.services.find(name, self._types.get(name))
         if server is None or name in self._served:
             return
         try:
@@ -269,7 +270,7 @@ class Bridge:
         stack = self._sender(body)
 
         def answer() -> None:
-            server = self._graph.service(name, self._types.get(name))
+            server = self._graph.services.find(name, self._types.get(name))
             if server is None:
                 self._failed(number, f"service {name} is served no longer")
                 return
@@ -278,7 +279,7 @@ class Bridge:
             request.deserialize(body)
             try:
                 with self._acting_for(stack):
-                    response = self._graph.call(server, request)
+                    response = self._graph.services.call(server, request)
                 reply = response if response is not None else kind._response_class()
                 answered = _bytes(reply)
             except Exception as error:  # noqa: BLE001 - passed on to who called, as rospy does

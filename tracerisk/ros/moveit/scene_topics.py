@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.graph import Subscription
+from tracerisk.ros.graph.topic_ends import Subscription
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.twin.urdf.semantic_text import srdf_text

@@ -9,7 +9,8 @@ import numpy as np
 
 from tracerisk.errors import RobotError
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
-from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.graph import Change
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
 from tracerisk.ros.moveit.actions.goal_turns import GoalTurns
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError

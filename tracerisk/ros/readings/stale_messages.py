@@ -12,8 +12,8 @@ from itertools import pairwise
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.ros.graph.graph import Subscription
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.topic_ends import Subscription
 
 _OLD_NS = 1_000_000_000
 """A message that waited for so long is late: longer than a tracking arm needs for a short way."""

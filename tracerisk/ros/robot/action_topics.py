@@ -10,8 +10,9 @@ from typing import Any
 
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, ActionClientEnd, Actions
-from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.robot.bring_up.system import SystemState
 from tracerisk.ros.robot.messages import TwinMessages

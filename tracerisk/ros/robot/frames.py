@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from tracerisk.ros.graph.graph import Graph, Publication, Subscription
+from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.topic_ends import Publication, Subscription
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.twin_node import TopicStream

@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
 from tracerisk.ros.graph.declared_controllers import DeclaredControllers
-from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.command_streams import SHORT_S, CommandStreams

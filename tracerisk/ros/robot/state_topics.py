@@ -13,7 +13,6 @@ from typing import Any
 
 from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change
-from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.sensor_reading import JOINT_STATES_HZ
 from tracerisk.ros.messages.dialect import set_time
@@ -23,6 +22,7 @@ from tracerisk.ros.robot.bring_up.states import robot_controllers
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, is_command_topic
 from tracerisk.ros.robot.state_order import StateOrder
+from tracerisk.ros.robot.trajectories.joint_names import JointNames
 from tracerisk.ros.robot.twin_node import JOINTS, TopicStream, TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 
@@ -77,7 +77,7 @@ class TwinTopics(TwinNode):
         elif change == "advertised" and is_command_topic(name, type_name):
             self._used.add(name)
         elif change == "served":
-            servers = self._graph.services()
+            servers = self._graph.services.served()
             if not any(each.name == name and each.is_callback for each in servers):
                 self._used.add(name)
         else:

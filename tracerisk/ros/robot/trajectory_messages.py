@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.errors import one_of
-from tracerisk.ros.graph.joint_names import JointNames
-from tracerisk.ros.graph.robot_spaces import RobotSpaces
-from tracerisk.ros.graph.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.trajectories.joint_names import JointNames
+from tracerisk.ros.robot.trajectories.robot_spaces import RobotSpaces
+from tracerisk.ros.robot.trajectories.trajectory_rules import TrajectoryRules, within_limits
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import JointTrajectory

@@ -11,8 +11,9 @@ from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 
 if TYPE_CHECKING:
-    from tracerisk.ros.graph.graph import Change, Publication
+    from tracerisk.ros.graph.graph import Change
     from tracerisk.ros.graph.runtime import Runtime
+    from tracerisk.ros.graph.topic_ends import Publication
     from tracerisk.trace import SensorKind
     from tracerisk.twin.simulation.twin import Twin
 
@@ -49,7 +50,7 @@ class TwinNode:
         """
         if self._messages.has("service", kind):
             answer = partial(self._answer_to, kind, handle)
-            self._graph.offer(base_name, kind, answer, node=self.node)
+            self._graph.services.offer(base_name, kind, answer, node=self.node)
 
     def _answer_to(self, kind: str, handle: Callable[[Any, Any], Any], request: Any) -> Any:
         answer = self._messages.response(kind)

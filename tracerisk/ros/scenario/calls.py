@@ -11,8 +11,8 @@ from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import InputError, Location, ScenarioError
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.graph.actions import Actions
-from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.services import ServiceFailedError, ServiceServer
 from tracerisk.ros.messages.fields import goal_class, service_parts
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import full_name, interface_type, written_at
@@ -143,7 +143,7 @@ class ScenarioCall:
     @property
     def _is_served(self) -> bool:
         if self._kind == "service":
-            server = self._runtime.graph.service(self._name)
+            server = self._runtime.graph.services.find(self._name)
             return server is not None and server.is_callback and server.type_name == self._type
         served = self._runtime.client(Actions).server(self._name, self._type)
         return served is not None and served.by_controller
@@ -157,7 +157,7 @@ class ScenarioCall:
             return
         self._is_sent = True
         if self._kind == "service":
-            server = self._runtime.graph.service(self._name)
+            server = self._runtime.graph.services.find(self._name)
             assert server is not None
             self._call(server)
             return
@@ -177,7 +177,7 @@ class ScenarioCall:
 
         def call() -> None:
             with contextlib.suppress(ServiceFailedError):
-                self._runtime.graph.call(server, request)
+                self._runtime.graph.services.call(server, request)
 
         thread = self._runtime.scheduler.spawn(
             call, f"call of {self._name}", inherit=False, is_controllers=False

@@ -14,7 +14,9 @@ from statistics import median
 from typing import Any
 
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
-from tracerisk.ros.graph.graph import Graph, Publication, ServiceServer, Subscription
+from tracerisk.ros.graph.graph import Graph
+from tracerisk.ros.graph.services import ServiceServer
+from tracerisk.ros.graph.topic_ends import Publication, Subscription
 from tracerisk.ros.messages.fields import fields_of
 
 _SHOWN = re.compile(

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from tracerisk.errors import ScenarioError
-from tracerisk.ros.graph.graph import Publication
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.robot.frames import TF, TF_STATIC, TF_TYPE, set_transform
 from tracerisk.ros.scenario.scenario import Frame, Place
 from tracerisk.ros.scenario.schedule import Schedule

@@ -12,9 +12,9 @@ from typing import Any
 from tracerisk.errors import InputError, Location, ScenarioError
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import Actions
-from tracerisk.ros.graph.graph import ServiceFailedError
 from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.graph.services import ServiceFailedError
 from tracerisk.ros.messages.fields import action_parts, service_parts, type_of
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import GoalScript, Served, ServedAction
@@ -126,7 +126,7 @@ class ScenarioService:
         self._replies: list[MessageTemplate] = []
         if entry.type_name is not None:
             self._replies = self._templates(entry.type_name)
-        runtime.graph.serve(
+        runtime.graph.services.serve(
             entry.name,
             entry.type_name or ANY_TYPE,
             self._answer,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from tracerisk.errors import InputError, Location, ScenarioError
-from tracerisk.ros.graph.graph import Publication, Subscription
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.sensor_reading import SensorReading
+from tracerisk.ros.graph.topic_ends import Publication, Subscription
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import Published
 from tracerisk.ros.scenario.schedule import Schedule

@@ -11,8 +11,9 @@ from tracerisk.ros.controller.needs import Need, NeedKind
 from tracerisk.ros.controller.thread import undisturbed
 from tracerisk.ros.graph.action_goal import ActionGoal
 from tracerisk.ros.graph.actions import ActionChange, Actions
-from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.graph_names import ANY_TYPE
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
@@ -117,13 +118,13 @@ class DescribedDriver(TwinNode):
         for type_name in self._types(interface):
             answer = partial(self._answer, interface, type_name)
             if interface.name.startswith("/") and self._driver.origin != "shipped":
-                self._graph.serve(
+                self._graph.services.serve(
                     interface.name, type_name, answer, node=self.node, is_callback=False
                 )
             else:
                 name = interface.name.strip("/")
                 base = "/".join(name.split("/")[-2:])
-                self._graph.offer(base, type_name, answer, node=self.node)
+                self._graph.services.offer(base, type_name, answer, node=self.node)
 
     def _answer(self, interface: Interface, type_name: str, message: Any) -> Any:
         arm, stack = self._arm(interface), self._commands.stack()

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import one_of
 from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.robot.arm_motion import ArmMotion, TwistFrame
 from tracerisk.ros.robot.motion_profiles import Ramp, ramp_of_speed, ramped
+from tracerisk.ros.robot.trajectories.joint_names import JointNames
 from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
 from tracerisk.ros.transforms.poses import compose, inverse, multiply
 from tracerisk.ros.vendors.answers import Result

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.errors import DriverError, one_of
-from tracerisk.ros.graph.joint_names import JointNames
 from tracerisk.ros.graph.sensor_reading import SensorReading
-from tracerisk.ros.graph.trajectory_rules import TrajectoryRules
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.trajectories.joint_names import JointNames
+from tracerisk.ros.robot.trajectories.trajectory_rules import TrajectoryRules
 from tracerisk.ros.vendors.answers import Answers
 from tracerisk.ros.vendors.described_motions import DescribedMotions
 from tracerisk.ros.vendors.description import Case, Driver, Interface

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from tracerisk.errors import Location
-from tracerisk.ros.graph.joint_names import JointName
+from tracerisk.ros.robot.trajectories.joint_names import JointName
 
 InterfaceKind = Literal["services", "actions", "subscribed_topics", "published_topics"]
 Rotation = Literal["rpy", "quaternion", "rotation_vector", "euler_xyz", "euler_zyz"]

@@ -9,7 +9,7 @@ from typing import Any, get_args
 
 from tracerisk.common.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.errors import DriverError, one_of
-from tracerisk.ros.graph.joint_names import JointName
+from tracerisk.ros.robot.trajectories.joint_names import JointName
 from tracerisk.ros.vendors.description import (
     EFFECTS,
     OF_ALL,

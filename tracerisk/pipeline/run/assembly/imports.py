@@ -60,12 +60,7 @@ def build_imports(
     kinds = stand_ins.provides.items()
     libraries = {name for name, kind in kinds if kind.startswith("library")} - ways.names
     installed, beside = (
-        InstalledLibraries(
-            python_folders(prefix for prefix in workspace.prefixes if prefix.fills_in == fills_in),
-            libraries | (VENDOR_LIBRARIES if fills_in else set()),
-            graph.interfaces.packages,
-        )
-        for fills_in in (False, True)
+        _installed_libraries(graph, libraries, fills_in=fills_in) for fills_in in (False, True)
     )
     own = ControllerFinder(
         world.tracer,
@@ -83,6 +78,19 @@ def build_imports(
     )
     missing = MissingModules(script, root, stand_ins.provides)
     return Imports(stand_ins, beside, installed, placeholders, own, missing)
+
+
+def _installed_libraries(
+    graph: ServedGraph, libraries: set[str], *, fills_in: bool
+) -> InstalledLibraries:
+    """Return the finder of the prefixes that fill in what others lack, or of the others."""
+    return InstalledLibraries(
+        python_folders(
+            prefix for prefix in graph.workspace.prefixes if prefix.fills_in == fills_in
+        ),
+        libraries | (VENDOR_LIBRARIES if fills_in else set()),
+        graph.interfaces.packages,
+    )
 
 
 def _folder_elsewhere(

@@ -62,14 +62,6 @@ def controller_surroundings(
         InputError, SourceError, UnsafeRewriteError: as `prepared_controller`.
     """
     script, recorder = Path(request.controller), world.recorder
-    answers = Answers(
-        (*request.answers, *world.scenario.answers),
-        recorder,
-        world.scheduler,
-        str(script),
-        assume=lambda: known_answers(asking_place(), watches.values),
-        progress=lambda: watches.run.last_command_ns,
-    )
     not_simulated = partial(recorder.finding, "not_simulated")
     entry = find_entry_point(script, script.read_bytes(), project.root)
     with (
@@ -85,7 +77,7 @@ def controller_surroundings(
         removed_python_names(request.distro.name),
         served_opencv_names(),
         virtual_time(world.scheduler, seed=request.seed, note=not_simulated),
-        scripted_input(answers),
+        scripted_input(_answers(request, world, watches)),
         prepared_controller(
             script,
             world.tracer,
@@ -97,6 +89,18 @@ def controller_surroundings(
         controller_imports(imports.own),
     ):
         yield PreparedController(run, entry, overlay)
+
+
+def _answers(request: RunRequest, world: SimulatedWorld, watches: Watches) -> Answers:
+    """Return what the controller reads on its standard input."""
+    return Answers(
+        (*request.answers, *world.scenario.answers),
+        world.recorder,
+        world.scheduler,
+        request.controller,
+        assume=lambda: known_answers(asking_place(), watches.values),
+        progress=lambda: watches.run.last_command_ns,
+    )
 
 
 def _moved_files(

@@ -10,7 +10,7 @@ import re
 from typing import TYPE_CHECKING
 
 from tracerisk.ros.controller.needs import asking_place
-from tracerisk.ros.graph.graph import Publication
+from tracerisk.ros.graph.topic_ends import Publication
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime

@@ -61,7 +61,7 @@ class NodeParameters(TwinNode):
         super().__init__(runtime, messages)
         self._changed: dict[str, dict[str, Any]] = {}
         if messages.is_ros2:
-            self._graph.offer_found(self._found)
+            self._graph.services.offer_found(self._found)
             return
         parameters = self._graph.parameters
         offered: dict[str, Callable[[], Any]] = {

@@ -172,7 +172,7 @@ class SystemState:
         """Return all services, sorted by name."""
         found = {
             each.name: SystemEnd(each.name, each.type_name, each.node)
-            for each in self._graph.services()
+            for each in self._graph.services.served()
         }
         for end in self._services():
             found.setdefault(end.topic, end)

@@ -16,7 +16,7 @@ IS_ROS2 = is_ros2(TransformStamped)
 def is_served(service: str, type_name: str) -> bool:
     """Return whether somebody answers a service; one that nobody answers is a need of the run."""
     runtime = current()
-    if runtime.graph.service(service) is not None:
+    if runtime.graph.services.find(service) is not None:
         return True
     runtime.scheduler.miss(Need("service", service, type_name))
     return False

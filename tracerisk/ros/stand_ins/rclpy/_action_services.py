@@ -15,7 +15,8 @@ from unique_identifier_msgs.msg import UUID
 
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
 from tracerisk.ros.graph.actions import ActionChange, ActionClientEnd
-from tracerisk.ros.graph.graph import Publication, ServiceServer
+from tracerisk.ros.graph.services import ServiceServer
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._node_entities import OF_ACTION
@@ -81,7 +82,7 @@ class ActionServices:
                 self._publish_on(name, kind)
             elif name not in known:
                 self._served.setdefault(action, []).append(
-                    self._graph.serve(
+                    self._graph.services.serve(
                         name,
                         kind._ros_type,
                         lambda request, handler=handlers[leaf], kind=kind: handler(

@@ -36,7 +36,7 @@ class BareActionServer:
         impl = action_type.Impl
         kinds = (impl.SendGoalService, impl.CancelGoalService, impl.GetResultService)
         for call, kind in zip(_CALLS.values(), kinds, strict=True):
-            server = run().graph.service(f"{name}/_action/{call}", kind._ros_type)
+            server = run().graph.services.find(f"{name}/_action/{call}", kind._ros_type)
             if server is None or not isinstance(getattr(server.handle, "__self__", None), Service):
                 return False
         return True

@@ -6,8 +6,8 @@ from collections import deque
 from typing import Any
 
 from tracerisk.ros.controller.needs import Need, asking_place
-from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.graph.graph_names import ANY_TYPE
+from tracerisk.ros.graph.services import ServiceFailedError, ServiceServer
 from tracerisk.ros.messages.ros2 import copy_message
 
 from ._entity import Call
@@ -39,7 +39,7 @@ class Client(ServiceEnd):
         self._n_calls = 0
         self._pending: list[Future] = []
         self._responses: deque[tuple[Future, Any, int]] = deque()
-        run().graph.become_caller(srv_name, srv_type._ros_type, connects=True)
+        run().graph.services.become_caller(srv_name, srv_type._ros_type, connects=True)
         run().graph.carrier.pass_work("end")
 
     def call(self, request: Any, *timeout: float | None, **named: float | None) -> Any:
@@ -89,9 +89,9 @@ class Client(ServiceEnd):
         server = self._server()
         if server is None:
             # Lost, as on a network: who serves later never hears of it.
-            run().graph.miss_service(self._full_name, self.srv_type._ros_type, sent)
+            run().graph.services.miss(self._full_name, self.srv_type._ros_type, sent)
             return future
-        run().graph.find_service(self._full_name, self.srv_type._ros_type, sent)
+        run().graph.services.meet(self._full_name, self.srv_type._ros_type, sent)
         service = getattr(server.handle, "__self__", None)
         if isinstance(service, Service):
             server.is_called = True
@@ -110,7 +110,7 @@ class Client(ServiceEnd):
 
     def _call_other(self, server: ServiceServer, request: Any, future: Future, number: int) -> None:
         try:
-            response = run().graph.call(server, request)
+            response = run().graph.services.call(server, request)
         except ServiceFailedError as error:
             self._node.get_logger().error(f"service {self._full_name}: {error}")
             return
@@ -136,7 +136,7 @@ class Client(ServiceEnd):
             check_context(self.context, "failed to check service availability")
         run().scheduler.touch()
         is_ready, graph = self._server() is not None, run().graph
-        note = graph.find_service if is_ready else graph.miss_service
+        note = graph.services.meet if is_ready else graph.services.miss
         note(self._full_name, self.srv_type._ros_type)
         return is_ready
 
@@ -171,7 +171,7 @@ class Client(ServiceEnd):
             return
 
     def _server(self) -> ServiceServer | None:
-        server = run().graph.service(self._full_name, self.srv_type._ros_type)
+        server = run().graph.services.find(self._full_name, self.srv_type._ros_type)
         if server is None or server.type_name not in (ANY_TYPE, self.srv_type._ros_type):
             return None
         return server

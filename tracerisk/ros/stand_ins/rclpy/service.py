@@ -34,7 +34,7 @@ class Service(ServiceEnd):
         super().__init__(node, srv_type, srv_name, qos_profile, callback_group)
         self.callback = callback
         self._queue: deque[tuple[Any, Callable[[Any], None], int]] = deque()
-        self._server = run().graph.serve(
+        self._server = run().graph.services.serve(
             srv_name,
             srv_type._ros_type,
             self._serve,

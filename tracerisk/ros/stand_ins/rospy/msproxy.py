@@ -125,7 +125,7 @@ class MasterProxy:
         state = node()
         state.scheduler.touch()
         name = resolve_name(service)
-        if state.graph.service(name) is None:
+        if state.graph.services.find(name) is None:
             return -1, f"no provider for service [{name}]", ""
         return 1, "rosrpc URI", "rosrpc://localhost:0"
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from tracerisk.ros.graph.failures import callback_failed
-from tracerisk.ros.graph.graph import ServiceFailedError, ServiceServer
 from tracerisk.ros.graph.graph_names import ANY_TYPE
+from tracerisk.ros.graph.services import ServiceFailedError, ServiceServer
 from tracerisk.ros.messages.ros1_base import Message
 from tracerisk.ros.time.rostime import Duration
 
@@ -64,10 +64,10 @@ class Service(_Service):
             self.error_handler = error_handler  # type: ignore[method-assign]
         self.done = False
         self.uri = f"{core.ROSRPC}localhost:0"
-        known = state.graph.service(self.resolved_name)
+        known = state.graph.services.find(self.resolved_name)
         if known is not None and known.is_callback:
             raise ServiceException(f"service [{self.resolved_name}] already registered")
-        self._server: ServiceServer = state.graph.serve(
+        self._server: ServiceServer = state.graph.services.serve(
             self.resolved_name, service_class._type, self._answer, node=state.name
         )
 
@@ -149,7 +149,7 @@ class ServiceProxy(_Service):
         self.headers = headers
         self.seq = 0
         node().scheduler.needs.note_type("service", self.resolved_name, service_class._type)
-        node().graph.become_caller(self.resolved_name, service_class._type)
+        node().graph.services.become_caller(self.resolved_name, service_class._type)
 
     def wait_for_service(self, timeout: float | Duration | None = None) -> None:
         """Wait until the service is served; see `rospy.wait_for_service`."""
@@ -176,9 +176,9 @@ class ServiceProxy(_Service):
             )
         state = node()
         state.scheduler.touch()
-        server = state.graph.service(self.resolved_name, self.service_class._type)
+        server = state.graph.services.find(self.resolved_name, self.service_class._type)
         if server is None:
-            state.graph.miss_service(self.resolved_name, self.service_class._type, request)
+            state.graph.services.miss(self.resolved_name, self.service_class._type, request)
             raise ServiceException(f"service [{self.resolved_name}] unavailable")
         if server.type_name not in (ANY_TYPE, self.service_class._type):
             raise ServiceException(
@@ -188,7 +188,7 @@ class ServiceProxy(_Service):
         self.seq += 1
         sent = sent_copy(request, self.request_class)
         try:
-            response = state.graph.call(server, sent)
+            response = state.graph.services.call(server, sent)
         except ServiceFailedError as error:
             message = str(error).encode()
             raise ServiceException(
@@ -220,7 +220,7 @@ def _wait(name: str, timeout: float | Duration | None, type_name: str | None) ->
     timeout_ns = None if timeout is None else duration_ns(timeout)
     if timeout_ns == 0:
         raise ValueError("timeout must be non-zero")
-    found = state.graph.wait_for_service(
+    found = state.graph.services.wait_for(
         name, type_name=type_name, timeout_ns=timeout_ns, unless=lambda: state.is_shutdown
     )
     if state.is_shutdown:

@@ -11,8 +11,8 @@ from typing import Any
 
 from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.failures import callback_failed
-from tracerisk.ros.graph.graph import Publication, Subscription
 from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.graph.topic_ends import Publication, Subscription
 from tracerisk.ros.messages.ros1_base import Message, SerializationError
 from tracerisk.ros.readings.stale_messages import StaleMessages
 from tracerisk.ros.robot.bring_up.assumed_listeners import AssumedListeners

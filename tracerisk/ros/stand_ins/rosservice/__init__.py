@@ -39,13 +39,13 @@ def get_service_list(
 
 def get_service_type(service_name: str) -> str | None:
     """Return the type of a service, or None if nobody serves it."""
-    server = current().graph.service(rospy.resolve_name(service_name))
+    server = current().graph.services.find(rospy.resolve_name(service_name))
     return None if server is None else server.type_name
 
 
 def get_service_node(service_name: str) -> str | None:
     """Return the node that serves a name, or None."""
-    server = current().graph.service(rospy.resolve_name(service_name))
+    server = current().graph.services.find(rospy.resolve_name(service_name))
     return None if server is None else server.node
 
 

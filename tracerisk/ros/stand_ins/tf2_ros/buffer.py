@@ -39,7 +39,7 @@ class Buffer(tf2.BufferCore, BufferInterface):  # type: ignore[misc]
         import rospy
 
         service = rospy.resolve_name("~tf2_frames")
-        if current().graph.service(service) is None:
+        if current().graph.services.find(service) is None:
             self.frame_server = rospy.Service("~tf2_frames", FrameGraph, self._frame_graph)
 
     def _frame_graph(self, request: Any) -> Any:

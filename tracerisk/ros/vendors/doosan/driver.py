@@ -12,7 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.graph import Change
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.robot.command_streams import SHORT_S, CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.vendors.doosan.motion import pose_of

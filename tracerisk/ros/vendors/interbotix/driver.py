@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import one_of
-from tracerisk.ros.graph.graph import ServiceFailedError
+from tracerisk.ros.graph.services import ServiceFailedError
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.vendors.interbotix.dynamixel import MODES, SETTINGS
 from tracerisk.ros.vendors.interbotix.servo_node import GRIPPER, TURRET, ServoNode

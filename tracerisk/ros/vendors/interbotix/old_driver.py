@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.graph import ServiceFailedError
+from tracerisk.ros.graph.services import ServiceFailedError
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.vendors.interbotix.dynamixel import SETTINGS
 from tracerisk.ros.vendors.interbotix.servo_node import GRIPPER, ServoNode

@@ -13,7 +13,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.action_goal import ActionGoal
-from tracerisk.ros.graph.graph import Change, Publication, ServiceFailedError
+from tracerisk.ros.graph.graph import Change
+from tracerisk.ros.graph.services import ServiceFailedError
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode

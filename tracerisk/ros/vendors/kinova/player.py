@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.graph import ServiceFailedError
+from tracerisk.ros.graph.services import ServiceFailedError
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.vendors.kinova.actions import POSITION, SPEED, KortexArm, joint_angles

@@ -78,7 +78,7 @@ class BaxterDriver(TwinNode):
         sides = [side for side in ("left", "right") if f"{side}_s0" in joints]
         self._is_there = bool(sides) or "right_j0" in joints  # a Baxter, or a Sawyer
         for side in sides:
-            self._graph.serve(
+            self._graph.services.serve(
                 f"/ExternalTools/{side}/PositionKinematicsNode/IKService",
                 f"{_CORE}/SolvePositionIK",
                 partial(self._solve, f"{side}_arm"),

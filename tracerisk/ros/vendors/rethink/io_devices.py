@@ -12,7 +12,8 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.graph import Change
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.grippers import measured_grip

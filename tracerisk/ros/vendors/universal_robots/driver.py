@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tracerisk.ros.graph.graph import Change, Publication
+from tracerisk.ros.graph.graph import Change
+from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.command_streams import CommandStreams
