@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.cli import VERBS, main
+from tracerisk.cli import main
 from tracerisk.cli.parser import whole_parser
+from tracerisk.cli.verbs import VERBS
 from tracerisk.errors import ExitCode
 
 TEXT = (Path(__file__).parents[1] / "docs" / "command.md").read_text(encoding="utf-8")

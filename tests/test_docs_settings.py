@@ -6,7 +6,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from tracerisk.cli import check, run
+from tracerisk.cli.authors import check, run
 from tracerisk.config import ProjectSettings, Settings, loads_toml
 
 TEXT = (Path(__file__).parents[1] / "docs" / "settings.md").read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from tracerisk import __version__
-from tracerisk.cli import VERBS
+from tracerisk.cli.verbs import VERBS
 from tracerisk.config import loads_toml
 
 ROOT = Path(__file__).parents[1]

@@ -20,11 +20,12 @@ PACKAGE = Path(__file__).parents[1] / "tracerisk"
 
 def surface() -> dict[str, Any]:
     import tracerisk
-    from tracerisk import cli, errors, prm
+    from tracerisk import errors, prm
+    from tracerisk.cli.verbs import VERBS
     from tracerisk.config import Settings
 
     return {
-        "verbs": {verb: options_of(verb) for verb in cli.VERBS},
+        "verbs": {verb: options_of(verb) for verb in VERBS},
         "exit codes": {each.name: int(each) for each in errors.ExitCode},
         "error codes": sorted(codes_of(errors.TraceRiskError)),
         "settings": sorted(field.name for field in dataclasses.fields(Settings)),
@@ -36,7 +37,9 @@ def surface() -> dict[str, Any]:
 
 def options_of(verb: str) -> list[str]:
     parser = argparse.ArgumentParser()
-    importlib.import_module(f"tracerisk.cli.{verb.replace('-', '_')}").add_options(parser)
+    from tracerisk.cli.verbs import module_of
+
+    importlib.import_module(module_of(verb)).add_options(parser)
     found = []
     for action in parser._actions:
         found += action.option_strings or [str(action.metavar or action.dest)]

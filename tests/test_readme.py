@@ -40,7 +40,8 @@ def test_the_block_shown_is_part_of_what_the_run_writes(example, pick_and_place)
 
 @pytest.mark.parametrize("verb", re.findall(r"^\| `tracerisk ([\w-]+)", README, re.MULTILINE))
 def test_every_verb_of_the_table_has_a_help(verb, capsys):
-    from tracerisk.cli import VERBS, main
+    from tracerisk.cli import main
+    from tracerisk.cli.verbs import VERBS
 
     assert verb in VERBS
     with pytest.raises(SystemExit) as ended:
@@ -50,7 +51,7 @@ def test_every_verb_of_the_table_has_a_help(verb, capsys):
 
 
 def test_every_verb_stands_in_a_table_and_the_first_ones_here():
-    from tracerisk.cli import VERBS
+    from tracerisk.cli.verbs import VERBS
 
     row = re.compile(r"^\| `tracerisk ([\w-]+)", re.MULTILINE)
     page = (ROOT / "docs" / "command.md").read_text(encoding="utf-8")

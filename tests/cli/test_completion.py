@@ -3,8 +3,8 @@ import subprocess
 
 import pytest
 
-from tracerisk.cli import VERBS
-from tracerisk.cli.completion import SHELLS
+from tracerisk.cli.set_up.completion import SHELLS
+from tracerisk.cli.verbs import VERBS
 
 COMPLETE = """\
 source "$1"

@@ -5,8 +5,9 @@ import re
 
 import pytest
 
-from tracerisk.cli import GROUPS, VERBS, main
+from tracerisk.cli import main
 from tracerisk.cli.parser import whole_parser
+from tracerisk.cli.verbs import GROUPS, VERBS
 
 PROPER = {"Markdown", "PRISM"}
 

@@ -121,7 +121,7 @@ def test_an_import_that_a_signal_breaks_is_an_interruption(end, raised, monkeypa
         except BaseException as error:
             raise raised from error
 
-    monkeypatch.setattr("tracerisk.cli.robots.run", verb)
+    monkeypatch.setattr("tracerisk.cli.set_up.robots.run", verb)
     if isinstance(end, KeyboardInterrupt):
         assert main(["robots"]) == 130
         assert capsys.readouterr().err == "tracerisk: interrupted\n"
@@ -461,6 +461,7 @@ def test_help_imports_nothing_of_the_stages(example):
     words = (
         "cli",
         "cli.parser",
+        "cli.verbs",
         "common",
         "common.text",
         "common.text.columns",

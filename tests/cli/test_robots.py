@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.cli.robots import interfaces
+from tracerisk.cli.set_up.robots import interfaces
 from tracerisk.twin.robots.robot import load_robot, robot_names
 
 DOCS = (Path(__file__).parent.parent.parent / "docs" / "ros.md").read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The command `tracerisk`: one module a verb, one place where errors become exit codes.
+"""The command `tracerisk`: one file a verb, one place where errors become exit codes.
 
 No verb is imported before it is chosen, and no parser where a verb has paths alone to read.
 """
@@ -11,54 +11,12 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
+from tracerisk.cli.verbs import module_of
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
     from typing import Any
-
-GROUPS = {
-    "for authors of controllers": {
-        "run": "run a controller on the twin, annotate it, solve its risk model",
-        "trace": "run a controller and print which hardware each function used",
-        "attach": "listen to a real robot; print what each function used",
-        "scenario": "list a controller's needs; write a scenario that meets them",
-        "success": "draft what the mission is from what a good run brought about",
-        "check": "check, without a simulation, whether blocks can be trusted",
-        "refresh": "bring blocks up to date, simulating only what is stale",
-        "annotate": "write risk blocks into a controller from a trace or a log",
-        "strip": "remove the risk blocks from sources, every other byte kept",
-    },
-    "for reviewers of changes": {
-        "diff": "print what a change between git versions does to the risk",
-        "history": "print how the risk went over the commits, and what raised it",
-        "report": "write an HTML report of annotated sources that needs no network",
-        "serve": "show a repository's risk in a browser on this machine alone",
-        "overrides": "list what was set by hand in blocks, why, and how it drifted",
-    },
-    "for safety engineers": {
-        "hardware": "convert, show or start a hardware description; print its schema",
-        "evidence": "fail each unit on the twin and tabulate the effects (FMEA)",
-        "sweep": "run a controller over values of settings, parameters, scenario",
-        "mutate": "change a controller, place by place; list what none notices",
-        "field": "sum up recorded missions: visits, times, what follows",
-        "build": "build the risk model from the blocks in sources alone",
-        "solve": "solve a model, or the blocks in sources, exactly",
-        "cut-sets": "count, sum and list the minimal cut sets of a fault tree",
-        "convert": "write a model as Open-PSA, OpenPRA, Galileo, PRISM or .tra",
-    },
-    "to set up": {
-        "init": "write what a repository needs to begin, after showing it",
-        "lsp": "serve an editor: figures, findings and fixes where you write",
-        "robots": "list the robots that are shipped, or show what one of them has",
-        "drivers": "list drivers, check the description of one, print its schema",
-        "doctor": "check that everything that tracerisk needs works here",
-        "lock-merge": "merge tracerisk.lock for git; --install sets git up for it",
-        "completion": "print the script by which a shell completes this command",
-    },
-}
-"""What each verb does, by who needs it."""
-VERBS = {verb: summary for group in GROUPS.values() for verb, summary in group.items()}
-
 
 _MADE_BEFORE_A_LOOK = 100_000  # objects, in place of 700
 _AT_THE_END = {"atexit", "threading"}  # what is to be done, or waited for, when a process ends
@@ -134,7 +92,7 @@ def _plain(given: list[str]) -> argparse.Namespace | None:
     from types import SimpleNamespace
 
     defaults = _Defaults()
-    import_module(f"tracerisk.cli.{given[0]}").add_options(defaults)
+    import_module(module_of(given[0])).add_options(defaults)
     stated = {"verb": given[0], "version": None, "files": files}
     is_quiet = len(files) + 1 < len(given)
     plain: Any = SimpleNamespace(**{**defaults.values, **stated, "quiet": is_quiet})

@@ -10,6 +10,7 @@ import warnings
 from importlib import import_module
 
 from tracerisk.cli.shared.output import note, place_data, print_json, scenario_advice
+from tracerisk.cli.verbs import module_of
 from tracerisk.errors import ExitCode, TraceRiskError, disk_full, interruption
 
 TYPE_CHECKING = False
@@ -32,7 +33,7 @@ def guarded(options: argparse.Namespace) -> int:
         os.environ.pop("NO_COLOR", None)
         os.environ["FORCE_COLOR" if options.color == "always" else "NO_COLOR"] = "1"
     try:
-        return int(import_module(f"tracerisk.cli.{options.verb.replace('-', '_')}").run(options))
+        return int(import_module(module_of(options.verb)).run(options))
     except BrokenPipeError:
         raise
     except Exception as error:  # noqa: BLE001 - the one boundary

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 
-from tracerisk.cli import GROUPS, VERBS
+from tracerisk.cli.verbs import GROUPS, VERBS, module_of
 from tracerisk.common.text.columns import columns_of
 from tracerisk.common.version import __version__
 
@@ -88,7 +88,7 @@ def _parser(
         if verb in chosen:
             sub.verb = parser.verb
             parser.chosen = sub
-            import_module(f"tracerisk.cli.{verb.replace('-', '_')}").add_options(sub)
+            import_module(module_of(verb)).add_options(sub)
     return parser
 
 

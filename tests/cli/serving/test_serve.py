@@ -19,7 +19,7 @@ import pytest
 from tracerisk.adder.lock.lock import ControllerLock, Lock
 from tracerisk.cli import main
 from tracerisk.cli.parser import whole_parser
-from tracerisk.cli.serve import PORT
+from tracerisk.cli.reviewers.serve import PORT
 from tracerisk.cli.serving.model_changes import answer, choices_of, read_change
 from tracerisk.cli.serving.server import Server
 from tracerisk.cli.serving.site import Site

@@ -2,8 +2,9 @@
 
 import pytest
 
-from tracerisk.cli import VERBS, _plain
+from tracerisk.cli import _plain
 from tracerisk.cli.parser import _parser
+from tracerisk.cli.verbs import VERBS
 
 
 def parsed(verb: str, *words: str) -> dict[str, object]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk import api
-from tracerisk.cli.scenario import scenario_file, write_scenario
+from tracerisk.cli.authors.scenario import scenario_file, write_scenario
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.cli.shared.progress import progress_bar

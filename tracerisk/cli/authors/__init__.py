@@ -1,0 +1,1 @@
+"""The verbs for authors of controllers, one file each."""

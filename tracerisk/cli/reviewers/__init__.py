@@ -1,0 +1,1 @@
+"""The verbs for reviewers of changes, one file each."""

@@ -1,0 +1,1 @@
+"""The verbs for safety engineers, one file each."""

@@ -1,0 +1,1 @@
+"""The verbs to set up, one file each."""
