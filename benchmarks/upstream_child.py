@@ -185,7 +185,7 @@ def run_program(job: dict[str, Any], runtime: Runtime, run_tests: Callable[[], N
     started = job["started"]
     if started is not None and started["beside"]:
         from tracerisk.common.text.read_back import read_back
-        from tracerisk.instrument.recording import Recorder
+        from tracerisk.instrument.recorder import Recorder
         from tracerisk.pipeline.run.companions.companion_run import Companions
         from tracerisk.pipeline.trace.run_files import Companion
 

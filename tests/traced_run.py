@@ -9,7 +9,8 @@ from typing import Any
 from tests.ran import Ran
 from tracerisk.config import RosDistro
 from tracerisk.instrument.loader import prepared_controller
-from tracerisk.instrument.recording import Recorder, read_recording
+from tracerisk.instrument.recorder import Recorder
+from tracerisk.instrument.recording import read_recording
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph

@@ -6,7 +6,8 @@ import pytest
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location, LogError
 from tracerisk.instrument.commands import Command, traced_commands
-from tracerisk.instrument.recording import Recorder, Recording, read_recording
+from tracerisk.instrument.recorder import Recorder
+from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import Finding

@@ -7,7 +7,7 @@ import pytest
 
 from tests.ros.conftest import ClockWorld
 from tracerisk.config import RosDistro
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.ros.controller.node_process import NodeProcess
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.actions import Actions

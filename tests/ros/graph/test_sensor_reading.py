@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.instrument.recording import Recorder, read_recording
+from tracerisk.instrument.recorder import Recorder
+from tracerisk.instrument.recording import read_recording
 from tracerisk.ros.graph.graph import Graph
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.sensor_reading import ASKED_NS, CHANNEL, SPAN, SensorReading

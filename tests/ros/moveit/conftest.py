@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from tests.ran import Ran
-from tracerisk.instrument.recording import Recorder, read_recording
+from tracerisk.instrument.recorder import Recorder
+from tracerisk.instrument.recording import read_recording
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.distributions.in_run import DistroRules
 from tracerisk.ros.graph.graph import Graph

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.instrument.recording import Recorder, Recording
+from tracerisk.instrument.recorder import Recorder
+from tracerisk.instrument.recording import Recording
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.ros.time.scheduler import Scheduler
 

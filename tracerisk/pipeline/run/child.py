@@ -17,7 +17,7 @@ from pathlib import Path
 
 from tracerisk.common.sandbox.limited_process import lower_limit, mark_start
 from tracerisk.errors import ExitCode, TraceRiskError
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.run.assembly.graph import ServedGraph, build_graph

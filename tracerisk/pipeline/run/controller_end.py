@@ -17,7 +17,7 @@ from typing import NoReturn
 
 from tracerisk.common.text.printable import cut, printable
 from tracerisk.errors import Location, SourceError, UnsafeRewriteError
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.source.python_2 import METHODS, NAMES
 from tracerisk.pipeline.run.missing_modules import MissingModules
 from tracerisk.pipeline.run.unmet_needs import JudgedEnd

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tracerisk.errors import Location
-from tracerisk.instrument.recording import Recorder, is_near
+from tracerisk.instrument.recorder import Recorder
+from tracerisk.instrument.recording import is_near
 from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.trace.run_files import CYCLE, IDLE_S, MISSION_END
 from tracerisk.ros.scenario.schedule import Schedule

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NoReturn
 
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.scripted_keys import STDIN, ScriptedKeys
 from tracerisk.ros.controller.needs import Need, asking_place
 from tracerisk.ros.time.scheduler import Scheduler

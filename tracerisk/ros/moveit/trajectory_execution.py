@@ -17,7 +17,7 @@ from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
-    from tracerisk.instrument.recording import Recorder
+    from tracerisk.instrument.recorder import Recorder
     from tracerisk.instrument.tracer import Tracer
     from tracerisk.ros.graph.action_goal import ActionGoal
     from tracerisk.ros.graph.runtime import Runtime

@@ -14,7 +14,7 @@ from tracerisk.twin.motion.execution import Motion, Way
 
 if TYPE_CHECKING:
     from tracerisk.instrument.marks.call_log import Site
-    from tracerisk.instrument.recording import Recorder
+    from tracerisk.instrument.recorder import Recorder
     from tracerisk.instrument.tracer import Frame
     from tracerisk.ros.graph.action_goal import ActionGoal
     from tracerisk.ros.graph.runtime import Runtime

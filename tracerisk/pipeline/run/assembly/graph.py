@@ -9,7 +9,7 @@ from pathlib import Path
 from tracerisk.common.sandbox.noted_reads import NotedReads
 from tracerisk.common.worlds.world import NOMINAL, world_named
 from tracerisk.errors import Location
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.launch.left_open import filled
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED

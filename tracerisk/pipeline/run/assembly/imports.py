@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tracerisk.errors import Location
 from tracerisk.instrument.import_finder import ControllerFinder
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.assembly.graph import ServedGraph
 from tracerisk.pipeline.run.assembly.watches import Watches
 from tracerisk.pipeline.run.assembly.world import SimulatedWorld

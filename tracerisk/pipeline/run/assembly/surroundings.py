@@ -13,7 +13,7 @@ from tracerisk.common.sandbox.moved_files import MovedFiles
 from tracerisk.common.sandbox.overlay import Overlay
 from tracerisk.instrument.import_finder import controller_imports
 from tracerisk.instrument.loader import prepared_controller
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.assembly.graph import ServedGraph
 from tracerisk.pipeline.run.assembly.imports import Imports
 from tracerisk.pipeline.run.assembly.watches import Watches

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tracerisk.common.worlds.world import NOMINAL, world_named
 from tracerisk.instrument.marks.caught_exceptions import REFUSED, CaughtFailure
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.mission.named_objects import check_names
 from tracerisk.pipeline.trace.run_files import JOINTS_ASKED, ROBOT, RunRequest

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.fault_run import REPORTED
 from tracerisk.pipeline.trace.run_files import DECIDED, RunBeside
 from tracerisk.ros.time.scheduler import Scheduler

@@ -16,7 +16,7 @@ from typing import Any
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.text.printable import cut
 from tracerisk.instrument.loader import package_of
-from tracerisk.instrument.recording import Recorder
+from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.trace.run_files import COMPANION, Companion

@@ -16,7 +16,8 @@ from typing import Any
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.sandbox.limited_process import mark_start
 from tracerisk.errors import Location, TraceRiskError
-from tracerisk.instrument.recording import CELL, Recorder
+from tracerisk.instrument.recorder import Recorder
+from tracerisk.instrument.recording import CELL
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.run.assembly.graph import build_graph
 from tracerisk.pipeline.run.assembly.world import build_world
