@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from tracerisk.errors import RobotError, one_of
 from tracerisk.ros.gazebo.models import ModelRefusedError, model_body
 from tracerisk.ros.moveit.move_group import MoveGroupServer
-from tracerisk.ros.moveit.scene_shapes import scene_body
+from tracerisk.ros.moveit.scene.shapes import scene_body
 from tracerisk.ros.transforms.poses import compose, inverse, quaternion_from_rpy
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.physics.scene_body import SceneBody

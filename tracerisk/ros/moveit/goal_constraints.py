@@ -16,8 +16,9 @@ from typing import Any
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.ros.moveit.goal_regions import LinkRegion
-from tracerisk.ros.moveit.move_group import MoveGroupServer, Plan, PoseGoal, places
+from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.moveit.path_constraints import PathRule, message_pose
+from tracerisk.ros.moveit.plans import Plan, PoseGoal, places
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import ORIGIN, unit_quaternion
@@ -117,7 +118,7 @@ class GoalReader:
             asked = tuple(joints[name].middle for name in sorted(joints))
         states = [partial(self._states, group, goal, start) for goal in goals]
         plan = self._server.plan_to(group, states, asked, scaling, start)
-        self._server.note_sought(group, sought, is_reached=plan.trajectory is not None)
+        self._server.sought.note(group, sought, is_reached=plan.trajectory is not None)
         return plan
 
     def goals(self, group: str, alternatives: Sequence[Any]) -> list[Goal]:

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from tracerisk.ros.moveit.move_group import PoseGoal
 from tracerisk.ros.moveit.path_constraints import BOX, CYLINDER, SPHERE, is_within, message_pose
+from tracerisk.ros.moveit.plans import PoseGoal
 from tracerisk.ros.transforms.poses import (
     ORIGIN,
     Quaternion,

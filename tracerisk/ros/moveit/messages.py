@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tracerisk.ros.messages.dialect import set_time
-from tracerisk.ros.moveit.planning_scene import SHAPES, PlanningScene, SceneObject, SeenScene
+from tracerisk.ros.moveit.scene.planning_scene import SHAPES, PlanningScene, SceneObject, SeenScene
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
 

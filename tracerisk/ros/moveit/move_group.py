@@ -8,29 +8,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.drafts.shifted_poses import PlaceAndShift, Vector, reachable_shift
+from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.moveit.path_constraints import PathRule
-from tracerisk.ros.moveit.planning_scene import PlanningScene, SeenScene
+from tracerisk.ros.moveit.plans import (
+    CODE_OF,
+    RATED,
+    WHOLE_PATH,
+    Plan,
+    PoseGoal,
+    default_scaling,
+    last_place,
+    places,
+)
 from tracerisk.ros.moveit.robot_groups import RobotGroups
-from tracerisk.ros.moveit.scene_changes import SceneChanges
-from tracerisk.ros.moveit.scene_shapes import scene_body
+from tracerisk.ros.moveit.scene.changes import SceneChanges
+from tracerisk.ros.moveit.scene.planning_scene import PlanningScene, SeenScene
+from tracerisk.ros.moveit.scene.shapes import scene_bodies
+from tracerisk.ros.moveit.sought_goals import SoughtGoals
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode, TrajectoryExecution
 from tracerisk.ros.robot.frames import fixed_frame
-from tracerisk.ros.transforms.poses import compose, inverse
-from tracerisk.twin.physics.motion import (
-    JointTrajectory,
-    LinkTarget,
-    PlanningError,
-    PlanningFailure,
-    Pose,
-)
+from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.robots.robot import Scaling
 
 if TYPE_CHECKING:
@@ -38,70 +41,7 @@ if TYPE_CHECKING:
     from tracerisk.twin.physics.scene_body import SceneBody
     from tracerisk.twin.simulation.twin import Twin
 
-_FREE_POSITION = 1e3  # a position tolerance that any position meets [m]
-_FREE_ORIENTATION = 10.0  # an orientation tolerance that any orientation meets [rad]
-
-_MOST_SOUGHT = 200  # goals that are kept
 _TOPIC_NS = 10_000_000  # until a message that changes the scene has arrived and is applied [ns]
-_SAME_PLACE = 0.02  # seen from above: what was made of one pose [m]
-
-GoalKind = Literal["pose", "position", "orientation"]
-
-
-# As move_group answers a motion plan request: a pose without a solution is a plan not found.
-_CODE_OF: Mapping[PlanningFailure, ErrorCode] = {
-    "invalid_goal": ErrorCode.INVALID_GOAL_CONSTRAINTS,
-    "no_ik_solution": ErrorCode.PLANNING_FAILED,
-    "no_plan": ErrorCode.PLANNING_FAILED,
-    "collision": ErrorCode.GOAL_IN_COLLISION,
-    "start_in_collision": ErrorCode.START_STATE_IN_COLLISION,
-    "bad_request": ErrorCode.INVALID_MOTION_PLAN,
-}
-
-
-@dataclass(frozen=True, slots=True)
-class PoseGoal:
-    """The goal pose of a link."""
-
-    link: str
-    """The name of the link."""
-    pose: Pose
-    """The pose in the planning frame."""
-    kind: GoalKind = "pose"
-    """Which part of the pose counts."""
-    position_tolerance: float = 1e-4
-    """The greatest allowed distance from the position [m]."""
-    orientation_tolerance: float = 1e-3
-    """The greatest allowed angle from the orientation [rad]."""
-
-
-WHOLE_PATH = 0.999
-"""A Cartesian path of which less is covered was cut."""
-
-
-RATED = Scaling(1.0, 1.0)
-
-
-def valid_fraction(value: float) -> float:
-    """Return a scaling factor as MoveIt's time parameterization takes it.
-
-    What is not within (0, 1] is 1; that includes the 0 of a field of a message that is not set.
-    Source: MotionPlanRequest.msg of moveit_msgs, and verifyScalingFactor in MoveIt's
-    time_optimal_trajectory_generation.cpp.
-    """
-    return float(value) if 0.0 < value <= 1.0 else 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """The result of planning."""
-
-    code: ErrorCode
-    """The code that move_group answers with."""
-    trajectory: JointTrajectory | None
-    """The planned motion; `None` unless the code is SUCCESS."""
-    message: str = ""
-    """Why planning failed, in words; empty where it succeeded."""
 
 
 class MoveGroupServer(RobotGroups):
@@ -133,7 +73,8 @@ class MoveGroupServer(RobotGroups):
         self.retime = self._twin.retime
         self.execution = TrajectoryExecution(runtime)
         self._joint_names = frozenset(joint.name for joint in self.robot.joints)
-        self._sought: dict[tuple[str, PoseGoal], bool] = {}
+        self.sought = SoughtGoals()
+        """The pose goals that were planned to, and whether they were reached."""
 
     # What the state is; each look moves the clock if it was looked at before
 
@@ -257,7 +198,7 @@ class MoveGroupServer(RobotGroups):
         """
         states = [partial(self.reach_each, group, alternative, start) for alternative in goals]
         plan = self.plan_to(group, states, places(goals), scaling, start)
-        self.note_sought(group, goals, is_reached=plan.trajectory is not None)
+        self.sought.note(group, goals, is_reached=plan.trajectory is not None)
         return plan
 
     def plan_to(
@@ -317,60 +258,25 @@ class MoveGroupServer(RobotGroups):
                 scaling=scaling,
             )
         except PlanningError as error:
-            return self._failed(group, error, _last_place(waypoints)), -1.0
+            return self._failed(group, error, last_place(waypoints)), -1.0
         is_cut = fraction < min(least, WHOLE_PATH)
         ends = [[PoseGoal(link, pose)] for pose in waypoints[-1:]]
-        self.note_sought(group, ends, is_reached=not is_cut)
+        self.sought.note(group, ends, is_reached=not is_cut)
         if is_cut:
             self.execution.report(
                 "path_cut",
                 f"a Cartesian path of group '{group}' was cut to {100.0 * fraction:.1f} % of its "
                 "way",
                 object_name=group,
-                target=_last_place(waypoints),
+                target=last_place(waypoints),
             )
         else:
-            self._planned(group, _last_place(waypoints))
+            self._planned(group, last_place(waypoints))
         return Plan(ErrorCode.SUCCESS, trajectory), fraction
 
-    def note_sought(
-        self, group: str, goals: Sequence[Sequence[PoseGoal]], *, is_reached: bool
-    ) -> None:
-        """Keep whether the first of the alternatives was reached."""
-        for goal in next(iter(goals), ()):
-            if len(self._sought) < _MOST_SOUGHT or (group, goal) in self._sought:
-                self._sought[group, goal] = is_reached
-
     def shift_to_reach(self) -> PlaceAndShift | None:
-        """Return the first place that was not reached, and by how much to move it, in the base.
-
-        What was reached above or below it is to be reached as well. None where all was reached, or
-        nothing that is tried helps.
-        """
-        base = self._twin.link_pose(self.robot.base_link)
-        seen = {key: compose(inverse(base), key[1].pose) for key in self._sought}
-        missed = [seen[key] for key, is_reached in self._sought.items() if not is_reached]
-        if not missed:
-            return None
-        x, y, z = missed[0].position
-        wanted = [
-            (group, goal, pose)
-            for (group, goal), pose in seen.items()
-            if abs(pose.position[0] - x) < _SAME_PLACE and abs(pose.position[1] - y) < _SAME_PLACE
-        ]
-
-        def is_reached(shift: Vector) -> bool:
-            for group, goal, pose in wanted:
-                a, b, c = (each + by for each, by in zip(pose.position, shift, strict=True))
-                there = compose(base, Pose((a, b, c), pose.orientation))
-                try:
-                    self.reach(group, [replace(goal, pose=there)])
-                except PlanningError:
-                    return False
-            return True
-
-        found = reachable_shift((x, y, z), is_reached)
-        return None if found is None else ((x, y, z), found)
+        """Return the first place that was not reached, and by how much to move it, in the base."""
+        return self.sought.shift_to_reach(self._twin.link_pose(self.robot.base_link), self.reach)
 
     def straight_way(
         self, group: str, goal: Pose, *, link: str, eef_step: float, start: Mapping[str, float]
@@ -383,22 +289,9 @@ class MoveGroupServer(RobotGroups):
         return self._twin.plan_cartesian(group, [goal], link=link, eef_step=eef_step, start=start)
 
     def default_scaling(self, description: str) -> Scaling:
-        """Return the fractions that a client of move_group plans with until it sets others.
-
-        As MoveGroupInterface: `<description>_planning/default_velocity_scaling_factor` and
-        `default_acceleration_scaling_factor` of the parameter server, which joint_limits.yaml
-        sets, else those of the robot, 0.1 unless its description says otherwise. What is not
-        within (0, 1] the time parameterization then takes as 1.
-        """
+        """Return the fractions that a client of move_group plans with until it sets others."""
         parameters = self._runtime.graph.parameters
-        default = self.robot.default_scaling
-        found = [default.velocity, default.acceleration]
-        for i, kind in enumerate(("velocity", "acceleration")):
-            name = f"/{description}_planning/default_{kind}_scaling_factor"
-            value = parameters.get(name) if parameters.has(name) else None
-            if isinstance(value, int | float) and not isinstance(value, bool):
-                found[i] = valid_fraction(value)
-        return Scaling(*found)
+        return default_scaling(parameters, description, self.robot.default_scaling)
 
     def reach(
         self,
@@ -431,15 +324,8 @@ class MoveGroupServer(RobotGroups):
                     f"robot '{self.robot.name}' has no link '{goal.link}'; "
                     f"{one_of(self.robot.link_names, goal.link)}",
                 )
-        near = [self._free(goal, start or {}) for goal in goals]
-        wide = [
-            replace(
-                target,
-                position_tolerance=max(target.position_tolerance, goal.position_tolerance),
-                orientation_tolerance=max(target.orientation_tolerance, goal.orientation_tolerance),
-            )
-            for target, goal in zip(near, goals, strict=True)
-        ]
+        near = [goal.target(self.forward(start or {}, goal.link)) for goal in goals]
+        wide = [goal.widened(target) for goal, target in zip(goals, near, strict=True)]
         try:
             yield from self._twin.reach_each(group, near, seed=start, **also)
         except PlanningError as error:
@@ -457,17 +343,6 @@ class MoveGroupServer(RobotGroups):
         """
         return self._twin.inverse_kinematics(group, pose, link=link, seed=seed)
 
-    def _free(self, goal: PoseGoal, start: Mapping[str, float]) -> LinkTarget:
-        """Return the pose to look for, and how near counts: the part not asked for stays near."""
-        here = self.forward(start, goal.link)
-        if goal.kind == "position":
-            free = Pose(goal.pose.position, here.orientation)
-            return LinkTarget(goal.link, free, orientation_tolerance=_FREE_ORIENTATION)
-        if goal.kind == "orientation":
-            free = Pose(here.position, goal.pose.orientation)
-            return LinkTarget(goal.link, free, position_tolerance=_FREE_POSITION)
-        return LinkTarget(goal.link, goal.pose)
-
     def _planned(self, group: str, target: Sequence[float]) -> None:
         """Note that a plan was found, which may be a retry."""
         for kind in ("planning_failure", "path_cut"):
@@ -476,32 +351,13 @@ class MoveGroupServer(RobotGroups):
     def _failed(self, group: str, error: PlanningError, target: Sequence[float] = ()) -> Plan:
         message = f"planning for group '{group}' failed: {error.message}"
         self.execution.report("planning_failure", message, object_name=group, target=target)
-        return Plan(_CODE_OF[error.failure], None, error.message)
+        return Plan(CODE_OF[error.failure], None, error.message)
 
     # Objects
 
-    def bodies(self, scene: PlanningScene) -> list[SceneBody]:
-        """Return the objects of a scene as bodies of the twin; one that cannot be is reported."""
-        bodies = []
-        placed = [(item, None, ()) for item in scene.world.values()] + [
-            (one.object, one.link, one.touch_links) for one in scene.attached.values()
-        ]
-        for item, link, touch_links in placed:
-            try:
-                bodies.append(
-                    scene_body(
-                        item.name, item.pose, item.message, link=link, touch_links=touch_links
-                    )
-                )
-            except RobotError as error:
-                self._report_scene(
-                    f"object '{item.name}' is not a body of the simulation: {error.message}"
-                )
-        return [one for one in bodies if one.is_solid]
-
     def planning_in(self, scene: PlanningScene) -> AbstractContextManager[None]:
         """Plan and check for collisions in another scene within the block."""
-        return self._twin.planning_among(self.bodies(scene), scene.allowed)
+        return self._twin.planning_among(scene_bodies(scene, self._report_scene), scene.allowed)
 
     def planning_under(self, constraints: Any) -> AbstractContextManager[None]:
         """Apply `moveit_msgs/Constraints` to plans within the block."""
@@ -517,7 +373,7 @@ class MoveGroupServer(RobotGroups):
         # A change for which its sender waits comes after the messages before it.
         self._unseen = (0, None)
         try:
-            bodies = [*self.bodies(self.scene), *self.models.values()]
+            bodies = [*scene_bodies(self.scene, self._report_scene), *self.models.values()]
             unknown = {frozenset((name,)) for name in self.models}
             self._twin.declare(bodies, self.scene.allowed | unknown)
         except RobotError as error:
@@ -542,12 +398,3 @@ class MoveGroupServer(RobotGroups):
             yield
         finally:
             self.scene.allow(before)
-
-
-def _last_place(poses: Sequence[Pose]) -> tuple[float, ...]:
-    return tuple(poses[-1].position) if poses else ()
-
-
-def places(goals: Sequence[Sequence[PoseGoal]]) -> tuple[float, ...]:
-    """Return the positions of the first alternative: a retry may turn the tool."""
-    return tuple(value for goal in next(iter(goals), ()) for value in goal.pose.position)

@@ -21,15 +21,10 @@ from tracerisk.ros.moveit.messages import (
     state_message,
     trajectory_message,
 )
-from tracerisk.ros.moveit.move_group import (
-    RATED,
-    MoveGroupServer,
-    Plan,
-    PoseGoal,
-    valid_fraction,
-)
+from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.moveit.path_constraints import message_pose
-from tracerisk.ros.moveit.scene_topics import MONITORED, SceneTopics
+from tracerisk.ros.moveit.plans import RATED, Plan, PoseGoal, valid_fraction
+from tracerisk.ros.moveit.scene.topics import MONITORED, SceneTopics
 from tracerisk.ros.moveit.trajectory_execution import NOTHING, Asker, ErrorCode, Execution
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.robot.messages import TwinMessages

@@ -22,7 +22,7 @@ from tracerisk.errors import one_of
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.messages import fill_poses
 from tracerisk.ros.moveit.path_constraints import message_pose
-from tracerisk.ros.moveit.planning_scene import SceneObject
+from tracerisk.ros.moveit.scene.planning_scene import SceneObject
 from tracerisk.ros.transforms.poses import compose
 
 from . import conversions

@@ -12,9 +12,9 @@ from typing import Any
 
 from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.path_constraints import message_pose
-from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
-from tracerisk.ros.moveit.planning_scene import SceneObject
-from tracerisk.ros.moveit.scene_shapes import own_pose
+from tracerisk.ros.moveit.scene.planning_scene import PlanningScene as Objects
+from tracerisk.ros.moveit.scene.planning_scene import SceneObject
+from tracerisk.ros.moveit.scene.shapes import own_pose
 from tracerisk.ros.transforms.poses import compose, inverse, unit_quaternion
 from tracerisk.twin.physics.motion import Pose
 

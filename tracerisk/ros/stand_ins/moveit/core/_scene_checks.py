@@ -8,7 +8,7 @@ from typing import Any
 
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.moveit.path_constraints import PathRule
-from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
+from tracerisk.ros.moveit.scene.planning_scene import PlanningScene as Objects
 from tracerisk.twin.physics.motion import Pose
 
 from .._library import log_error

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
-from tracerisk.ros.moveit.scene_changes import SceneChanges
+from tracerisk.ros.moveit.scene.changes import SceneChanges
+from tracerisk.ros.moveit.scene.planning_scene import PlanningScene as Objects
 from tracerisk.ros.transforms.poses import ORIGIN
 from tracerisk.twin.physics.motion import Pose
 

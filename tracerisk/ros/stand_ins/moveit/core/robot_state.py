@@ -12,8 +12,8 @@ from tracerisk.errors import one_of
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.messages import attached_messages, set_pose, state_message
 from tracerisk.ros.moveit.path_constraints import message_pose
-from tracerisk.ros.moveit.planning_scene import AttachedObject
-from tracerisk.ros.moveit.planning_scene import PlanningScene as Objects
+from tracerisk.ros.moveit.scene.planning_scene import AttachedObject
+from tracerisk.ros.moveit.scene.planning_scene import PlanningScene as Objects
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import ORIGIN, compose
 from tracerisk.twin.physics.motion import PlanningError, Pose

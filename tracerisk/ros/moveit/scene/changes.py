@@ -8,8 +8,8 @@ from typing import Any
 
 from tracerisk.errors import RobotError, one_of
 from tracerisk.ros.moveit.path_constraints import message_pose
-from tracerisk.ros.moveit.planning_scene import PlanningScene, SceneObject
-from tracerisk.ros.moveit.scene_shapes import first_pose
+from tracerisk.ros.moveit.scene.planning_scene import PlanningScene, SceneObject
+from tracerisk.ros.moveit.scene.shapes import first_pose
 from tracerisk.ros.transforms.poses import ORIGIN, compose, inverse
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import Robot

@@ -6,11 +6,13 @@ Meshes and cones become their convex hulls.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import RobotError
 from tracerisk.ros.moveit.path_constraints import message_pose
+from tracerisk.ros.moveit.scene.planning_scene import PlanningScene
 from tracerisk.ros.transforms.poses import (
     IDENTITY,
     ORIGIN,
@@ -136,3 +138,19 @@ def _sizes(name: str, primitive: Any) -> list[float]:
             f"its type {primitive.type} takes {wanted} lengths above 0"
         )
     return sizes
+
+
+def scene_bodies(scene: PlanningScene, report: Callable[[str], None]) -> list[SceneBody]:
+    """Return the objects of a scene as bodies of the twin; one that cannot be is reported."""
+    bodies = []
+    placed = [(item, None, ()) for item in scene.world.values()] + [
+        (one.object, one.link, one.touch_links) for one in scene.attached.values()
+    ]
+    for item, link, touch_links in placed:
+        try:
+            bodies.append(
+                scene_body(item.name, item.pose, item.message, link=link, touch_links=touch_links)
+            )
+        except RobotError as error:
+            report(f"object '{item.name}' is not a body of the simulation: {error.message}")
+    return [one for one in bodies if one.is_solid]

@@ -1,0 +1,1 @@
+"""The planning scene: its objects, the changes to them, and its topics."""
