@@ -185,7 +185,8 @@ def _chain_texts(chain: ExplicitChain, target: ModelFormat, output: str) -> dict
         from tracerisk.prm.other_models.formats.prism import write_prism
 
         return {output: write_prism(chain)}
-    from tracerisk.prm.other_models.formats.explicit import write_labels, write_transitions
+    from tracerisk.prm.other_models.formats.explicit import write_transitions
+    from tracerisk.prm.other_models.formats.explicit_labels import write_labels
 
     labels = labels_beside(output)
     if labels == output:

@@ -10,13 +10,10 @@ from hypothesis import strategies as st
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm import MarkovChain, build_model, solve
 from tracerisk.prm.other_models.formats.expanded_chain import expanded_chain
-from tracerisk.prm.other_models.formats.explicit import (
-    Dialect,
-    read_explicit,
-    write_labels,
-    write_transitions,
-)
+from tracerisk.prm.other_models.formats.explicit import read_explicit, write_transitions
 from tracerisk.prm.other_models.formats.explicit_chain import ChainKind, explicit_chain
+from tracerisk.prm.other_models.formats.explicit_labels import write_labels
+from tracerisk.prm.other_models.formats.explicit_lines import Dialect
 from tracerisk.prm.other_models.formats.prism import read_prism, write_prism
 from tracerisk.prm.other_models.markov import ContinuousChain
 
@@ -342,7 +339,7 @@ def walk(count):
 
 
 def test_a_long_text_is_read_a_piece_at_a_time(monkeypatch):
-    monkeypatch.setattr("tracerisk.prm.other_models.formats.explicit._PIECE", 1_000)
+    monkeypatch.setattr("tracerisk.prm.other_models.formats.explicit_lines._PIECE", 1_000)
     text, labels = walk(4_000)
     found = read(text, labels)
     assert len(found.rows) == 4_000
@@ -354,7 +351,7 @@ def test_a_long_text_is_read_a_piece_at_a_time(monkeypatch):
 
 
 def test_lines_read_many_at_a_time_are_those_read_one_by_one(monkeypatch):
-    monkeypatch.setattr("tracerisk.prm.other_models.formats.explicit._PIECE", 1_000)
+    monkeypatch.setattr("tracerisk.prm.other_models.formats.explicit_lines._PIECE", 1_000)
     text, labels = walk(400)
     text = text.replace("\n300 301 0.9", "\n300 301 0.9\n300 302 0\n300 0303 0.0")
     found = read(text + "\n", labels)

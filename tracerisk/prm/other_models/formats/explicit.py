@@ -7,12 +7,9 @@ first line; labels by numbers, `0="init"`. Reading infers which is which.
 
 from __future__ import annotations
 
-import enum
 import math
 import re
-from collections.abc import Callable, Iterator
 
-from tracerisk.common.text.bounded import whole_number
 from tracerisk.errors import Location, ModelError, TooLargeError
 from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.other_models.formats.explicit_chain import (
@@ -21,27 +18,24 @@ from tracerisk.prm.other_models.formats.explicit_chain import (
     ExplicitChain,
     names_from_labels,
 )
+from tracerisk.prm.other_models.formats.explicit_labels import read_labels
+from tracerisk.prm.other_models.formats.explicit_lines import (
+    LONG,
+    Dialect,
+    lines_of,
+    pieces,
+    whole,
+    words_of,
+)
 
 MOST_STATES = 2_000_000
 MOST_TRANSITIONS = 8_000_000
 _UNNAMED = 1_000
 """How many states there may be that no transition names, so that small files need not be whole."""
-_PIECE = 1_000_000
-"""How many characters of a text are split into lines at a time."""
 _END = 1_000
 """How many characters at the end of a text are looked at first."""
-_LONG = 19
-"""From so many digits on, a number is looked at by itself."""
 _PLAIN = re.compile(r"(?:[0-9]{1,18} [0-9]{1,18} [0-9][0-9.eE+-]*+\n)*+")
 """Lines as tools write them, which are read many at a time."""
-_DECLARED = re.compile(r'(\d+)="([^"]+)"')
-
-
-class Dialect(enum.Enum):
-    """Whose files."""
-
-    STORM = "storm"
-    PRISM = "prism"
 
 
 def write_transitions(chain: ExplicitChain, dialect: Dialect = Dialect.STORM) -> str:
@@ -61,25 +55,6 @@ def write_transitions(chain: ExplicitChain, dialect: Dialect = Dialect.STORM) ->
     return "\n".join((head, *lines)) + "\n"
 
 
-def write_labels(chain: ExplicitChain, dialect: Dialect = Dialect.STORM) -> str:
-    """Return the text of a .lab file."""
-    if dialect is Dialect.STORM:
-        of_state: dict[int, list[str]] = {}
-        for label, states in chain.labels.items():
-            for state in states:
-                of_state.setdefault(state, []).append(label)
-        lines = [f"{state} {' '.join(of_state[state])}" for state in sorted(of_state)]
-        return "\n".join(("#DECLARATION", " ".join(chain.labels), "#END", *lines)) + "\n"
-    labels = list(chain.labels)
-    numbers: dict[int, list[str]] = {}
-    for number, label in enumerate(labels):
-        for state in chain.labels[label]:
-            numbers.setdefault(state, []).append(str(number))
-    head = " ".join(f'{number}="{label}"' for number, label in enumerate(labels))
-    lines = [f"{state}: {' '.join(numbers[state])}" for state in sorted(numbers)]
-    return "\n".join((head, *lines)) + "\n"
-
-
 def read_explicit(
     transitions: str,
     labels: str,
@@ -96,7 +71,7 @@ def read_explicit(
     Raises ModelError with the position of what is malformed; TooLargeError beyond `most_states`.
     """
     found, count, rows = _read_transitions(transitions, transitions_file, kind, most_states)
-    sets = _read_labels(labels, labels_file, count)
+    sets = read_labels(labels, labels_file, count)
     starts = sets.get(INITIAL, frozenset())
     if not starts:
         raise ModelError(f"no state has the label '{INITIAL}'; label one", Location(labels_file, 1))
@@ -105,43 +80,10 @@ def read_explicit(
     return ExplicitChain(found, min(starts), rows, sets, names, starts=several)
 
 
-def _lines(text: str, start: int = 0) -> Iterator[tuple[int, list[tuple[int, str]]]]:
-    """Yield the number of each line that is not blank, and its words with their columns.
-
-    The first `start` lines are left out.
-    """
-    for number, line in _numbered(text):
-        if number > start and line.strip():
-            yield number, _words(line)
-
-
-def _numbered(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the lines and their numbers; of a long text not all are held at once."""
-    number = 0
-    for piece in _pieces(text):
-        for line in piece.splitlines():
-            number += 1
-            yield number, line
-
-
-def _pieces(text: str) -> Iterator[str]:
-    """Yield whole lines, about a million characters at a time."""
-    begin = 0
-    while begin < len(text):
-        end = text.find("\n", begin + _PIECE) + 1 or len(text)
-        yield text[begin:end]
-        begin = end
-
-
-def _words(line: str) -> list[tuple[int, str]]:
-    """Return the words of a line with their columns."""
-    return [(match.start() + 1, match.group()) for match in re.finditer(r"\S+", line)]
-
-
 def _read_transitions(
     text: str, file: str, kind: ChainKind | None, most_states: int
 ) -> tuple[ChainKind, int, tuple[dict[int, float], ...]]:
-    first, words = next(_lines(text), (1, []))
+    first, words = next(lines_of(text), (1, []))
     if not words:
         raise ModelError(
             "the file is empty; it must begin with dtmc, ctmc or the numbers of states and "
@@ -163,7 +105,7 @@ def _read_transitions(
             )
         kind = stated
     elif len(words) == 2:
-        declared = (_whole(words[0], file, first), _whole(words[1], file, first))
+        declared = (whole(words[0], file, first), whole(words[1], file, first))
     head = first if len(words) < 3 else 0
     if declared is not None and declared[0] > most_states:
         raise TooLargeError(
@@ -171,7 +113,7 @@ def _read_transitions(
             "supported"
         )
     _check_end(text, file, most_states)
-    count = sum(len(piece.splitlines()) for piece in _pieces(text)) - head
+    count = sum(len(piece.splitlines()) for piece in pieces(text)) - head
     if count > MOST_TRANSITIONS:
         raise TooLargeError(
             f"{file}: {count} lines; at most {MOST_TRANSITIONS} transitions are supported"
@@ -216,7 +158,7 @@ def _check_end(text: str, file: str, most_states: int) -> None:
     begin = text.rfind("\n", 0, max(0, len(text) - _END)) + 1
     for line in text[begin:].splitlines() if begin > 0 else ():
         word = (line.split() or [""])[0]
-        if len(word) < _LONG and word.isascii() and word.isdigit() and int(word) >= most_states:
+        if len(word) < LONG and word.isascii() and word.isdigit() and int(word) >= most_states:
             raise TooLargeError(
                 f"{file}: state {int(word)} in the last lines; at most {most_states} states are "
                 "supported"
@@ -238,7 +180,7 @@ def _rows(
     found: dict[int, dict[int, float]] = {}
     highest, ways, last, number = -1, 0, 0, 0
     never: set[int] = set()
-    for piece in _pieces(document):
+    for piece in pieces(document):
         plain = _plain_piece(piece, allowed) if number >= head else None
         if plain is not None:
             sources, targets, weights = plain
@@ -302,7 +244,7 @@ def _plain_piece(piece: str, allowed: int) -> tuple[list[int], list[int], list[f
 def _twice(document: str, head: int, file: str) -> ModelError:
     """Return the error of the first transition that stands there a second time."""
     seen: set[tuple[int, int]] = set()
-    for number, words in _lines(document, head):
+    for number, words in lines_of(document, head):
         way = int(words[0][1]), int(words[1][1])
         if way in seen:
             return ModelError(
@@ -329,7 +271,7 @@ def _beyond(
     if declared is not None and state >= declared[0]:
         return ModelError(
             f"state {state}, but the file has {declared[0]} states",
-            Location(file, number, _words(line)[0][0]),
+            Location(file, number, words_of(line)[0][0]),
         )
     return TooLargeError(
         f"{file}:{number}: state {state}, too high for a file with so few lines; number the "
@@ -342,7 +284,7 @@ def _transition(line: str, words: list[str], file: str, number: int) -> tuple[in
     if len(words) not in (3, 4):
         raise ModelError(
             f"{len(words)} words; expected a state, the next state and a number",
-            Location(file, number, _words(line)[0][0]),
+            Location(file, number, words_of(line)[0][0]),
         )
     source, target, text = words[:3]
     try:
@@ -352,26 +294,14 @@ def _transition(line: str, words: list[str], file: str, number: int) -> tuple[in
     if not 0.0 <= weight < math.inf:
         raise ModelError(
             f"'{text}' is not a probability or rate; give a number of 0 or more",
-            Location(file, number, _words(line)[2][0]),
+            Location(file, number, words_of(line)[2][0]),
         )
     both = source + target
-    if len(both) < _LONG and both.isascii() and both.isdigit():
+    if len(both) < LONG and both.isascii() and both.isdigit():
         # The usual case, without a look at where the words stand.
         return int(source), int(target), weight
-    placed = _words(line)
-    return _whole(placed[0], file, number), _whole(placed[1], file, number), weight
-
-
-def _whole(word: tuple[int, str], file: str, line: int) -> int:
-    column, text = word
-    if not text.isascii() or not text.isdigit():
-        raise ModelError(
-            f"'{text}' is not a whole number of 0 or more", Location(file, line, column)
-        )
-    try:
-        return whole_number(text)
-    except ValueError as error:
-        raise ModelError(f"cannot read {error}", Location(file, line, column)) from error
+    placed = words_of(line)
+    return whole(placed[0], file, number), whole(placed[1], file, number), weight
 
 
 def _check_sums(rows: dict[int, dict[int, float]], text: str, head: int, file: str) -> None:
@@ -380,119 +310,8 @@ def _check_sums(rows: dict[int, dict[int, float]], text: str, head: int, file: s
     if wrong is not None:
         state, total = wrong
         # A number may be written with zeros in front.
-        first = next(n for n, words in _lines(text, head) if int(words[0][1]) == state)
+        first = next(n for n, words in lines_of(text, head) if int(words[0][1]) == state)
         raise ModelError(
             f"the probabilities from state {state} sum to {total!r}; they must sum to 1",
             Location(file, first),
         )
-
-
-def _read_labels(text: str, file: str, count: int) -> dict[str, frozenset[int]]:
-    first, words = next(_lines(text), (1, []))
-    if not words:
-        raise ModelError(
-            'the file is empty; it must begin with #DECLARATION or 0="init"', Location(file, 1, 1)
-        )
-    if words[0][1].startswith("#"):
-        return _storm_labels(text, file, count)
-    return _prism_labels(text, words, file, first, count)
-
-
-def _storm_labels(text: str, file: str, count: int) -> dict[str, frozenset[int]]:
-    lines = _lines(text)
-    number, words = next(lines)
-    if [word for _, word in words] != ["#DECLARATION"]:
-        raise ModelError(
-            f"'{words[0][1]}' where #DECLARATION is expected", Location(file, number, words[0][0])
-        )
-    sets: dict[str, set[int]] = {}
-    for number, words in lines:
-        if words[0][1] == "#END":
-            break
-        for column, label in words:
-            if label.startswith("#"):
-                raise ModelError(
-                    f"'{label}' where #END is expected", Location(file, number, column)
-                )
-            sets.setdefault(label, set())
-    else:
-        raise ModelError("#END is missing after the labels", Location(file, number))
-
-    def undeclared(place: tuple[int, str], line: int) -> set[int]:
-        raise ModelError(
-            f"label '{place[1]}' is not declared; declared: {', '.join(sets) or 'none'}",
-            Location(file, line, place[0]),
-        )
-
-    _fill(text, number, file, count, dict(sets), undeclared, end="")
-    return {label: frozenset(states) for label, states in sets.items()}
-
-
-def _prism_labels(
-    text: str, words: list[tuple[int, str]], file: str, first: int, count: int
-) -> dict[str, frozenset[int]]:
-    head = text.splitlines()[first - 1]
-    declared: dict[int, set[int]] = {}
-    sets: dict[str, set[int]] = {}
-    for column, word in words:
-        match = _DECLARED.fullmatch(word)
-        if match is None:
-            raise ModelError(
-                f"'{word}' is not a declaration such as 0=\"init\"", Location(file, first, column)
-            )
-        label = _whole((column, match[1]), file, first)
-        if label in declared or match[2] in sets:
-            raise ModelError(
-                f"{word} is declared twice", Location(file, first, head.index(word) + 1)
-            )
-        declared[label] = sets[match[2]] = set()
-
-    def numbered(place: tuple[int, str], line: int) -> set[int]:
-        label = _whole(place, file, line)
-        if label not in declared:
-            raise ModelError(
-                f"label {label} is not declared; declared: {', '.join(map(str, sorted(declared)))}",
-                Location(file, line, place[0]),
-            )
-        return declared[label]
-
-    _fill(text, first, file, count, {}, numbered, end=":")
-    return {label: frozenset(states) for label, states in sets.items()}
-
-
-def _fill(
-    text: str,
-    head: int,
-    file: str,
-    count: int,
-    known: dict[str, set[int]],
-    other: Callable[[tuple[int, str], int], set[int]],
-    *,
-    end: str,
-) -> None:
-    """Add the state of each line, which ends with `end`, to the sets of the line's labels.
-
-    `known` are the sets by the words of labels; `other` finds that of a word, or raises.
-    """
-    for number, line in _numbered(text):
-        words = line.split()
-        if number <= head or not words:
-            continue
-        if not words[0].endswith(end):
-            raise ModelError(
-                f"'{words[0]}' where a state and a colon are expected",
-                Location(file, number, _words(line)[0][0]),
-            )
-        word = words[0].removesuffix(end)
-        usual = len(word) < _LONG and word.isascii() and word.isdigit()
-        column = 0 if usual else _words(line)[0][0]
-        state = int(word) if usual else _whole((column, word), file, number)
-        if state >= count:
-            raise ModelError(
-                f"state {state}, but the chain has states 0 to {count - 1}",
-                Location(file, number, _words(line)[0][0]),
-            )
-        for place, label in enumerate(words[1:], start=1):
-            if label not in known:
-                known[label] = other(_words(line)[place], number)
-            known[label].add(state)
