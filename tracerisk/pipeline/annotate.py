@@ -22,7 +22,7 @@ from tracerisk.adder.sources.line_map import line_maps
 from tracerisk.adder.sources.write import write_all
 from tracerisk.common.dependencies import require_simulator
 from tracerisk.common.hardware.model import Hardware
-from tracerisk.common.outcome.changes import Tolerances
+from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.common.outcome.arm import Arm, ArmFrame, tool_pose
-from tracerisk.common.outcome.changes import Tolerances, outcome_changes
+from tracerisk.common.outcome.changes import outcome_changes
 from tracerisk.common.outcome.kept import MOST_BYTES, kept_outcome, outcome_summary
 from tracerisk.common.outcome.outcome import (
     TICK_S,
@@ -22,6 +22,7 @@ from tracerisk.common.outcome.outcome import (
     rest_of,
     rounded,
 )
+from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.common.outcome.ways import corners, line_distance
 
 Z = (0.0, 0.0, 1.0)

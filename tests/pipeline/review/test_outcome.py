@@ -7,9 +7,9 @@ import pytest
 
 from tests.pipeline.review.test_review import lock_of, only, write
 from tracerisk.common.outcome.arm import Arm, ArmFrame
-from tracerisk.common.outcome.changes import Tolerances
 from tracerisk.common.outcome.kept import outcome_summary
 from tracerisk.common.outcome.outcome import ObjectOutcome, Outcome, rest_of
+from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.common.text.plain_data import plain_data
 from tracerisk.common.verdict import Coverage, Verdict
 from tracerisk.pipeline.review.review import review

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.common.outcome.arm import Arm, ArmFrame
-from tracerisk.common.outcome.changes import TOLERANCES
 from tracerisk.common.outcome.outcome import CellUse, GripperUse, Outcome, rest_of
+from tracerisk.common.outcome.tolerances import TOLERANCES
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.common.worlds.world import world_named
 from tracerisk.errors import Location

@@ -8,59 +8,27 @@ the arm rests and moves, is named and decides nothing.
 from __future__ import annotations
 
 import math
-import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from tracerisk.common.outcome.alignment import aligned
 from tracerisk.common.outcome.arm import Position, angle_between
 from tracerisk.common.outcome.outcome import (
-    CellCount,
     CellUse,
     GripperUse,
-    ObjectOutcome,
     Outcome,
     Rest,
     Step,
 )
+from tracerisk.common.outcome.result_changes import VERBS, cell_changes, millimetres, object_changes
+from tracerisk.common.outcome.tolerances import OPENING, ROUNDING, TOLERANCES, Tolerances
 from tracerisk.common.outcome.ways import ways_apart
 
-if TYPE_CHECKING:
-    from tracerisk.config import Settings
-
-
-@dataclass(frozen=True, slots=True)
-class Tolerances:
-    """By how much two outcomes may differ and count as the same."""
-
-    place_m: float = 0.002
-    """Of objects and of the tool at rest, [m]."""
-    angle_deg: float = 2.0
-    """Of an object's tilt and heading, [deg]."""
-    joint: float = 0.005
-    """Of a joint at rest, [rad or m]."""
-
-    @classmethod
-    def of(cls, settings: Settings) -> Tolerances:
-        """Return those of the settings."""
-        return cls(
-            settings.outcome_place_mm / 1000.0,
-            settings.outcome_angle_deg,
-            settings.outcome_joint_mrad / 1000.0,
-        )
-
-
-TOLERANCES = Tolerances()
-_ROUNDING = 1.0001  # of a tolerance: figures are kept in whole steps
 _ENDS = 5.0
 """How many times the tolerances the last rest may differ: an arm has arrived a little before."""
-_OPENING = 0.1  # of a gripper's range
 _WAY = 2.5  # how far a way may pass beside another, by the distance of its corners' lines from it
 _PACE_S, _PACE_RATIO = 0.34, 1.1  # a time is another one that differs by more of both
-_FIGURE_SHARE, _FIGURE_LEAST = 0.01, 0.002  # how far figures of a message may differ
-_FIGURE = re.compile(r"(?<![\w'])-?(?:\d+\.\d+(?:e[+-]?\d+)?|\d+e[+-]?\d+)(?![\w'])")
 _IN_A_ROW = 3
 
 
@@ -101,12 +69,13 @@ def outcome_changes(
 ) -> OutcomeChanges:
     """Return how what a later run brought about differs from that of an earlier one."""
     comparison = _Comparison(old, new, tolerances)
+    objects, cell = object_changes(old, new, tolerances), cell_changes(old, new)
     joints = [tuple(arm.joints for arm in outcome.arms) for outcome in (old, new)]
     if joints[0] != joints[1] and all(joints):
         other = comparison.other_joints()
-        return OutcomeChanges(result=(*comparison.objects(), *other, *comparison.cell()))
+        return OutcomeChanges(result=(*objects, *other, *cell))
     lost, added = comparison.way()
-    result = (*comparison.objects(), *comparison.cell(), *comparison.last_rest())
+    result = (*objects, *cell, *comparison.last_rest())
     kinds = (result, lost, added, comparison.pace())
     return OutcomeChanges(*(tuple(dict.fromkeys(sentences)) for sentences in kinds))
 
@@ -121,93 +90,9 @@ class _Comparison:
         self._before, self._after = old.steps[:most], new.steps[:most]
         if not old.left_out and not new.left_out:
             self._before, self._after = old.steps, new.steps
-        self._pairs = aligned(self._before, self._after, self._is_same)
+        self._pairs = aligned(self._before, self._after, tolerances.is_same)
 
     # The result
-
-    def objects(self) -> list[str]:
-        """Return what of the objects ends otherwise."""
-        before = {found.name: found for found in self._old.objects}
-        after = {found.name: found for found in self._new.objects}
-        lines: list[str] = []
-        for name in sorted({*before, *after}):
-            if name not in after:
-                lines.append(f"{name} is no longer in the scene")
-            elif name not in before:
-                lines.append(f"{name} is new in the scene")
-            else:
-                lines += self._object(before[name], after[name])
-        return lines
-
-    def _object(self, old: ObjectOutcome, new: ObjectOutcome) -> Iterator[str]:
-        name, limits = old.name, self._tolerances
-        if old.held_in != new.held_in:
-            yield f"{name} ends {_held(new)}, before: {_held(old)}"
-            return
-        off = math.dist(old.end_m, new.end_m)
-        tipped = abs(old.tilt_deg - new.tilt_deg)
-        if off > limits.place_m * _ROUNDING:
-            was_moved = math.dist(old.begin_m, old.end_m) > limits.place_m
-            is_moved = math.dist(new.begin_m, new.end_m) > limits.place_m
-            if was_moved and not is_moved:
-                yield f"{name} is no longer moved"
-                return
-            elif is_moved and not was_moved:
-                yield (
-                    f"{name} is moved by {_mm(math.dist(new.begin_m, new.end_m))}, before: not "
-                    "moved"
-                )
-            else:
-                yield f"{name} ends {_mm(off)} from where it ended"
-        if tipped > limits.angle_deg * _ROUNDING:
-            yield f"{name} ends tilted by {new.tilt_deg:.0f} deg, before: {old.tilt_deg:.0f} deg"
-        elif old.heading_deg is not None and new.heading_deg is not None and new.tilt_deg < 45.0:
-            turned = abs((old.heading_deg - new.heading_deg + 180.0) % 360.0 - 180.0)
-            if turned > limits.angle_deg * _ROUNDING:
-                yield f"{name} ends turned by {turned:.0f} deg from how it ended"
-        if old.rests_on != new.rests_on and off > limits.place_m * _ROUNDING:
-            yield f"{name} ends on {new.rests_on or 'nothing'}, before: {old.rests_on or 'nothing'}"
-
-    def cell(self) -> list[str]:
-        """Return what was asked of the cell otherwise."""
-        lines: list[str] = []
-        before = {count.interface: count for count in self._old.cell_counts}
-        after = {count.interface: count for count in self._new.cell_counts}
-        for name in sorted({*before, *after} - {*self._old.streams, *self._new.streams}):
-            lines += self._interface(before.get(name), after.get(name))
-        for name in sorted({*self._old.streams} ^ {*self._new.streams}):
-            was, now = (
-                "at a steady rate"
-                if name in outcome.streams
-                else _times(counts[name].uses if name in counts else 0)
-                for outcome, counts in ((self._old, before), (self._new, after))
-            )
-            lines.append(f"messages are sent on {name} {now}, before: {was}")
-        return lines
-
-    def _interface(self, before: CellCount | None, after: CellCount | None) -> Iterator[str]:
-        known = after or before
-        assert known is not None, "one of the runs used it"
-        name, verb = known.interface, _VERBS[known.kind]
-        was, now = (0 if count is None else count.uses for count in (before, after))
-        if was != now or before is None or after is None:
-            yield f"{name} {verb} {_times(now)}, before: {_times(was)}"
-        elif before.succeeded != after.succeeded:
-            yield f"{name} succeeds {_times(after.succeeded)}, before: {_times(before.succeeded)}"
-        elif not self._old.left_out and not self._new.left_out:
-            yield from self._contents(name)
-
-    def _contents(self, name: str) -> Iterator[str]:
-        gone = [use for use in self._old.cell if use.interface == name]
-        come = []
-        for use in (use for use in self._new.cell if use.interface == name):
-            same = next((was for was in gone if _is_same_content(was.content, use.content)), None)
-            if same is None:
-                come.append(use)
-            else:
-                gone.remove(same)
-        for was, use in zip(gone, come, strict=False):
-            yield f"{name} gets {use.content or 'defaults'}, before: {was.content or 'defaults'}"
 
     def last_rest(self) -> list[str]:
         """Return where the arm ends otherwise."""
@@ -215,7 +100,7 @@ class _Comparison:
         for number in range(max(len(self._old.arms), len(self._new.arms))):
             before = [rest for rest in self._old.rests if rest.arm == number]
             after = [rest for rest in self._new.rests if rest.arm == number]
-            if before and after and not self._is_same_rest(before[-1], after[-1], _ENDS):
+            if before and after and not self._tolerances.is_same_rest(before[-1], after[-1], _ENDS):
                 apart = self._apart(before[-1], after[-1])
                 lines.append(f"{self._arm_name(number)} ends {apart} where it ended")
             elif before and not after:
@@ -267,7 +152,7 @@ class _Comparison:
             old, new = self._before[i], self._after[j]
             if isinstance(old, Rest) and isinstance(new, Rest):
                 turned = [abs(a - b) for a, b in zip(old.joints, new.joints, strict=True)]
-                if max(turned) > self._tolerances.joint * _ROUNDING:
+                if max(turned) > self._tolerances.joint * ROUNDING:
                     found.append((old, turned))
         if len(found) >= _IN_A_ROW:
             yield f"{len(found)} rests are reached in another posture of the arm"
@@ -319,7 +204,7 @@ class _Comparison:
                     for j, other in enumerate(self._after)
                     if j not in kept_new
                     and isinstance(other, CellUse)
-                    and self._is_same(step, other)
+                    and self._tolerances.is_same(step, other)
                 ),
                 None,
             )
@@ -328,10 +213,10 @@ class _Comparison:
             kept_new.add(place)
             now, was = _number_of_rests(self._after, place), _number_of_rests(self._before, i)
             yield (
-                f"{step.interface} {_VERBS[step.kind]} {_after_rest(now)}, before: "
+                f"{step.interface} {VERBS[step.kind]} {_after_rest(now)}, before: "
                 f"{_after_rest(was)}"
                 if now != was
-                else f"{step.interface} {_VERBS[step.kind]} at another point after rest {now}"
+                else f"{step.interface} {VERBS[step.kind]} at another point after rest {now}"
             )
 
     def _other_ways(self) -> Iterator[str]:
@@ -352,7 +237,8 @@ class _Comparison:
                 (left.tool_m, *old.via_m, old.tool_m), (left.tool_m, *new.via_m, old.tool_m)
             )
             if off > _WAY * corner_m:
-                yield f"the way to {self._rest_name(old)} is up to {_mm(off)} away from the old one"
+                name = self._rest_name(old)
+                yield f"the way to {name} is up to {millimetres(off)} away from the old one"
 
     def pace(self) -> list[str]:
         """Return which rests and ways take another time, between rests that are the same."""
@@ -362,7 +248,7 @@ class _Comparison:
         for place, (old, new) in enumerate(pairs):
             if not isinstance(old, Rest) or not isinstance(new, Rest):
                 continue
-            is_alike = self._is_alike(old, new, self._tolerances.joint)
+            is_alike = self._tolerances.is_same_posture(old, new)
             if is_alike and left_alike and _is_other_time(old.took_s, new.took_s):
                 lines.append(
                     f"the way to {self._rest_name(old)} takes {new.took_s:.1f} s, before: "
@@ -377,43 +263,12 @@ class _Comparison:
             left_alike = is_alike
         return lines
 
-    # Steps
-
-    def _is_same(self, old: Step, new: Step) -> bool:
-        if isinstance(old, Rest) and isinstance(new, Rest):
-            return self._is_same_rest(old, new)
-        if isinstance(old, GripperUse) and isinstance(new, GripperUse):
-            is_as_open = bool(old.holds) or abs(old.opened - new.opened) <= _OPENING
-            return old.gripper == new.gripper and old.holds == new.holds and is_as_open
-        if isinstance(old, CellUse) and isinstance(new, CellUse):
-            is_alike = (old.kind, old.interface, old.succeeded) == (
-                new.kind,
-                new.interface,
-                new.succeeded,
-            )
-            return is_alike and _is_same_content(old.content, new.content)
-        return False
-
-    def _is_same_rest(self, old: Rest, new: Rest, times: float = 1.0) -> bool:
-        """Return whether the tool rests at the same place, within some times the tolerances."""
-        if old.arm != new.arm or len(old.joints) != len(new.joints):
-            return False
-        limits = self._tolerances
-        if self._is_alike(old, new, times * limits.joint):
-            return True
-        is_near = math.dist(old.tool_m, new.tool_m) <= times * limits.place_m * _ROUNDING
-        turned = math.degrees(angle_between(old.tool_turn, new.tool_turn))
-        return is_near and turned <= times * limits.angle_deg * _ROUNDING
-
-    @staticmethod
-    def _is_alike(old: Rest, new: Rest, limit: float) -> bool:
-        joints = zip(old.joints, new.joints, strict=True)
-        return all(abs(one - other) <= limit * _ROUNDING for one, other in joints)
+    # Words
 
     def _apart(self, old: Rest, new: Rest) -> str:
         off = math.dist(old.tool_m, new.tool_m)
-        if off > self._tolerances.place_m * _ROUNDING:
-            return f"{_mm(off)} from"
+        if off > self._tolerances.place_m * ROUNDING:
+            return f"{millimetres(off)} from"
         turned = math.degrees(angle_between(old.tool_turn, new.tool_turn))
         return f"with the tool turned by {turned:.0f} deg from"
 
@@ -425,9 +280,6 @@ class _Comparison:
     def _number(self, rest: Rest) -> int:
         rests = [found for found in self._old.rests if found.arm == rest.arm]
         return 1 + sum(found.order < rest.order for found in rests)
-
-
-_VERBS = {"call": "is called", "message": "gets a message", "goal": "gets a goal"}
 
 
 def _grip_changes(gone: Sequence[Step], come: Sequence[Step], added: list[str]) -> Iterator[str]:
@@ -446,9 +298,9 @@ def _grip_changes(gone: Sequence[Step], come: Sequence[Step], added: list[str]) 
 def _grip(use: GripperUse) -> str:
     if use.holds:
         return f"grips {use.holds}"
-    if use.opened >= 1.0 - _OPENING:
+    if use.opened >= 1.0 - OPENING:
         return "opens"
-    if use.opened <= _OPENING:
+    if use.opened <= OPENING:
         return "closes on nothing"
     return f"goes to {100.0 * use.opened:.0f} % of its opening"
 
@@ -476,33 +328,8 @@ def _after_rest(number: int) -> str:
     return f"after rest {number}" if number else "before the first rest"
 
 
-def _is_same_content(one: str, other: str) -> bool:
-    """Return whether two contents say the same: whole numbers exactly, others within 1 %."""
-    if one == other:
-        return True
-    if _FIGURE.sub("#", one) != _FIGURE.sub("#", other):
-        return False
-    figures = zip(_FIGURE.findall(one), _FIGURE.findall(other), strict=True)
-    return all(
-        math.isclose(float(a), float(b), rel_tol=_FIGURE_SHARE, abs_tol=_FIGURE_LEAST)
-        for a, b in figures
-    )
-
-
 def _is_other_time(one: float, other: float) -> bool:
     return abs(one - other) > _PACE_S and max(one, other) > _PACE_RATIO * min(one, other)
-
-
-def _held(found: ObjectOutcome) -> str:
-    return f"held in {found.held_in}" if found.held_in else "free"
-
-
-def _times(number: int) -> str:
-    return {0: "never", 1: "once", 2: "twice"}.get(number, f"{number} times")
-
-
-def _mm(length: float) -> str:
-    return f"{1000.0 * length:.0f} mm"
 
 
 def _place(place: Position) -> str:

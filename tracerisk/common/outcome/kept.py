@@ -9,7 +9,6 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from tracerisk.common.outcome.arm import Arm, ArmFrame, Position
-from tracerisk.common.outcome.changes import TOLERANCES, Tolerances
 from tracerisk.common.outcome.outcome import (
     CORNER_M,
     TICK_S,
@@ -23,6 +22,7 @@ from tracerisk.common.outcome.outcome import (
     rest_of,
     rounded,
 )
+from tracerisk.common.outcome.tolerances import TOLERANCES, Tolerances
 from tracerisk.common.outcome.ways import corners
 
 OUTCOME = "outcome"

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.common.outcome.changes import TOLERANCES, Tolerances, outcome_changes
+from tracerisk.common.outcome.changes import outcome_changes
 from tracerisk.common.outcome.kept import kept_outcome, outcome_summary
+from tracerisk.common.outcome.tolerances import TOLERANCES, Tolerances
 from tracerisk.common.verdict import MISSED_CALL, MISSION_MISSED, Reason
 from tracerisk.config import Settings
 from tracerisk.errors import MachineError, TraceRiskError

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tracerisk.common.function_ref import FunctionRef
-from tracerisk.common.outcome.changes import TOLERANCES, OutcomeChanges, Tolerances, outcome_changes
+from tracerisk.common.outcome.changes import OutcomeChanges, outcome_changes
 from tracerisk.common.outcome.kept import kept_outcome, kept_tolerances
+from tracerisk.common.outcome.tolerances import TOLERANCES, Tolerances
 from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.history.many_at_once import shared_out

@@ -11,8 +11,9 @@ from tracerisk.adder.figures.instance_values import kept_values
 from tracerisk.adder.figures.instances import ComponentInstances
 from tracerisk.adder.merge.merge import NOISE
 from tracerisk.common.function_ref import FunctionRef
-from tracerisk.common.outcome.changes import TOLERANCES, Tolerances, outcome_changes
+from tracerisk.common.outcome.changes import outcome_changes
 from tracerisk.common.outcome.kept import OUTCOME, kept_outcome, kept_tolerances, outcome_summary
+from tracerisk.common.outcome.tolerances import TOLERANCES, Tolerances
 from tracerisk.common.worlds.world_run import WorldRun, joined_worlds, worlds_summary
 from tracerisk.pipeline.trace.kept_verdict import verdict_summary
 from tracerisk.pipeline.trace.last_run import last_run_summary

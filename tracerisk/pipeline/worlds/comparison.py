@@ -11,9 +11,10 @@ import math
 from collections import Counter
 from dataclasses import replace
 
-from tracerisk.common.outcome.changes import Tolerances, outcome_changes
+from tracerisk.common.outcome.changes import outcome_changes
 from tracerisk.common.outcome.kept import kept_outcome, outcome_summary
 from tracerisk.common.outcome.outcome import CellUse, GripperUse, Outcome, Rest
+from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.common.verdict import GAPS, Reason, VerdictKind
 from tracerisk.common.worlds.world import World
 from tracerisk.common.worlds.world_run import WorldRun

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.outcome.changes import Tolerances
+from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.common.sandbox.scratch import scratch
 from tracerisk.common.worlds.world import World, world_named, worlds_named
 from tracerisk.common.worlds.world_run import WorldRun

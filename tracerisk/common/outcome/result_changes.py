@@ -1,0 +1,116 @@
+"""What of the result of two runs differs: where objects end, and what the cell was asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from tracerisk.common.outcome.outcome import CellCount, ObjectOutcome, Outcome
+from tracerisk.common.outcome.tolerances import ROUNDING, Tolerances, is_same_content
+
+VERBS = {"call": "is called", "message": "gets a message", "goal": "gets a goal"}
+"""What happens to an interface of the cell when it is used, by the kind of use."""
+
+
+def object_changes(old: Outcome, new: Outcome, limits: Tolerances) -> list[str]:
+    """Return what of the objects ends otherwise."""
+    before = {found.name: found for found in old.objects}
+    after = {found.name: found for found in new.objects}
+    lines: list[str] = []
+    for name in sorted({*before, *after}):
+        if name not in after:
+            lines.append(f"{name} is no longer in the scene")
+        elif name not in before:
+            lines.append(f"{name} is new in the scene")
+        else:
+            lines += _object(before[name], after[name], limits)
+    return lines
+
+
+def _object(old: ObjectOutcome, new: ObjectOutcome, limits: Tolerances) -> Iterator[str]:
+    name = old.name
+    if old.held_in != new.held_in:
+        yield f"{name} ends {_held(new)}, before: {_held(old)}"
+        return
+    off = math.dist(old.end_m, new.end_m)
+    tipped = abs(old.tilt_deg - new.tilt_deg)
+    if off > limits.place_m * ROUNDING:
+        was_moved = math.dist(old.begin_m, old.end_m) > limits.place_m
+        is_moved = math.dist(new.begin_m, new.end_m) > limits.place_m
+        if was_moved and not is_moved:
+            yield f"{name} is no longer moved"
+            return
+        elif is_moved and not was_moved:
+            yield (
+                f"{name} is moved by {millimetres(math.dist(new.begin_m, new.end_m))}, before: not "
+                "moved"
+            )
+        else:
+            yield f"{name} ends {millimetres(off)} from where it ended"
+    if tipped > limits.angle_deg * ROUNDING:
+        yield f"{name} ends tilted by {new.tilt_deg:.0f} deg, before: {old.tilt_deg:.0f} deg"
+    elif old.heading_deg is not None and new.heading_deg is not None and new.tilt_deg < 45.0:
+        turned = abs((old.heading_deg - new.heading_deg + 180.0) % 360.0 - 180.0)
+        if turned > limits.angle_deg * ROUNDING:
+            yield f"{name} ends turned by {turned:.0f} deg from how it ended"
+    if old.rests_on != new.rests_on and off > limits.place_m * ROUNDING:
+        yield f"{name} ends on {new.rests_on or 'nothing'}, before: {old.rests_on or 'nothing'}"
+
+
+def cell_changes(old: Outcome, new: Outcome) -> list[str]:
+    """Return what was asked of the cell otherwise."""
+    lines: list[str] = []
+    before = {count.interface: count for count in old.cell_counts}
+    after = {count.interface: count for count in new.cell_counts}
+    for name in sorted({*before, *after} - {*old.streams, *new.streams}):
+        lines += _interface(before.get(name), after.get(name), old, new)
+    for name in sorted({*old.streams} ^ {*new.streams}):
+        was, now = (
+            "at a steady rate"
+            if name in outcome.streams
+            else _times(counts[name].uses if name in counts else 0)
+            for outcome, counts in ((old, before), (new, after))
+        )
+        lines.append(f"messages are sent on {name} {now}, before: {was}")
+    return lines
+
+
+def _interface(
+    before: CellCount | None, after: CellCount | None, old: Outcome, new: Outcome
+) -> Iterator[str]:
+    known = after or before
+    assert known is not None, "one of the runs used it"
+    name, verb = known.interface, VERBS[known.kind]
+    was, now = (0 if count is None else count.uses for count in (before, after))
+    if was != now or before is None or after is None:
+        yield f"{name} {verb} {_times(now)}, before: {_times(was)}"
+    elif before.succeeded != after.succeeded:
+        yield f"{name} succeeds {_times(after.succeeded)}, before: {_times(before.succeeded)}"
+    elif not old.left_out and not new.left_out:
+        yield from _contents(name, old, new)
+
+
+def _contents(name: str, old: Outcome, new: Outcome) -> Iterator[str]:
+    gone = [use for use in old.cell if use.interface == name]
+    come = []
+    for use in (use for use in new.cell if use.interface == name):
+        same = next((was for was in gone if is_same_content(was.content, use.content)), None)
+        if same is None:
+            come.append(use)
+        else:
+            gone.remove(same)
+    for was, use in zip(gone, come, strict=False):
+        yield f"{name} gets {use.content or 'defaults'}, before: {was.content or 'defaults'}"
+
+
+def _held(found: ObjectOutcome) -> str:
+    return f"held in {found.held_in}" if found.held_in else "free"
+
+
+def _times(number: int) -> str:
+    return {0: "never", 1: "once", 2: "twice"}.get(number, f"{number} times")
+
+
+def millimetres(length: float) -> str:
+    """Return a length [m] in words, in millimetres."""
+    return f"{1000.0 * length:.0f} mm"
