@@ -58,8 +58,7 @@ def controller_surroundings(
 ) -> Iterator[PreparedController]:
     """Put the controller's surroundings in the place of the machine's, and compile it.
 
-    Raises:
-        InputError, SourceError, UnsafeRewriteError: as `prepared_controller`.
+    Raises as `prepared_controller` does where it cannot be compiled.
     """
     script, recorder = Path(request.controller), world.recorder
     not_simulated = partial(recorder.finding, "not_simulated")
