@@ -49,7 +49,7 @@ class MeteredTwin:
         return self._twin.busy
 
     def advance(self, until_ns: int) -> int:
-        """Let the world move, at most until then [ns]; return the time that it reached [ns]."""
+        """Move the world, at most until then [ns], and return the time that it reached [ns]."""
         began = wall_clock()
         try:
             reached_ns = self._twin.advance(until_ns)
