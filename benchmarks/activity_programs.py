@@ -28,10 +28,10 @@ def _trapezoid(u: Array) -> Array:
     """A third of the time each for speeding up, going on and slowing down."""
     v = 1.5
     rising, falling = u < 1 / 3, u > 2 / 3
-    found: Array = np.where(
+    trapezoid: Array = np.where(
         rising, 1.5 * v * u**2, np.where(falling, 1 - 1.5 * v * (1 - u) ** 2, v * (u - 1 / 6))
     )
-    return found
+    return trapezoid
 
 
 PROFILES: Mapping[str, Callable[[Array], Array]] = {
@@ -75,10 +75,10 @@ class Bench:
     def here(self) -> dict[str, float]:
         """Return where the joints were commanded to last, else where they are."""
         state = self.twin.joint_state()
-        found = dict(zip(state.names, state.position, strict=True))
-        for each in self.commanded:
-            found.update(zip(each.joints, each.position[-1].tolist(), strict=True))
-        return found
+        values = dict(zip(state.names, state.position, strict=True))
+        for commanded in self.commanded:
+            values.update(zip(commanded.joints, commanded.position[-1].tolist(), strict=True))
+        return values
 
     def follow(self, trajectory: JointTrajectory, run_s: float | None = None) -> Motion:
         """Command a trajectory, and go on to its end, or for `run_s` only."""
@@ -126,7 +126,7 @@ class Bench:
         gripper = self.robot.gripper(name)
         state = self.twin.joint_state()
         begin = gripper.position(dict(zip(state.names, state.position, strict=True)))
-        rise = min(self.robot.joint(each).acceleration_limit for each in gripper.joints)
+        rise = min(self.robot.joint(joint).acceleration_limit for joint in gripper.joints)
         time, position, velocity = along_path(
             np.array([[begin], [target]]), np.array([gripper.speed]), np.array([rise])
         )
@@ -249,7 +249,7 @@ def preemption(bench: Bench) -> None:
 
 def slow_scaling(bench: Bench) -> None:
     robot = bench.robot
-    group = next(name for name, each in robot.groups.items() if "panda_joint1" in each.joints)
+    group = next(name for name, item in robot.groups.items() if "panda_joint1" in item.joints)
     here = bench.here()
     by = {"panda_joint1": 0.5, "panda_joint2": 0.05, "panda_joint4": 0.01, "panda_joint6": -0.25}
     trajectory = bench.twin.plan_joints(

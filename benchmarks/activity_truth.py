@@ -74,9 +74,9 @@ class Score:
 
     @property
     def is_good(self) -> bool:
-        right, found, true = self.grasps
+        right, number, true = self.grasps
         ratios = (*self.moving, *self.holding)
-        return min(ratios) >= LEAST and right == found == true and self.excess <= 1.0
+        return min(ratios) >= LEAST and right == number == true and self.excess <= 1.0
 
 
 def truths(bench: Bench, n_steps: int) -> dict[str, Truth]:
@@ -86,10 +86,10 @@ def truths(bench: Bench, n_steps: int) -> dict[str, Truth]:
     state = robot.initial_state
     reference = np.tile([state[name] for name in arm], (n_steps, 1))
     moving = {name: np.zeros(n_steps, dtype=np.bool_) for name in arm}
-    for each in sorted(bench.commanded, key=lambda each: each.start_s):
-        first = round(each.start_s / STEP_S)
-        for column, name in enumerate(each.joints):
-            path = each.position[:, column]
+    for commanded in sorted(bench.commanded, key=lambda commanded: commanded.start_s):
+        first = round(commanded.start_s / STEP_S)
+        for column, name in enumerate(commanded.joints):
+            path = commanded.position[:, column]
             stop = min(first + len(path) - 1, n_steps)
             at = arm.index(name)
             reference[first:stop, at] = path[: stop - first]
@@ -101,16 +101,16 @@ def truths(bench: Bench, n_steps: int) -> dict[str, Truth]:
     for begin_s, end_s in bench.touching:
         free[round(begin_s / STEP_S) : round(end_s / STEP_S)] = False
     nothing = np.zeros(n_steps, dtype=np.bool_)
-    found = {}
+    table = {}
     for column, name in enumerate(arm):
         load = np.abs(torque[:, column]) / robot.joint(name).torque_limit
-        found[name] = Truth(moving[name], (load > HOLDS) & ~moving[name], nothing, free)
+        table[name] = Truth(moving[name], (load > HOLDS) & ~moving[name], nothing, free)
     for gripper in robot.grippers:
         spans = [span for name, *span in bench.fingers if name == gripper.name]
         grasps = [span for name, *span in bench.grasps if name == gripper.name]
         fingers, grasping = _within(spans, n_steps), _within(grasps, n_steps)
-        found[gripper.name] = Truth(fingers, grasping & ~fingers, grasping, free)
-    return found
+        table[gripper.name] = Truth(fingers, grasping & ~fingers, grasping, free)
+    return table
 
 
 def _within(spans: Sequence[Sequence[float]], n_steps: int) -> Flags:
@@ -154,7 +154,9 @@ def _model(robot: Robot, payload: tuple[str, float] | None) -> _Model:
     if payload is not None:
         gripper, mass = payload
         pad = robot.gripper(gripper).pads[0]
-        hand = next(each.parent for each in robot.attachments if each.child == pad)
+        hand = next(
+            attachment.parent for attachment in robot.attachments if attachment.child == pad
+        )
         thing = spec.body(hand).add_body(name="payload", pos=(0.0, 0.0, 0.1034))
         thing.explicitinertial = True
         thing.mass, thing.inertia = mass, (1e-5, 1e-5, 1e-5)
@@ -167,8 +169,8 @@ def _model(robot: Robot, payload: tuple[str, float] | None) -> _Model:
     return _Model(
         model,
         data,
-        np.array([each.qposadr[0] for each in joints]),
-        np.array([each.dofadr[0] for each in joints]),
+        np.array([item.qposadr[0] for item in joints]),
+        np.array([item.dofadr[0] for item in joints]),
     )
 
 
@@ -177,8 +179,8 @@ def _torque(on: _Model, position: Array, velocity: Array, acceleration: Array) -
     on.data.qvel[on.dofs] = velocity
     on.data.qacc[on.dofs] = acceleration
     mujoco.mj_inverse(on.model, on.data)
-    found: Array = on.data.qfrc_inverse[on.dofs].copy()
-    return found
+    torque: Array = on.data.qfrc_inverse[on.dofs].copy()
+    return torque
 
 
 def score(program: Program) -> Score:
@@ -190,8 +192,8 @@ def score(program: Program) -> Score:
         program.run(bench)
         twin.close()
         samples = read_samples(Path(folder))
-    found = element_activity(samples, robot)
-    return compare(program.name, found, truths(bench, samples.n_steps))
+    element_activities = element_activity(samples, robot)
+    return compare(program.name, element_activities, truths(bench, samples.n_steps))
 
 
 def compare(program: str, found: Mapping[str, ElementActivity], true: Mapping[str, Truth]) -> Score:
@@ -233,9 +235,9 @@ def main() -> int:
     parser.add_argument("programs", nargs="*", metavar="PROGRAM", help="parts of their names")
     options = quick.parsed(parser, programs=lambda: ["gripper on nothing"])
     chosen = [
-        each
-        for each in PROGRAMS
-        if not options.programs or any(part in each.name for part in options.programs)
+        item
+        for item in PROGRAMS
+        if not options.programs or any(part in item.name for part in options.programs)
     ]
     last = "furthest off: found, true [s]"
     print(f"{'program':28} {'moving':>13} {'holding':>13} {'grasps':>8}  {last}")

@@ -124,9 +124,9 @@ def cases() -> tuple[Case, ...]:
         _sample("surface_scan"),
         Case("part_sorting", SAMPLES, sorting),
         *(
-            _own(each.name, own.get(each.name, "arm.urdf"))
-            for each in sorted(CASES.iterdir())
-            if each.is_dir() and (each / f"{each.name}.py").exists()
+            _own(path.name, own.get(path.name, "arm.urdf"))
+            for path in sorted(CASES.iterdir())
+            if path.is_dir() and (path / f"{path.name}.py").exists()
         ),
     )
 
@@ -142,15 +142,15 @@ def lay_out(case: Case, folder: Path) -> None:
         shutil.copy(case.folder / top, folder / top)
     else:
         shutil.copytree(case.folder, folder, dirs_exist_ok=True)
-    for each in case.more:
-        shutil.copy(each, folder / ("scene.yaml" if each.suffix == ".yaml" else each.name))
+    for path in case.more:
+        shutil.copy(path, folder / ("scene.yaml" if path.suffix == ".yaml" else path.name))
 
 
 def files_of(folder: Path) -> dict[str, str]:
     return {
-        each.relative_to(folder).as_posix(): each.read_text(encoding="utf-8")
-        for each in sorted(folder.rglob("*"))
-        if each.suffix in (".py", ".yaml", ".urdf") and "keep" not in each.parts
+        path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8")
+        for path in sorted(folder.rglob("*"))
+        if path.suffix in (".py", ".yaml", ".urdf") and "keep" not in path.parts
     }
 
 
@@ -169,24 +169,24 @@ def run(case: Case, folder: Path) -> Outcome:
         check=False,
     )
     try:
-        found: dict[str, Any] = json.loads(ended.stdout)
+        loads: dict[str, Any] = json.loads(ended.stdout)
     except ValueError:
         return Outcome("internal error", frozenset(), ended.stderr[-300:], None)
-    trace = found.get("trace") or {}
-    given = found.get("verdict")
+    trace = loads.get("trace") or {}
+    given = loads.get("verdict")
     verdict = trace.get("verdict") or (given if isinstance(given, dict) else {})
-    reasons = [each for each in verdict.get("reasons") or () if not each["accepted"]]
+    reasons = [item for item in verdict.get("reasons") or () if not item["accepted"]]
     kind = verdict.get("kind") or (given if isinstance(given, str) else "") or "refused"
-    words = found.get("verdict_line") or str((found.get("error") or {}).get("message"))
-    keys = frozenset((each["code"], each["function"], each["object"]) for each in reasons)
+    words = loads.get("verdict_line") or str((loads.get("error") or {}).get("message"))
+    keys = frozenset((reason["code"], reason["function"], reason["object"]) for reason in reasons)
     return Outcome(kind, keys, " ".join(words.split())[:170], read_mission(keep))
 
 
 def unbroken_of(folder: Path) -> Unbroken:
     """Return a controller with what the events of its run show."""
     robot = json.loads((folder / "keep" / "robot.json").read_text(encoding="utf-8"))
-    grippers = {each["name"] for each in robot["grippers"]}
-    names = {each["name"] for each in robot["joints"]} | set(robot["groups"])
+    grippers = {item["name"] for item in robot["grippers"]}
+    names = {item["name"] for item in robot["joints"]} | set(robot["groups"])
     files: dict[int, str] = {}
     commands = []
     for line in (folder / "keep" / "events.jsonl").read_text(encoding="utf-8").splitlines():
@@ -194,7 +194,7 @@ def unbroken_of(folder: Path) -> Unbroken:
         if event["event"] == "function":
             files[event["id"]] = event["file"]
         elif event["event"] == "command":
-            sites = tuple((files[each[0]], each[2], each[3]) for each in event["stack"])
+            sites = tuple((files[item[0]], item[2], item[3]) for item in event["stack"])
             commands.append(Commanded(sites, set(event["elements"]) <= grippers))
     return Unbroken(files_of(folder), frozenset(names), tuple(commands))
 
@@ -203,13 +203,13 @@ def _run_broken(case: Case, breakage: Breakage, nominal: Outcome, folder: Path) 
     lay_out(case, folder)
     for name, text in breakage.files.items():
         (folder / name).write_text(text, encoding="utf-8")
-    found = run(case, folder)
+    outcome = run(case, folder)
     assert nominal.mission is not None
-    lacks = missing(nominal.mission, found.mission)
+    lacks = missing(nominal.mission, outcome.mission)
     shutil.rmtree(folder)
-    is_worse = _rank(found.verdict) > _rank(nominal.verdict)
-    noticed = is_noticed(nominal, found)
-    return Row(case.name, breakage, lacks, found.verdict, found.words, noticed, is_worse)
+    is_worse = _rank(outcome.verdict) > _rank(nominal.verdict)
+    noticed = is_noticed(nominal, outcome)
+    return Row(case.name, breakage, lacks, outcome.verdict, outcome.words, noticed, is_worse)
 
 
 def is_noticed(unbroken: Outcome, broken: Outcome) -> bool:
@@ -238,11 +238,11 @@ def main() -> int:
 
 
 def measure(where: Path, options: argparse.Namespace) -> list[Row]:
-    chosen = [each for each in cases() if options.only in each.name]
+    chosen = [item for item in cases() if options.only in item.name]
     for case in chosen:
         lay_out(case, where / case.name)
     with ThreadPoolExecutor(options.jobs) as pool:
-        nominals = list(pool.map(lambda each: run(each, where / each.name), chosen))
+        nominals = list(pool.map(lambda item: run(item, where / item.name), chosen))
         wanted: list[tuple[Case, Breakage, Outcome, Path]] = []
         most = {kind: options.most * (2 if kind == MOVED else 1) for kind in KINDS}
         for turn, (case, nominal) in enumerate(zip(chosen, nominals, strict=True)):
@@ -250,16 +250,16 @@ def measure(where: Path, options: argparse.Namespace) -> list[Row]:
             if nominal.verdict not in ("complete", "partial") or nominal.mission is None:
                 raise SystemExit(f"{case.name} does not work unbroken: {nominal.words}")
             unbroken = unbroken_of(where / case.name)
-            found = spread(list(breakages(unbroken)), most, turn)
-            found += spread(
+            result = spread(list(breakages(unbroken)), most, turn)
+            result += spread(
                 list(refactorings(unbroken)), dict.fromkeys(REFACTORINGS, options.most), turn
             )
-            for number, each in enumerate(found):
-                if options.kind in each.kind:
+            for number, breakage in enumerate(result):
+                if options.kind in breakage.kind:
                     folder = where / f"{case.name}-{number}"
-                    wanted.append((case, each, nominal, folder))
+                    wanted.append((case, breakage, nominal, folder))
         rows = []
-        for row in pool.map(lambda each: _run_broken(*each), wanted):
+        for row in pool.map(lambda item: _run_broken(*item), wanted):
             rows.append(row)
             if options.rows:
                 with options.rows.open("a", encoding="utf-8") as stream:
@@ -285,39 +285,39 @@ def report(rows: Sequence[Row], seconds: float) -> int:
     heads = ("kind", "n", "carried out", *RANKS, "other", "missed", "false alarms")
     print(f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}")
     for kind in (*KINDS, *REFACTORINGS):
-        print(_line(kind, [each for each in rows if each.breakage.kind == kind]))
-    broken = [each for each in rows if each.breakage.kind in KINDS]
-    refactored = [each for each in rows if each.breakage.kind in REFACTORINGS]
+        print(_line(kind, [item for item in rows if item.breakage.kind == kind]))
+    broken = [item for item in rows if item.breakage.kind in KINDS]
+    refactored = [item for item in rows if item.breakage.kind in REFACTORINGS]
     print(_line("all breakages", broken))
     print(_line("all refactorings", refactored))
     for title, chosen in (
-        ("missed", [each for each in rows if each.is_miss and each.breakage.kind in KINDS]),
-        ("false alarms", [each for each in rows if each.is_false_alarm]),
-        ("refactorings that changed the mission", [each for each in refactored if each.lacks]),
+        ("missed", [item for item in rows if item.is_miss and item.breakage.kind in KINDS]),
+        ("false alarms", [item for item in rows if item.is_false_alarm]),
+        ("refactorings that changed the mission", [item for item in refactored if item.lacks]),
     ):
         print(f"\n{title}: {len(chosen)}")
         for row in chosen:
             print(f"- {row.case}, {row.breakage.kind}: {row.breakage.what}")
             print(f"  mission: {row.lacks or 'carried out'}; verdict: {row.words or row.verdict}")
-    failed = [each for each in broken if each.lacks]
-    done = [each for each in rows if not each.lacks]
-    noticed = sum(not each.is_miss for each in failed) / max(len(failed), 1)
-    false = sum(each.is_false_alarm for each in done)
+    failed = [item for item in broken if item.lacks]
+    done = [item for item in rows if not item.lacks]
+    noticed = sum(not item.is_miss for item in failed) / max(len(failed), 1)
+    false = sum(item.is_false_alarm for item in done)
     print(
         f"\n{len(broken)} breakages, {len(failed)} missions not carried out, {noticed:.1%} noticed"
     )
     print(f"{len(done)} missions carried out, {false} false alarms; {seconds:.0f} s")
-    is_good = noticed >= LEAST_NOTICED and not false and not any(each.lacks for each in refactored)
+    is_good = noticed >= LEAST_NOTICED and not false and not any(item.lacks for item in refactored)
     return 0 if is_good else 1
 
 
 def _line(kind: str, rows: Sequence[Row]) -> str:
-    counts = Counter(each.verdict if each.verdict in RANKS else "other" for each in rows)
+    counts = Counter(row.verdict if row.verdict in RANKS else "other" for row in rows)
     cells = [
-        *(str(len(rows)), str(sum(not each.lacks for each in rows))),
-        *(str(counts[each]) for each in (*RANKS, "other")),
-        str(sum(each.is_miss for each in rows)),
-        str(sum(each.is_false_alarm for each in rows)),
+        *(str(len(rows)), str(sum(not row.lacks for row in rows))),
+        *(str(counts[rank]) for rank in (*RANKS, "other")),
+        str(sum(row.is_miss for row in rows)),
+        str(sum(row.is_false_alarm for row in rows)),
     ]
     return f"| {kind} | {' | '.join(cells)} |"
 

@@ -76,11 +76,11 @@ class Breakage:
 
 def breakages(unbroken: Unbroken) -> Iterator[Breakage]:
     """Yield every breakage that fits a controller, in the order of the source."""
-    for each in (
+    for item in (
         *(_names, _scenario_entries, _out_of_reach, _grippers, _swallowed),
         *(_early_returns, _waits, _moved, _limits, _ignored),
     ):
-        yield from each(unbroken)
+        yield from item(unbroken)
 
 
 def _edited(
@@ -98,12 +98,12 @@ def _edited(
 def _same(tree: ast.AST, node: ast.AST) -> ast.AST:
     """Return the node of another tree of the same text that lies at the place of `node`."""
     return next(
-        each
-        for each in ast.walk(tree)
-        if type(each) is type(node)
-        and getattr(each, "lineno", 0) == getattr(node, "lineno", 0)
-        and getattr(each, "col_offset", 0) == getattr(node, "col_offset", 0)
-        and getattr(each, "end_col_offset", 0) == getattr(node, "end_col_offset", 0)
+        item
+        for item in ast.walk(tree)
+        if type(item) is type(node)
+        and getattr(item, "lineno", 0) == getattr(node, "lineno", 0)
+        and getattr(item, "col_offset", 0) == getattr(node, "col_offset", 0)
+        and getattr(item, "end_col_offset", 0) == getattr(node, "end_col_offset", 0)
     )
 
 
@@ -115,7 +115,7 @@ def _names(unbroken: Unbroken) -> Iterator[Breakage]:
         for node in ast.walk(tree):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 word = node.value
-                is_name = len(word) > 3 and any(each.startswith(word) for each in unbroken.names)
+                is_name = len(word) > 3 and any(text.startswith(word) for text in unbroken.names)
                 if is_name:
                     spelt = word[: len(word) // 2] + word[len(word) // 2 + 1 :]
                     yield from _renamed(unbroken, name, node, MISSPELT, spelt)
@@ -139,10 +139,10 @@ def _renamed(
     unbroken: Unbroken, name: str, node: ast.Constant, kind: str, to: str
 ) -> Iterator[Breakage]:
     def edit(tree: ast.Module) -> None:
-        for each in ast.walk(tree):
-            is_it = isinstance(each, ast.Constant) and each.value == node.value
-            if is_it and (each.lineno, each.col_offset) == (node.lineno, node.col_offset):  # type: ignore[attr-defined]
-                each.value = to  # type: ignore[attr-defined]
+        for item in ast.walk(tree):
+            is_it = isinstance(item, ast.Constant) and item.value == node.value
+            if is_it and (item.lineno, item.col_offset) == (node.lineno, node.col_offset):  # type: ignore[attr-defined]
+                item.value = to  # type: ignore[attr-defined]
 
     files = _edited(unbroken, name, edit)
     if files:
@@ -178,26 +178,26 @@ def _far_edits(tree: ast.Module) -> Iterator[tuple[int, Callable[[ast.Module], N
         elif (
             isinstance(node, ast.List)
             and len(node.elts) >= 4
-            and any(isinstance(each, ast.Constant) and each.value for each in node.elts)
-            and all(_is_number(each) for each in node.elts)
+            and any(isinstance(elt, ast.Constant) and elt.value for elt in node.elts)
+            and all(_is_number(elt) for elt in node.elts)
         ):
             yield node.lineno, _farther_rad(node)
 
 
 def _farther_m(node: ast.Assign) -> Callable[[ast.Module], None]:
     def edit(tree: ast.Module) -> None:
-        found = _same(tree, node)
-        assert isinstance(found, ast.Assign)
-        found.value = ast.BinOp(found.value, ast.Add(), ast.Constant(_FAR_M))
+        result = _same(tree, node)
+        assert isinstance(result, ast.Assign)
+        result.value = ast.BinOp(result.value, ast.Add(), ast.Constant(_FAR_M))
 
     return edit
 
 
 def _farther_rad(node: ast.List) -> Callable[[ast.Module], None]:
     def edit(tree: ast.Module) -> None:
-        found = _same(tree, node)
-        assert isinstance(found, ast.List)
-        found.elts[1] = ast.Constant(_FAR_RAD)
+        result = _same(tree, node)
+        assert isinstance(result, ast.List)
+        result.elts[1] = ast.Constant(_FAR_RAD)
 
     return edit
 
@@ -233,8 +233,8 @@ def _is_simple(statement: ast.stmt) -> bool:
 
 def _holds(statement: ast.stmt, sites: set[tuple[int, int]]) -> bool:
     return any(
-        isinstance(each, ast.Call) and (each.lineno, each.col_offset + 1) in sites
-        for each in ast.walk(statement)
+        isinstance(node, ast.Call) and (node.lineno, node.col_offset + 1) in sites
+        for node in ast.walk(statement)
     )
 
 
@@ -242,13 +242,15 @@ def _commanding(
     unbroken: Unbroken, *, gripper_only: bool = False
 ) -> Iterator[tuple[str, int, int]]:
     """Yield the simple statements that commanded: file, number of the block, place in it."""
-    arms = {site for each in unbroken.commands if not each.is_gripper for site in each.sites}
+    arms = {
+        site for command in unbroken.commands if not command.is_gripper for site in command.sites
+    }
     for name, tree in unbroken.trees():
         sites = {
             (line, column)
-            for each in unbroken.commands
-            if each.is_gripper or not gripper_only
-            for file, line, column in each.sites
+            for command in unbroken.commands
+            if command.is_gripper or not gripper_only
+            for file, line, column in command.sites
             if file.endswith(name) and not (gripper_only and (file, line, column) in arms)
         }
         for number, block in enumerate(_blocks(tree)):
@@ -282,8 +284,8 @@ def _functions_that_command(unbroken: Unbroken) -> Iterator[tuple[str, ast.Funct
     for name, tree in unbroken.trees():
         sites = {
             (line, column)
-            for each in unbroken.commands
-            for file, line, column in each.sites
+            for command in unbroken.commands
+            for file, line, column in command.sites
             if file.endswith(name)
         }
         for node in ast.walk(tree):
@@ -300,10 +302,10 @@ def _swallowed(unbroken: Unbroken) -> Iterator[Breakage]:
         def swallow(
             tree: ast.Module, function: ast.FunctionDef = function, place: int = place
         ) -> None:
-            found = _same(tree, function)
-            assert isinstance(found, ast.FunctionDef | ast.AsyncFunctionDef)
+            result = _same(tree, function)
+            assert isinstance(result, ast.FunctionDef | ast.AsyncFunctionDef)
             fault = ast.parse("raise ValueError('a mistake')").body
-            _quieten(found, [*found.body[:place], *fault, *found.body[place:]])
+            _quieten(result, [*result.body[:place], *fault, *result.body[place:]])
 
         files = _edited(unbroken, name, swallow)
         if files:
@@ -336,9 +338,9 @@ def _early_returns(unbroken: Unbroken) -> Iterator[Breakage]:
             def edit(
                 tree: ast.Module, function: ast.FunctionDef = function, where: int = where
             ) -> None:
-                found = _same(tree, function)
-                assert isinstance(found, ast.FunctionDef | ast.AsyncFunctionDef)
-                found.body.insert(where, ast.Return())
+                result = _same(tree, function)
+                assert isinstance(result, ast.FunctionDef | ast.AsyncFunctionDef)
+                result.body.insert(where, ast.Return())
 
             files = _edited(unbroken, name, edit)
             if files:
@@ -384,15 +386,15 @@ def _moved(unbroken: Unbroken) -> Iterator[Breakage]:
         if not name.endswith(("scenario.yaml", "scene.yaml")):
             continue
         given = yaml.safe_load(text)
-        full = {each.get("stands_in") for each in given.get("objects") or ()}
+        full = {item.get("stands_in") for item in given.get("objects") or ()}
         for section, key in (("objects", "xyz"), ("racks", "first_slot")):
-            for number, each in enumerate(given.get(section) or ()):
-                if (not each.get("mass") and each["name"] not in full) or key not in each:
+            for number, item in enumerate(given.get(section) or ()):
+                if (not item.get("mass") and item["name"] not in full) or key not in item:
                     continue
                 for axis in (0, 1):
                     data = yaml.safe_load(text)
                     data[section][number][key][axis] += _AWAY_M
-                    what = f"{name}: {each['name']} is {_AWAY_M} m off along {'xyz'[axis]}"
+                    what = f"{name}: {item['name']} is {_AWAY_M} m off along {'xyz'[axis]}"
                     yield Breakage(MOVED, what, {name: yaml.safe_dump(data, sort_keys=False)})
 
 
@@ -401,14 +403,14 @@ def _limits(unbroken: Unbroken) -> Iterator[Breakage]:
     for name, text in unbroken.files.items():
         if not name.endswith(".urdf"):
             continue
-        for found in re.finditer(
+        for match_ in re.finditer(
             r'<joint name="(\w+)" type="revolute">.*?<limit[^>]*>', text, re.DOTALL
         ):
-            for limit in pattern.finditer(text, found.start(), found.end()):
+            for limit in pattern.finditer(text, match_.start(), match_.end()):
                 key = limit.group(0).partition("=")[0]
                 value = float(limit.group(1)) / 2
                 changed = text[: limit.start(1)] + f"{value:g}" + text[limit.end(1) :]
-                yield Breakage(LIMIT, f"{name}: {key} of {found.group(1)}", {name: changed})
+                yield Breakage(LIMIT, f"{name}: {key} of {match_.group(1)}", {name: changed})
 
 
 # Results
@@ -433,9 +435,9 @@ def _ignored(unbroken: Unbroken) -> Iterator[Breakage]:
                     node: ast.If = node,
                     fault: Callable[[ast.Module], None] | None = fault,
                 ) -> None:
-                    found = _same(tree, node)
-                    assert isinstance(found, ast.If)
-                    found.body = [ast.Pass()]
+                    result = _same(tree, node)
+                    assert isinstance(result, ast.If)
+                    result.body = [ast.Pass()]
                     if fault is not None:
                         fault(tree)
 
@@ -449,7 +451,7 @@ def spread(found: Sequence[Breakage], most: Mapping[str, int], turn: int = 0) ->
     """Return at most so many of each kind, evenly; `turn` says where to begin."""
     chosen = []
     for kind, wanted in most.items():
-        of_kind = [each for each in found if each.kind == kind]
+        of_kind = [breakage for breakage in found if breakage.kind == kind]
         count = min(wanted, len(of_kind))
         places = sorted(
             (turn + number * len(of_kind) // count) % len(of_kind) for number in range(count)

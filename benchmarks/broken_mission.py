@@ -80,22 +80,22 @@ def read_mission(folder: Path) -> Mission | None:
         if not rests or (np.abs(row - rests[-1]) > tolerance).any():
             rests.append(row)
     way = np.abs(np.diff(position[::10], axis=0)).sum(axis=0)
-    found = np.array(rests) if rests else np.empty((0, n_joints))
-    return Mission(found, tolerance, way, _things(folder, header), _commands(folder))
+    array = np.array(rests) if rests else np.empty((0, n_joints))
+    return Mission(array, tolerance, way, _things(folder, header), _commands(folder))
 
 
 def _things(folder: Path, header: dict[str, list[int]]) -> dict[str, Thing]:
     n_pose = int(header["n_pose"])  # type: ignore[call-overload]
     flat = np.fromfile(folder / "poses.bin")
     poses = flat[: len(flat) // n_pose * n_pose].reshape(-1, n_pose) if n_pose else flat[:0]
-    found = {}
+    things = {}
     for name, at in zip(header["free_bodies"], header["free_at"], strict=True):
         if not len(poses):
             continue
         track = poses[:, at : at + 3]
         far = np.linalg.norm(track - track[0], axis=1)
-        found[str(name)] = Thing(track[0], track[-1], float(far.max()))
-    return found
+        things[str(name)] = Thing(track[0], track[-1], float(far.max()))
+    return things
 
 
 def _commands(folder: Path) -> Counter[tuple[str, ...]]:

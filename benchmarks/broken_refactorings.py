@@ -28,7 +28,7 @@ def refactorings(unbroken: Unbroken) -> Iterator[Breakage]:
 
 
 def _functions(tree: ast.Module) -> list[_Function]:
-    return [each for each in ast.walk(tree) if isinstance(each, _Function)]
+    return [node for node in ast.walk(tree) if isinstance(node, _Function)]
 
 
 _Edit = Callable[[ast.Module], None]
@@ -44,52 +44,52 @@ def _extracts(tree: ast.Module) -> Iterator[tuple[str, _Edit, str]]:
                 continue
             if function.decorator_list or function.args.vararg or function.args.kwarg:
                 continue
-            if any(isinstance(each, ast.Yield) for each in ast.walk(function)):
+            if any(isinstance(node, ast.Yield) for node in ast.walk(function)):
                 continue
             for half in dict.fromkeys((len(function.body) // 2, 1)):
                 yield EXTRACT, _extract(holder, function, half), f"{function.name} from {half + 1}"
 
 
 def _extract(holder: ast.Module | ast.ClassDef, function: _Function, half: int) -> _Edit:
-    parameters = [each.arg for each in function.args.args]
+    parameters = [argument.arg for argument in function.args.args]
     set_before = {
-        each.id
+        item.id
         for statement in function.body[:half]
-        for each in ast.walk(statement)
-        if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
+        for item in ast.walk(statement)
+        if isinstance(item, ast.Name) and isinstance(item.ctx, ast.Store)
     }
     read_after = {
-        each.id
+        item.id
         for statement in function.body[half:]
-        for each in ast.walk(statement)
-        if isinstance(each, ast.Name)
+        for item in ast.walk(statement)
+        if isinstance(item, ast.Name)
     }
     handed = [*parameters, *sorted((set_before & read_after) - set(parameters))]
     is_method = isinstance(holder, ast.ClassDef)
 
     def edit(tree: ast.Module) -> None:
-        found = _same(tree, function)
-        assert isinstance(found, _Function)
-        rest = found.body[half:]
-        name = f"{found.name}_rest"
-        made = type(found)(
+        result = _same(tree, function)
+        assert isinstance(result, _Function)
+        rest = result.body[half:]
+        name = f"{result.name}_rest"
+        made = type(result)(
             name=name,
-            args=ast.arguments([], [ast.arg(each) for each in handed], None, [], [], None, []),
+            args=ast.arguments([], [ast.arg(text) for text in handed], None, [], [], None, []),
             body=rest,
             decorator_list=[],
             returns=None,
             type_comment=None,
         )
-        if hasattr(found, "type_params"):
+        if hasattr(result, "type_params"):
             made.type_params = []  # type: ignore[union-attr]
         called = f"{handed[0]}.{name}" if is_method else name
         given = ", ".join(handed[1:] if is_method else handed)
-        waits = "await " if isinstance(found, ast.AsyncFunctionDef) else ""
-        found.body[half:] = ast.parse(f"return {waits}{called}({given})").body
+        waits = "await " if isinstance(result, ast.AsyncFunctionDef) else ""
+        result.body[half:] = ast.parse(f"return {waits}{called}({given})").body
         for node in ast.walk(tree):
             body = getattr(node, "body", None)
-            if isinstance(body, list) and found in body:
-                body.insert(body.index(found) + 1, made)
+            if isinstance(body, list) and result in body:
+                body.insert(body.index(result) + 1, made)
                 return
 
     return edit
@@ -97,8 +97,12 @@ def _extract(holder: ast.Module | ast.ClassDef, function: _Function, half: int) 
 
 def _inlines(tree: ast.Module) -> Iterator[tuple[str, _Edit, str]]:
     """Yield edits that put a body in place of a call of a function that takes and gives nothing."""
-    named = {each.name: each for each in _functions(tree) if isinstance(each, ast.FunctionDef)}
-    counts = Counter(each.name for each in _functions(tree))
+    named = {
+        function.name: function
+        for function in _functions(tree)
+        if isinstance(function, ast.FunctionDef)
+    }
+    counts = Counter(function.name for function in _functions(tree))
     for node in ast.walk(tree):
         if not isinstance(node, ast.Expr) or not isinstance(node.value, ast.Call):
             continue
@@ -107,7 +111,7 @@ def _inlines(tree: ast.Module) -> Iterator[tuple[str, _Edit, str]]:
         target = named.get(last)
         if target is None or counts[last] > 1 or owner not in ("self", "") or call.args:
             continue
-        if call.keywords or any(isinstance(each, ast.Return) for each in ast.walk(target)):
+        if call.keywords or any(isinstance(item, ast.Return) for item in ast.walk(target)):
             continue
         if len(target.args.args) == (1 if owner else 0) and not _stored(target):
             yield INLINE, _inline(node, target), f"{last} in line {node.lineno}"
@@ -115,25 +119,25 @@ def _inlines(tree: ast.Module) -> Iterator[tuple[str, _Edit, str]]:
 
 def _stored(function: _Function) -> bool:
     return any(
-        isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)
-        for each in ast.walk(function)
+        isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        for node in ast.walk(function)
     )
 
 
 def _inline(call: ast.Expr, target: ast.FunctionDef) -> _Edit:
     def edit(tree: ast.Module) -> None:
-        found, body = _same(tree, call), _same(tree, target)
+        result, body = _same(tree, call), _same(tree, target)
         assert isinstance(body, ast.FunctionDef)
         calls = sum(
-            isinstance(each, ast.Attribute | ast.Name)
-            and ast.unparse(each).rpartition(".")[2] == target.name
-            for each in ast.walk(tree)
+            isinstance(item, ast.Attribute | ast.Name)
+            and ast.unparse(item).rpartition(".")[2] == target.name
+            for item in ast.walk(tree)
         )
         for node in ast.walk(tree):
             for field in ("body", "orelse", "finalbody"):
                 block = getattr(node, field, None)
-                if isinstance(block, list) and found in block:
-                    place = block.index(found)
+                if isinstance(block, list) and result in block:
+                    place = block.index(result)
                     block[place : place + 1] = ast.parse(
                         ast.unparse(ast.Module(body.body, []))
                     ).body
@@ -158,7 +162,7 @@ def _renames(unbroken: Unbroken, tree: ast.Module) -> Iterator[tuple[str, _Edit,
         users = sum(name in text for text in unbroken.files.values())
         if name.startswith("__") or users > 1:
             continue
-        if sum(each.name == name for each in _functions(tree)) > 1:
+        if sum(item.name == name for item in _functions(tree)) > 1:
             continue
 
         def owned(node: ast.Attribute) -> bool:
@@ -166,13 +170,13 @@ def _renames(unbroken: Unbroken, tree: ast.Module) -> Iterator[tuple[str, _Edit,
 
         def edit(tree: ast.Module, name: str = name) -> None:
             new = f"{name}_renamed"
-            for each in ast.walk(tree):
-                if isinstance(each, _Function) and each.name == name:
-                    each.name = new
-                elif isinstance(each, ast.Attribute) and each.attr == name and owned(each):
-                    each.attr = new
-                elif isinstance(each, ast.Name) and each.id == name:
-                    each.id = new
+            for item in ast.walk(tree):
+                if isinstance(item, _Function) and item.name == name:
+                    item.name = new
+                elif isinstance(item, ast.Attribute) and item.attr == name and owned(item):
+                    item.attr = new
+                elif isinstance(item, ast.Name) and item.id == name:
+                    item.id = new
 
         yield RENAME, edit, name
 
@@ -186,8 +190,8 @@ def _with_dead_code(function: _Function, number: int) -> _Edit:
     )
 
     def edit(tree: ast.Module) -> None:
-        found = _same(tree, function)
-        assert isinstance(found, _Function)
-        found.body[1:1] = ast.parse(ways[number % len(ways)]).body
+        result = _same(tree, function)
+        assert isinstance(result, _Function)
+        result.body[1:1] = ast.parse(ways[number % len(ways)]).body
 
     return edit

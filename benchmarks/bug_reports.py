@@ -47,12 +47,12 @@ def main() -> int:
             lay_out(mission, place)
             return run(mission, place)
 
-        found = list(pool.map(one, chosen))
+        rans = list(pool.map(one, chosen))
     print("| report | program | verdict | first reason |\n|---|---|---|---|")
-    for report, ran in zip(chosen, found, strict=True):
+    for report, ran in zip(chosen, rans, strict=True):
         kind = "defective" if report["defective"] else "sound"
         print(f"| {report['id']} | {kind} | {ran.verdict} | {ran.words[:100]} |")
-    pairs = [(report["defective"], ran.verdict) for report, ran in zip(chosen, found, strict=True)]
+    pairs = [(report["defective"], ran.verdict) for report, ran in zip(chosen, rans, strict=True)]
     silent = sum(is_defective and verdict == "complete" for is_defective, verdict in pairs)
     blamed = sum(not bad and verdict in ("faulted", "stuck") for bad, verdict in pairs)
     print(f"\n{silent} defective programs are complete, {blamed} sound ones faulted or stuck")

@@ -95,11 +95,11 @@ def run(repo: str, commit: str, path: str, sources: Path, scenarios: Path | None
         return Row(name, "HANGS", TIMEOUT_S, 0, (), f"no end within {TIMEOUT_S:g} s")
     seconds = time.monotonic() - began
     try:
-        found = json.loads(done.stdout)
+        loads = json.loads(done.stdout)
     except json.JSONDecodeError:
         last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
         return Row(name, "FAULT", seconds, 0, (), " ".join(last)[:200])
-    return _row(name, seconds, found)
+    return _row(name, seconds, loads)
 
 
 def _tracerisk(words: list[str], folder: Path, most_s: float) -> subprocess.CompletedProcess[bytes]:
@@ -156,11 +156,13 @@ def classes(path: Path = CLASSES) -> dict[str, str]:
         ValueError: A class that is neither `a` nor `f`, or a row without a reason.
     """
     with path.open(encoding="utf-8") as stream:
-        found = list(csv.DictReader(stream))
-    for each in found:
-        if each["class"] not in ("a", "f") or not each["reason"]:
-            raise ValueError(f"{path.name}: {each['repo']}:{each['path']}: no class or no reason")
-    return {f"{each['repo']}:{each['path']}": each["class"] for each in found}
+        tables = list(csv.DictReader(stream))
+    for fields in tables:
+        if fields["class"] not in ("a", "f") or not fields["reason"]:
+            raise ValueError(
+                f"{path.name}: {fields['repo']}:{fields['path']}: no class or no reason"
+            )
+    return {f"{fields['repo']}:{fields['path']}": fields["class"] for fields in tables}
 
 
 def shares(rows: list[Row], kinds: dict[str, str]) -> str:
@@ -192,14 +194,14 @@ def main() -> None:
         options.scenarios.mkdir(parents=True, exist_ok=True)
     with options.list.open(encoding="utf-8") as stream:
         listed = list(csv.DictReader(line for line in stream if not line.startswith("#")))
-    wanted = [each for each in listed if options.only in f"{each['repo']}:{each['path']}"]
+    wanted = [fields for fields in listed if options.only in f"{fields['repo']}:{fields['path']}"]
     with ThreadPoolExecutor(options.jobs) as pool:
         rows = list(
             pool.map(
-                lambda each: run(
-                    each["repo"],
-                    each["commit"],
-                    each["path"],
+                lambda item: run(
+                    item["repo"],
+                    item["commit"],
+                    item["path"],
                     options.sources,
                     options.scenarios,
                 ),
@@ -221,7 +223,7 @@ def main() -> None:
     )
     print(f"\n{traced} of {len(rows)} gave a trace with a relevant function; {counts}")
     print(f"\n{shares(rows, kinds)}")
-    missed = Counter(found[1] for row in rows if (found := _MISSED.search(row.cause)))
+    missed = Counter(matched[1] for row in rows if (matched := _MISSED.search(row.cause)))
     if missed:
         text = ", ".join(f"{name} ({n})" for name, n in sorted(missed.items()))
         print(f"\nModules that rows missed: {text}")

@@ -89,10 +89,10 @@ async def timed(answer: Awaitable[Any]) -> float:
 
 async def measure(path: Path, repeat: int) -> dict[str, list[float]]:
     """Return the times of each request [ms]."""
-    found: dict[str, list[float]] = {}
+    values: dict[str, list[float]] = {}
 
     def put(name: str, value: float) -> None:
-        found.setdefault(name, []).append(value)
+        values.setdefault(name, []).append(value)
 
     client = LanguageClient("times", "1")
     published: asyncio.Queue[lsp.PublishDiagnosticsParams] = asyncio.Queue()
@@ -126,7 +126,7 @@ async def measure(path: Path, repeat: int) -> dict[str, list[float]]:
     put("open", 1e3 * (time.perf_counter() - began))
 
     lines = text.split("\n")
-    line = next(number for number, each in enumerate(lines) if each.startswith("def step_9("))
+    line = next(number for number, word in enumerate(lines) if word.startswith("def step_9("))
     value = next(n for n in range(line, len(lines)) if "quantity = " in lines[n])
     place = lsp.Position(line, 6)
     there = lsp.Range(lsp.Position(value, 0), lsp.Position(value, 9))
@@ -156,7 +156,7 @@ async def measure(path: Path, repeat: int) -> dict[str, list[float]]:
     await client.shutdown_async(None)
     client.exit(None)
     await client.stop()
-    return found
+    return values
 
 
 def main() -> None:
@@ -168,11 +168,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         path = write(Path(name), options.functions)
         count = len(path.read_text("utf-8").splitlines())
-        found = asyncio.run(measure(path, options.repeat))
+        values = asyncio.run(measure(path, options.repeat))
     print(f"{count} lines, {options.functions} functions with risk blocks")
     print(f"{'':<20}{'median ms':>12}{'most ms':>12}")
-    for each, times in found.items():
-        print(f"{each:<20}{statistics.median(times):>12.1f}{max(times):>12.1f}")
+    for text, times in values.items():
+        print(f"{text:<20}{statistics.median(times):>12.1f}{max(times):>12.1f}")
 
 
 if __name__ == "__main__":

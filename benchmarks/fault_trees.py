@@ -166,12 +166,12 @@ def least_seconds(
     Nothing where it outgrows its budgets.
     """
     least = least_read = float("inf")
-    found: float | None = None
+    value: float | None = None
     for number in range(MOST_TIMES):
         gc.collect()
         began = time.perf_counter()
         try:
-            found, taken = run(path)
+            value, taken = run(path)
         except TooLargeError as error:
             print(f"  {path.stem}: {error}", file=sys.stderr)
             return None, None, None
@@ -179,7 +179,7 @@ def least_seconds(
         least = min(least, taken)
         if is_enough(number, least):
             break
-    return found, least, least_read
+    return value, least, least_read
 
 
 def is_enough(number: int, least_s: float) -> bool:
@@ -248,7 +248,7 @@ def peer_times(peer: str, path: Path, limit_s: float) -> tuple[float | None, flo
             if number:
                 subprocess.run([*run, "-o", str(report)], capture_output=True, check=True)
             times = ET.parse(report).findall(".//calculation-time/*")
-            analysis = min(analysis, sum(float(each.text or "0") for each in times))
+            analysis = min(analysis, sum(float(time.text or "0") for time in times))
             if is_enough(number, analysis):
                 break
     return taken, analysis

@@ -47,7 +47,8 @@ def one(path: Path) -> str:
     except (TraceRiskError, RuntimeError) as error:
         return f"nothing to read: {error}"
     threads, greenlets = (
-        trace_json.dumps(replace(each.trace, inputs=())) for each in (nominal, again)
+        trace_json.dumps(replace(controller_run.trace, inputs=()))
+        for controller_run in (nominal, again)
     )
     return "same" if threads == greenlets else f"differs: {again.trace.end.message}"
 
@@ -55,7 +56,7 @@ def one(path: Path) -> str:
 def shown(folder: Path, path: str) -> str:
     """Return the same of a controller in a process of its own."""
     try:
-        found = subprocess.run(
+        completed_process = subprocess.run(
             [sys.executable, str(Path(__file__).resolve()), "--one", path],
             cwd=folder,
             stdin=subprocess.DEVNULL,
@@ -67,7 +68,7 @@ def shown(folder: Path, path: str) -> str:
         )
     except subprocess.TimeoutExpired:
         return "takes too long"
-    lines = [line for line in found.stdout.splitlines() if line.startswith("found: ")]
+    lines = [line for line in completed_process.stdout.splitlines() if line.startswith("found: ")]
     return lines[-1].removeprefix("found: ") if lines else "no trace"
 
 
@@ -86,7 +87,7 @@ def main() -> None:
         return
     wanted = listed(options)
     with ThreadPoolExecutor(options.jobs) as pool:
-        results = list(pool.map(lambda each: shown(each[0], each[1]), wanted))
+        results = list(pool.map(lambda item: shown(item[0], item[1]), wanted))
     rows = [
         (name, result)
         for (_, _, name), result in zip(wanted, results, strict=True)

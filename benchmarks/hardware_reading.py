@@ -71,9 +71,9 @@ def reading_seconds(program: str, parts: int) -> float:
     """Return what a program printed as its processor time [s], having read all parts."""
     command = [sys.executable, "-c", program]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
-    found, seconds = done.stdout.split()
-    if int(found) != parts:
-        raise SystemExit(f"{found} parts were read, not {parts}")
+    text, seconds = done.stdout.split()
+    if int(text) != parts:
+        raise SystemExit(f"{text} parts were read, not {parts}")
     return float(seconds)
 
 

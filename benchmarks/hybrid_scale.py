@@ -62,7 +62,7 @@ SMALL = {"small": Case(20, 3), "small pairs": Case(5, 2, pairs=4)}
 
 
 def blocks_of(case: Case) -> list[RiskBlock]:
-    found = []
+    blocks = []
     for function in range(case.functions):
         onward = f"f{function + 1}" if function + 1 < case.functions else "done"
         steps = (
@@ -79,8 +79,8 @@ def blocks_of(case: Case) -> list[RiskBlock]:
         ]
         text = ", ".join(f"{step.target} {float(step.weight):g}" for step in steps)
         sequence = Field(function + 1, str(function + 1))
-        found.append(RiskBlock(f"f{function}", sequence, Field(steps, text), tuple(parts)))
-    return found
+        blocks.append(RiskBlock(f"f{function}", sequence, Field(steps, text), tuple(parts)))
+    return blocks
 
 
 def component(name: str, probability: float, quantity: int, redundancy: str) -> ComponentEntry:

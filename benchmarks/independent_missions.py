@@ -143,7 +143,7 @@ def run(mission: Mission, folder: Path) -> Ran:
         [*command, *LIMITS, "--json"], cwd=folder, capture_output=True, text=True, check=False
     )
     try:
-        found = json.loads(done.stdout)
+        loads = json.loads(done.stdout)
     except ValueError:
         return Ran("internal error", done.stderr[-300:], None, None)
     entry: dict[str, Any] = {}
@@ -151,13 +151,15 @@ def run(mission: Mission, folder: Path) -> Ran:
     for lock in folder.rglob("tracerisk.lock"):
         controllers: dict[str, Any] = json.loads(lock.read_text(encoding="utf-8"))["controllers"]
         entry = next((known["trace"] for known in controllers.values()), {})
-    given: Any = found.get("verdict") or entry.get("verdict", {})
+    given: Any = loads.get("verdict") or entry.get("verdict", {})
     verdict: dict[str, Any] = {"kind": given} if isinstance(given, str) else given
-    error: dict[str, Any] = found.get("error") or {}
+    error: dict[str, Any] = loads.get("error") or {}
     kind = verdict.get("kind") or str(error.get("code") or "refused")
-    open_reasons = [each for each in verdict.get("reasons", ()) if not each.get("accepted")]
-    words = "; ".join(each["words"] for each in open_reasons) or str(error.get("message", ""))
-    assessed: dict[str, Any] = (found.get("assessment") or {}).get("mission") or {}
+    open_reasons = [item for item in verdict.get("reasons", ()) if not item.get("accepted")]
+    words = "; ".join(open_reason["words"] for open_reason in open_reasons) or str(
+        error.get("message", "")
+    )
+    assessed: dict[str, Any] = (loads.get("assessment") or {}).get("mission") or {}
     judgement, outcome = verdict_of_data(entry.get("verdict")), kept_outcome(entry)
     return Ran(kind, words, judgement, outcome, assessed.get("failure_probability"))
 

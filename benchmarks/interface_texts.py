@@ -69,17 +69,17 @@ def definitions(folder: Path, source: Source, distro: str) -> Definitions:
     repository = folder / source.repository.replace("/", "+")
     begin = "" if source.folder == "." else f"{source.folder}/"
     listed = _git(repository, "ls-tree", "-r", "--full-tree", commit, *([begin] if begin else []))
-    found: Definitions = {}
+    texts: Definitions = {}
     for entry in listed.splitlines():
         stored, _, path = entry.partition("\t")
         match = _DEFINITION.fullmatch(path.removeprefix(begin))
         if match is not None:
             kind, stem = match.groups()
             text = _git(repository, "cat-file", "blob", stored.split()[2])
-            found.setdefault(
+            texts.setdefault(
                 f"{kind}/{stem}.{kind}", canonical(text, source.package, is_ros1=distro == "noetic")
             )
-    return found
+    return texts
 
 
 def _git(repository: Path, *command: str) -> str:
@@ -97,7 +97,7 @@ def archive_text(packages: Mapping[str, Mapping[str, Definitions]]) -> str:
     for package, of in sorted(packages.items()):
         own = [distro for distro in DISTROS if distro in of]
         lines.append(f"=== {package}: {' '.join(own)}\n")
-        for place in sorted({place for found in of.values() for place in found}):
+        for place in sorted({place for texts in of.values() for place in texts}):
             by_text: dict[str, list[str]] = {}
             for distro in own:
                 if place in of[distro]:

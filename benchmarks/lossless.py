@@ -90,13 +90,16 @@ def check(path: Path) -> Outcome:
     count = 0
     try:
         parsed = parse_python(source, str(path))
-        sites = [(each.name, each.line) for each in definitions(parsed.tree)]
+        sites = [(definition.name, definition.line) for definition in definitions(parsed.tree)]
         count = len(sites)
         if parsed.tree.body:
             sites.append((MODULE, module_line(parsed)))
         after = insert_everywhere(source, {site: _block(site[0]) for site in sites}, str(path))
         placed = scan_blocks(parse_python(after, str(path)))
-        again = {(each.function, each.line): each.block for each in placed}
+        again = {
+            (placed_block.function, placed_block.line): placed_block.block
+            for placed_block in placed
+        }
         twice = insert_everywhere(after, again, str(path))
         stripped = strip_blocks(after, str(path))
     except TraceRiskError as error:
@@ -124,15 +127,18 @@ def check_c(path: Path, source: bytes) -> Outcome:
     try:
         parsed = parse_c(source, str(path))
         sites = {
-            (each.name, each.line): _block(each.name)
-            for each in parsed.functions
-            if each.site is not None and is_function_name(each.name)
+            (function.name, function.line): _block(function.name)
+            for function in parsed.functions
+            if function.site is not None and is_function_name(function.name)
         }
         count = len(sites)
-        left_out = len({(each.name, each.line) for each in parsed.functions}) - count
+        left_out = len({(function.name, function.line) for function in parsed.functions}) - count
         after = insert_everywhere(source, sites, str(path))
         placed = scan_c_blocks(after, str(path))
-        again = {(each.function, each.line): each.block for each in placed}
+        again = {
+            (placed_block.function, placed_block.line): placed_block.block
+            for placed_block in placed
+        }
         twice = insert_everywhere(after, again, str(path))
         stripped = strip_blocks(after, str(path))
         same = list(parsed.leaves()) == list(parse_c(after, str(path)).leaves())
@@ -170,29 +176,29 @@ def _same_tree(tree: ast.AST, after: bytes) -> bool:
 
 def files_below(folders: list[Path]) -> list[Path]:
     """Return every Python, C and C++ file below the folders, sorted, links not followed."""
-    found = {
+    files = {
         Path(folder, name)
         for top in folders
         for folder, _, names in os.walk(top)
         for name in names
         if name.endswith(".py") or is_c(name)
     }
-    return sorted(found)
+    return sorted(files)
 
 
 def report(title: str, outcomes: list[Outcome], seconds: float) -> int:
     """Print one line of figures and every refusal and wrong file; return how many are wrong."""
-    counted = [each for each in outcomes if each.verdict != "no Python"]
+    counted = [outcome for outcome in outcomes if outcome.verdict != "no Python"]
     by = {verdict: [e for e in counted if e.verdict == verdict] for verdict in VERDICTS}
-    functions = sum(each.functions for each in counted)
-    left_out = sum(each.left_out for each in counted)
+    functions = sum(outcome.functions for outcome in counted)
+    left_out = sum(outcome.left_out for outcome in counted)
     print(
         f"{title}: {len(counted)} files that are read ({len(outcomes) - len(counted)} not), "
         f"{functions} functions and {left_out} left out; exact {len(by['exact'])}, "
         f"refused {len(by['refused'])}, wrong {len(by['wrong'])}; {seconds:.0f} s"
     )
-    for each in (*by["refused"], *by["wrong"]):
-        print(f"  {each.verdict}: {each.path}: {each.reason}")
+    for outcome in (*by["refused"], *by["wrong"]):
+        print(f"  {outcome.verdict}: {outcome.path}: {outcome.reason}")
     return len(by["wrong"])
 
 

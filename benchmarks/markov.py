@@ -176,8 +176,8 @@ def solve_ours(matrix: csr_array, budget: Budget | None) -> dict[str, Any]:
         return solution, float(solution.absorption()[n + 1])
 
     solved, wall, (solution, value) = least(run)
-    each, _, found = least(lambda: solution.certified_absorption_from_each([n + 1]))
-    bound, method = max(found.bound, solution.error_bound), solution.method
+    each, _, result = least(lambda: solution.certified_absorption_from_each([n + 1]))
+    bound, method = max(result.bound, solution.error_bound), solution.method
     return {
         "build": built,
         "solve": solved,
@@ -247,9 +247,9 @@ def child(tool: str, kind: str, size: int, how: str) -> None:
         # The other way too: what it needs is compiled before the clock starts.
         solve_ours(scattered(400, np.random.default_rng(0)), Budget(entries=0))
     before = resident_mb()
-    found = measure(CHAINS[kind](size, np.random.default_rng(1)))
-    found["MB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0 - before
-    print(json.dumps(found))
+    table = measure(CHAINS[kind](size, np.random.default_rng(1)))
+    table["MB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0 - before
+    print(json.dumps(table))
 
 
 def measured(tool: str, kind: str, size: int, how: str) -> dict[str, Any] | None:
@@ -259,8 +259,8 @@ def measured(tool: str, kind: str, size: int, how: str) -> dict[str, Any] | None
         done = subprocess.run(command, capture_output=True, text=True, timeout=patience, check=True)
     except (subprocess.TimeoutExpired, subprocess.CalledProcessError):
         return None
-    found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    return found
+    loads: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return loads
 
 
 def time_table(kinds: list[str], most: int, *, peer: bool) -> None:
@@ -283,11 +283,11 @@ def time_table(kinds: list[str], most: int, *, peer: bool) -> None:
 
 def line(kind: str, size: int, ours: dict[str, Any] | None, theirs: dict[str, Any] | None) -> str:
     cells = [f"{kind:<10}{size:>12,}"]
-    for found in (ours, theirs):
-        if found is None:
+    for table in (ours, theirs):
+        if table is None:
             cells.append(f"{'-':>12}" * 3)
         else:
-            cells.append(f"{found['build']:>12.4f}{found['solve']:>12.4f}{found['MB']:>12.0f}")
+            cells.append(f"{table['build']:>12.4f}{table['solve']:>12.4f}{table['MB']:>12.0f}")
     if ours is None:
         return "".join(cells)
     if theirs is None:
@@ -371,17 +371,17 @@ def accuracy_table(*, peer: bool) -> bool:
         exact = exact_failure(rows)
         matrix = as_matrix(rows)
         n = matrix.shape[0] - 2
-        found = [
+        values = [
             MarkovChain(rows, ("failed", "done")).solve("s0").absorption()["failed"],
             float(MarkovChain.from_matrix(matrix, [n, n + 1]).solve(0).absorption()[n + 1]),
         ]
-        good &= all(abs(Fraction(value) / exact - 1) < Fraction(1, 10**12) for value in found)
+        good &= all(abs(Fraction(value) / exact - 1) < Fraction(1, 10**12) for value in values)
         if peer:
             for how in ("direct", "default"):
                 # Storm's iteration does not come to an end on each of these.
                 theirs = measured("storm", "accuracy", list(accuracy_cases()).index(name), how)
-                found.append(theirs["value"] if theirs else math.nan)
-        cells = [error_of(value, exact) for value in found] + [f"{'-':>15}"] * (4 - len(found))
+                values.append(theirs["value"] if theirs else math.nan)
+        cells = [error_of(value, exact) for value in values] + [f"{'-':>15}"] * (4 - len(values))
         print(f"{name:<30}{float(exact):>15.6e}" + "".join(cells), flush=True)
     return good
 

@@ -68,8 +68,8 @@ def _rows(name: str) -> Iterator[tuple[str, str]]:
         if done.returncode:
             sys.stderr.write(f"{name}: left out, pip cannot install it\n")
             return
-        for found in importlib.metadata.distributions(path=[folder]):
-            for module in sorted(modules_of(found)):
+        for distribution in importlib.metadata.distributions(path=[folder]):
+            for module in sorted(modules_of(distribution)):
                 yield module, name
 
 

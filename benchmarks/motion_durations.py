@@ -68,16 +68,16 @@ def optimal_duration(motion: Motion, tolerance: float = PATH_TOLERANCE) -> float
     highest = np.square(motion.velocity / np.maximum(np.abs(first), 1e-12)).min(axis=1)
     top = np.minimum(np.append(highest, np.inf), np.insert(highest, 0, np.inf))
     top[0] = top[-1] = 0.0
-    found = linprog(
+    result = linprog(
         -np.ones(cells + 1),
         A_ub=vstack(bound),
         b_ub=limit,
         bounds=np.column_stack((np.zeros(cells + 1), top)),
         method="highs",
     )
-    if found.status != 0:
-        raise RuntimeError(f"the linear program has no solution: {found.message}")
-    speed = np.sqrt(np.maximum(found.x, 0.0))
+    if result.status != 0:
+        raise RuntimeError(f"the linear program has no solution: {result.message}")
+    speed = np.sqrt(np.maximum(result.x, 0.0))
     return float((2 * width / (speed[:-1] + speed[1:])).sum())
 
 
@@ -151,12 +151,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
             spent = time.perf_counter() - begin
             entry = (ours, optimal_duration(motion), spent)
             rows.setdefault((motion.kind, motion.scaling), []).append(entry)
-        for (kind, scaling), found in sorted(rows.items()):
-            ours_s, optimal_s, spent_s = np.array(found).T
+        for (kind, scaling), item in sorted(rows.items()):
+            ours_s, optimal_s, spent_s = np.array(item).T
             error = ours_s / optimal_s - 1.0
             differs = f"{error.mean():+.2%} | {np.abs(error).max():.2%}"
             print(
-                f"| {name} | {len(found)} {kind} | {scaling:g} | {ours_s.mean():.2f} s "
+                f"| {name} | {len(item)} {kind} | {scaling:g} | {ours_s.mean():.2f} s "
                 f"| {differs} | {spent_s.mean() * 1e3:.1f} ms |"
             )
 

@@ -52,17 +52,17 @@ def main() -> None:
         else:
             shutil.copy(scripts[name], place)
         began = time.monotonic()
-        found = gather_evidence(
+        evidence = gather_evidence(
             place / script, options=CampaignOptions(jobs=options.jobs), cells=options.cells
         )
         seconds = time.monotonic() - began
-        failed = sum(1 for each in found.cells if each.fails)
-        notified = sum(1 for each in found.cells if each.told_by)
+        failed = sum(1 for cell in evidence.cells if cell.fails)
+        notified = sum(1 for cell in evidence.cells if cell.told_by)
         print(
-            f"{name:<18}{found.robot:<8}{len(found.cells):>6}{failed:>8}{notified:>6}{seconds:>9.1f}",
+            f"{name:<18}{evidence.robot:<8}{len(evidence.cells):>6}{failed:>8}{notified:>6}{seconds:>9.1f}",
             flush=True,
         )
-        cells += found.cells
+        cells += evidence.cells
     _print_matrix(cells)
 
 
@@ -71,9 +71,9 @@ def _print_matrix(cells: list[Cell]) -> None:
     heads = ("component", "mode", "in use, needed", "in use, harmless", "idle, needed")
     print(f"| {' | '.join((*heads, 'idle, harmless'))} |")
     print("|---|---|---|---|---|---|")
-    kinds = Counter((each.component, each.mode) for each in cells)
+    kinds = Counter((cell.component, cell.mode) for cell in cells)
     for component, mode in sorted(kinds):
-        mine = [each for each in cells if (each.component, each.mode) == (component, mode)]
+        mine = [cell for cell in cells if (cell.component, cell.mode) == (component, mode)]
         counts = " | ".join(map(str, confusion(mine)))
         print(f"| {component} | {mode.replace('_', ' ')} | {counts} |")
     counts = " | ".join(map(str, confusion(cells)))

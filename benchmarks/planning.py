@@ -70,7 +70,7 @@ class Cell:
     def __init__(self, name: str) -> None:
         self.robot: Robot = load_robot(name)
         self.group = ARMS[name]
-        self.joints = [self.robot.joint(each) for each in self.robot.group(self.group).joints]
+        self.joints = [self.robot.joint(text) for text in self.robot.group(self.group).joints]
         self.kinematics, self.clearance = Kinematics(self.robot), Clearance(self.robot)
         self.planner = Planner(self.robot, self.kinematics, self.clearance, self.state)
         self.lower = np.array([joint.lower for joint in self.joints])
@@ -78,15 +78,22 @@ class Cell:
         tip = self.robot.group(self.group).tip_link or ""
         drawn = np.random.default_rng(1)
         states = [self.state(self._named(self._drawn(drawn))) for _ in range(40)]
-        reach = max(math.hypot(*self.kinematics.forward(each, tip).position) for each in states)
+        reach = max(math.hypot(*self.kinematics.forward(state, tip).position) for state in states)
         bodies = []
         for number, (place, size) in enumerate(_BOXES):
-            x, y, z = (each * reach for each in place)
-            a, b, c = (each * reach for each in size)
+            x, y, z = (value * reach for value in place)
+            a, b, c = (value * reach for value in size)
             shape = Shape("box", (a, b, c))
             bodies.append(SceneBody(f"box {number}", Pose((x, y, z), _UPRIGHT), (shape,)))
         base = self.robot.base_link
-        links = {base, *(each.child for each in self.robot.attachments if each.parent == base)}
+        links = {
+            base,
+            *(
+                attachment.child
+                for attachment in self.robot.attachments
+                if attachment.parent == base
+            ),
+        }
         self.clearance.declare(
             bodies, [frozenset((f"box {len(_BOXES) - 1}", link)) for link in links]
         )
@@ -101,8 +108,8 @@ class Cell:
 
     def _drawn(self, generator: np.random.Generator) -> Array:
         low, high = np.maximum(self.lower, -np.pi), np.minimum(self.upper, np.pi)
-        found: Array = generator.uniform(low, high)
-        return found
+        drawn: Array = generator.uniform(low, high)
+        return drawn
 
     def is_free(self) -> Callable[[Array], bool]:
         """Return what says whether positions are clear."""
@@ -112,15 +119,15 @@ class Cell:
         """Return positions that are clear."""
         is_free = self.is_free()
         while True:
-            found = self._drawn(self._generator)
-            if is_free(found):
-                return found
+            drawn = self._drawn(self._generator)
+            if is_free(drawn):
+                return drawn
 
     def queries(self, count: int) -> list[Query]:
         """Return goals that are reached clear, each from the one before."""
-        found: list[Query] = []
+        result: list[Query] = []
         begin = self.free_position()
-        while len(found) < count:
+        while len(result) < count:
             there = self.state(self._named(self.free_position()))
             tip = self.robot.group(self.group).tip_link or ""
             target = LinkTarget(tip, self.kinematics.forward(there, tip))
@@ -129,10 +136,12 @@ class Cell:
                 solutions = list(self.planner.reach_each(self.group, [target], seed=seed))
             except PlanningError:
                 continue
-            goals = [np.array([each[joint.name] for joint in self.joints]) for each in solutions]
-            found.append(Query(begin, goals))
+            goals = [
+                np.array([solution[joint.name] for joint in self.joints]) for solution in solutions
+            ]
+            result.append(Query(begin, goals))
             begin = goals[0]
-        return found
+        return result
 
     def way(self, query: Query) -> list[Array] | None:
         """Return the twin's way, None where it finds none."""
@@ -186,7 +195,7 @@ def ompl_way(cell: Cell, query: Query) -> list[Array] | None:
     setup.simplifySolution()
     path = setup.getSolutionPath()
     points = [path.getState(k) for k in range(path.getStateCount())]
-    return [np.array([each[i] for i in range(count)]) for each in points]
+    return [np.array([point[i] for i in range(count)]) for point in points]
 
 
 def measured(
@@ -262,7 +271,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
             if plan is not None:
                 made.append(plan)
                 bent += is_bent
-        print(f"| {name} | {len(made)} | {bent} | {sum(colliding(cell, each) for each in made)} |")
+        print(
+            f"| {name} | {len(made)} | {bent} | "
+            f"{sum(colliding(cell, joint_trajectory) for joint_trajectory in made)} |"
+        )
 
 
 if __name__ == "__main__":

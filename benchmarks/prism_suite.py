@@ -95,15 +95,18 @@ def _constants(text: str) -> dict[str, float]:
 
 
 def _typed(constants: dict[str, float]) -> dict[str, int | float | bool]:
-    return {name: int(each) if each.is_integer() else each for name, each in constants.items()}
+    return {
+        name: int(constant) if constant.is_integer() else constant
+        for name, constant in constants.items()
+    }
 
 
 def published(text: str, constants: dict[str, float]) -> str:
     """Return what the comments of a file of properties say for these constants."""
-    for found in _RESULT.finditer(text):
-        given = _constants(found["constants"] or "")
+    for match_ in _RESULT.finditer(text):
+        given = _constants(match_["constants"] or "")
         if all(constants.get(name) == value for name, value in given.items()):
-            return found["value"]
+            return match_["value"]
     return ""
 
 
@@ -114,7 +117,7 @@ def asked(task: tuple[Model, float]) -> list[Row]:
     if model.path.stem.startswith(name):
         name = model.path.stem
     said = ", ".join(f"{key} = {value:g}" for key, value in model.constants.items())
-    files = sorted(each for each in model.path.parent.iterdir() if each.suffix in PROPERTIES)
+    files = sorted(path for path in model.path.parent.iterdir() if path.suffix in PROPERTIES)
     began = time.process_time()
     signal.setitimer(signal.ITIMER_PROF, LONGEST_S)
     try:
@@ -135,13 +138,13 @@ def asked(task: tuple[Model, float]) -> list[Row]:
         question = file.stem
         try:
             given = parse_properties(text, file.name)
-            opened = [each for each, value in given.constants.items() if value is None]
-            question += "".join(f", {each} = {open_value:g}" for each in opened)
+            opened = [constant for constant, value in given.constants.items() if value is None]
+            question += "".join(f", {word} = {open_value:g}" for word in opened)
             values = _typed(dict.fromkeys(opened, open_value))
-            for each in given.properties:
-                found = ask(chain, _one(given, each), values)[0]
+            for item in given.properties:
+                answer = ask(chain, _one(given, item), values)[0]
                 rows.append(
-                    Row(name, said, question, _shown(found), expected, time.process_time() - began)
+                    Row(name, said, question, _shown(answer), expected, time.process_time() - began)
                 )
         except (TraceRiskError, TookTooLongError, MemoryError) as error:
             seconds = time.process_time() - began
@@ -173,10 +176,10 @@ def _words(error: BaseException) -> str:
 def difference(row: Row) -> float | None:
     """Return the relative difference of a row from the suite; `None` where it is unknown."""
     try:
-        found, expected = float(row.found), float(row.published)
+        value, expected = float(row.found), float(row.published)
     except ValueError:
         return None if not row.published or row.found != row.published else 0.0
-    return abs(found - expected) / abs(expected) if expected else abs(found)
+    return abs(value - expected) / abs(expected) if expected else abs(value)
 
 
 def _too_long(_signal: int, _frame: FrameType | None) -> None:
@@ -197,15 +200,15 @@ def main() -> int:
     options = quick.parsed(parser, models=lambda: quick.folder(QUICK_SUITE))
     if options.models is None:
         parser.error("give --models DIR")
-    every = sorted(models(options.models), key=lambda each: (each.path.parent, each.states))
-    chosen = [each for each in every if each.states <= options.most_states]
+    every = sorted(models(options.models), key=lambda model: (model.path.parent, model.states))
+    chosen = [model for model in every if model.states <= options.most_states]
     rows: list[Row] = []
     print("| model | constants | property | here | published | difference | s |")
     print("|---|---|---|---|---|---|---|")
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=context, initializer=_limit) as pool:
-        for found in pool.map(asked, [(each, options.open) for each in chosen]):
-            for row in found:
+        for result in pool.map(asked, [(model, options.open) for model in chosen]):
+            for row in result:
                 far = difference(row)
                 far_text = "" if far is None else f"{far:.1e}"
                 print(
@@ -213,10 +216,10 @@ def main() -> int:
                     f"{row.published} | {far_text} | {row.seconds:.2f} |",
                     flush=True,
                 )
-            rows += found
+            rows += result
     answered = [row for row in rows if row.question and row.found != "read"]
     solved = [row for row in answered if not row.found.startswith(("refused", "not", "more"))]
-    known = [each for each in map(difference, answered) if each is not None]
+    known = [value for value in map(difference, answered) if value is not None]
     unread = sum(1 for row in rows if not row.question)
     print(
         f"\n{len(chosen)} of {len(every)} models have at most {options.most_states} states, "

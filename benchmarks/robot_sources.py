@@ -291,12 +291,12 @@ class Checkouts:
             path for path in folder.rglob("*") if path.suffix in wanted and path.is_file()
         )
         self._packages: dict[Path, dict[str, Path]] = {}
-        for found in sorted(folder.rglob("package.xml")):
+        for result in sorted(folder.rglob("package.xml")):
             try:
-                name = ET.parse(found).findtext("name", "").strip()
+                name = ET.parse(result).findtext("name", "").strip()
             except ET.ParseError:
                 continue
-            self._packages.setdefault(self._checkout(found), {})[name] = found.parent
+            self._packages.setdefault(self._checkout(result), {})[name] = result.parent
 
     def _checkout(self, path: Path) -> Path:
         return self._folder / path.relative_to(self._folder).parts[0]
@@ -310,10 +310,10 @@ class Checkouts:
 
     def packages(self, path: Path) -> dict[str, Path]:
         """Return the packages that a file sees: those of its own checkout first."""
-        found: dict[str, Path] = {}
+        paths: dict[str, Path] = {}
         for packages in self._packages.values():
-            found.update(packages)
-        return {**found, **self._packages.get(self._checkout(path), {})}
+            paths.update(packages)
+        return {**paths, **self._packages.get(self._checkout(path), {})}
 
     def shown(self, path: Path) -> str:
         return path.relative_to(self._folder).as_posix()
@@ -350,15 +350,15 @@ def from_urdf(robot: Robot, text: bytes, source: Source) -> Iterator[tuple[str, 
     root = read_xml(text, source.path)
     tree = read_tree(root, source.path)
     joints = {joint.name: joint for joint in robot.joints}
-    for each in tree.moving:
-        joint = joints.get(renamed(each.name, source))
+    for urdf_joint in tree.moving:
+        joint = joints.get(renamed(urdf_joint.name, source))
         if joint is None:
             continue
-        if each.type != "continuous" and joint.type != "continuous":
-            yield f"{joint.name} lower", joint.lower, each.lower, ""
-            yield f"{joint.name} upper", joint.upper, each.upper, ""
-        yield f"{joint.name} velocity", joint.velocity_limit, each.velocity, "1/s"
-        yield f"{joint.name} effort", joint.torque_limit, each.effort, "N m"
+        if urdf_joint.type != "continuous" and joint.type != "continuous":
+            yield f"{joint.name} lower", joint.lower, urdf_joint.lower, ""
+            yield f"{joint.name} upper", joint.upper, urdf_joint.upper, ""
+        yield f"{joint.name} velocity", joint.velocity_limit, urdf_joint.velocity, "1/s"
+        yield f"{joint.name} effort", joint.torque_limit, urdf_joint.effort, "N m"
     masses = {}
     for entry in root.all("link"):
         inertial = entry.first("inertial")
@@ -388,11 +388,11 @@ def from_urdf(robot: Robot, text: bytes, source: Source) -> Iterator[tuple[str, 
 
 def behind_joints(tree: Tree) -> set[str]:
     """Return the links that a joint moves."""
-    found: set[str] = set()
+    names: set[str] = set()
     for joint in tree.joints:
-        if joint.moves or joint.parent in found:
-            found.add(joint.child)
-    return found
+        if joint.moves or joint.parent in names:
+            names.add(joint.child)
+    return names
 
 
 def frames(tree: Tree, source: Source) -> dict[str, tuple[str, Array]]:
@@ -400,7 +400,7 @@ def frames(tree: Tree, source: Source) -> dict[str, tuple[str, Array]]:
 
     All joints are at 0. The anchor is named by its joint; links before the first joint have none.
     """
-    found: dict[str, tuple[str, Array]] = {}
+    pair: dict[str, tuple[str, Array]] = {}
     anchored: dict[str, tuple[str, Array]] = {}
     for joint in tree.joints:
         step = np.eye(4)
@@ -409,12 +409,12 @@ def frames(tree: Tree, source: Source) -> dict[str, tuple[str, Array]]:
         anchor, above = anchored.get(joint.parent, ("", np.eye(4)))
         here = above @ step
         if anchor:
-            found[renamed(joint.child, source)] = (anchor, here)
+            pair[renamed(joint.child, source)] = (anchor, here)
         if joint.moves:
             anchored[joint.child] = (renamed(joint.name, source), np.eye(4))
         elif anchor:
             anchored[joint.child] = (anchor, here)
-    return found
+    return pair
 
 
 def differences(
@@ -458,14 +458,16 @@ def main() -> int:
                 missing.append(f"{name}: {source.path}")
             for path in paths:
                 try:
-                    found = list(differences(robot, path, source, checkouts, options.percent))
+                    result = list(differences(robot, path, source, checkouts, options.percent))
                 except RobotError as error:
                     missing.append(f"{name}: {checkouts.shown(path)}: {error}")
                     continue
-                print(f"{name}: {checkouts.shown(path)}: {len(found)} differences")
-                for each in found:
-                    figures = f"{each.ours:.6g}, there {each.theirs:.6g} {each.unit}"
-                    print(f"    {each.what:48} {figures}")
+                print(f"{name}: {checkouts.shown(path)}: {len(result)} differences")
+                for difference in result:
+                    figures = (
+                        f"{difference.ours:.6g}, there {difference.theirs:.6g} {difference.unit}"
+                    )
+                    print(f"    {difference.what:48} {figures}")
     for line in missing:
         print(f"not compared: {line}")
     return 0

@@ -158,18 +158,18 @@ def asked(robot: Robot, public: PublicModel, samples: Samples) -> Array:
     places = [int(model.joint(name).qposadr[0]) for name in names]
     freedoms = [int(model.joint(name).dofadr[0]) for name in names]
     acceleration = np.gradient(samples.velocity, samples.step_s, axis=0)
-    found = np.zeros_like(samples.torque)
+    zeros_like = np.zeros_like(samples.torque)
     for row in range(samples.n_steps):
         data.qpos[places] = samples.position[row]
         data.qvel[freedoms] = samples.velocity[row]
         data.qacc[freedoms] = acceleration[row]
         mujoco.mj_inverse(model, data)
-        found[row] = data.qfrc_inverse[freedoms]
+        zeros_like[row] = data.qfrc_inverse[freedoms]
     for column, (height, slope, offset) in enumerate(public.friction):
-        found[:, column] += height * (
+        zeros_like[:, column] += height * (
             _sigmoid(slope * (samples.velocity[:, column] + offset)) - _sigmoid(slope * offset)
         )
-    return found
+    return zeros_like
 
 
 def _sigmoid(x: Array | float) -> Array:

@@ -122,11 +122,11 @@ def listed(options: argparse.Namespace) -> list[tuple[Path, str, str]]:
         with options.list.open(encoding="utf-8") as stream:
             rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
         wanted = []
-        for each in rows:
-            folder = options.sources / f"{each['repo']}@{each['commit']}"
-            folder = folder if (folder / each["path"]).is_file() else options.sources / each["repo"]
-            wanted.append((folder, each["path"], f"{each['repo']}:{each['path']}"))
-    return [each for each in wanted if options.only in each[2]]
+        for row in rows:
+            folder = options.sources / f"{row['repo']}@{row['commit']}"
+            folder = folder if (folder / row["path"]).is_file() else options.sources / row["repo"]
+            wanted.append((folder, row["path"], f"{row['repo']}:{row['path']}"))
+    return [row for row in wanted if options.only in row[2]]
 
 
 def main() -> None:
@@ -151,8 +151,7 @@ def main() -> None:
     print("|---|---|---|---|---|")
     for row in rows:
         with_s, without_s = (
-            statistics.median(each.processor_s for each in runs)
-            for runs in (row.contained, row.free)
+            statistics.median(run.processor_s for run in runs) for runs in (row.contained, row.free)
         )
         print(
             f"| {row.name} | {'yes' if row.is_same else 'NO'} | {with_s:.2f} | {without_s:.2f} "

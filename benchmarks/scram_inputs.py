@@ -48,22 +48,24 @@ def scram(arguments: tuple[str, ...], path: Path, limit_s: float) -> tuple[str, 
 def figures_of(report: str) -> dict[str, float]:
     """Return the tops and the sequences of a report."""
     root = ET.fromstring(report)
-    tops = {each.get("name"): each.get("probability") for each in root.iter("sum-of-products")}
-    sequences = {each.get("name"): each.get("value") for each in root.iter("sequence")}
+    tops = {
+        element.get("name"): element.get("probability") for element in root.iter("sum-of-products")
+    }
+    sequences = {element.get("name"): element.get("value") for element in root.iter("sequence")}
     # The parts of event trees are listed as tops as well, by the names of their sequences.
     return {str(name): float(value) for name, value in {**tops, **sequences}.items() if value}
 
 
 def ours(model: LogicModel) -> dict[str, float]:
     """Return the same of a model that was read here."""
-    found = {}
+    values = {}
     for top in model.tops:
         tree = model.fault_tree(top, mission_time_h=MISSION_H, common_cause=False)
-        found[top] = tree.probability(tree.values_at(MISSION_H)).p
-    if any(each.tree.initiating is not None for each in model.event_trees):
+        values[top] = tree.probability(tree.values_at(MISSION_H)).p
+    if any(event_tree.tree.initiating is not None for event_tree in model.event_trees):
         for solution in solved_event_trees(model, MISSION_H, common_cause=False):
-            found |= {each.name: each.value for each in solution.sequences}
-    return found
+            values |= {sequence.name: sequence.value for sequence in solution.sequences}
+    return values
 
 
 def compared(path: Path, limit_s: float) -> tuple[str, str]:
@@ -81,18 +83,18 @@ def compared(path: Path, limit_s: float) -> tuple[str, str]:
     if not report:
         return "not solved by SCRAM", reason
     try:
-        found = ours(model)
+        values = ours(model)
     except TraceRiskError as error:
         return "not solved here", error.message
     printed = figures_of(report)
     apart = {
-        name: (found.get(name), value)
+        name: (values.get(name), value)
         for name, value in printed.items()
-        if name in found and not math.isclose(found[name], value, rel_tol=6e-6, abs_tol=1e-30)
+        if name in values and not math.isclose(values[name], value, rel_tol=6e-6, abs_tol=1e-30)
     }
     if apart:
         return "apart", str(apart)
-    return "alike", " ".join(printed.keys() & found.keys())
+    return "alike", " ".join(printed.keys() & values.keys())
 
 
 def main() -> int:

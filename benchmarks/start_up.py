@@ -74,11 +74,11 @@ def main() -> int:
             "tracerisk solve model.json": [command, "solve", "model.json"],
             "tracerisk solve model.json --json": [command, "solve", "model.json", "--json"],
         }
-        found = medians(commands, folder, options.times)
-    base, *_ = found.values()
-    for name, median in found.items():
+        values = medians(commands, folder, options.times)
+    base, *_ = values.values()
+    for name, median in values.items():
         print(f"{name:34}  {1000 * median:6.1f} ms  {median / base:5.2f} x")
-    ratio = found["tracerisk --help"] / base
+    ratio = values["tracerisk --help"] / base
     print(f"help: {ratio:.2f} times argparse, at most {MOST_FOR_HELP:g} allowed")
     return 0 if options.quick or ratio <= MOST_FOR_HELP else 1
 

@@ -80,25 +80,27 @@ def main() -> int:
             open_ones = galileo.parameter_names(text, name)
             tree = galileo.loads(text, name, dict.fromkeys(open_ones, VALUE))
             names = [element.name for element in (*tree.gates, *tree.events)]
-            found: float | str = tree.solve(mission_time_h=MISSION_H).top.p
+            message: float | str = tree.solve(mission_time_h=MISSION_H).top.p
         except TraceRiskError as error:
-            found = error.message
-        if isinstance(found, str):
+            message = error.message
+        if isinstance(message, str):
             outcome = "refused here"
         else:
             outcome = "solved, with values for parameters" if open_ones else "solved"
         counts[outcome] += 1
         other = peer(path, names) if options.peer else None
-        if isinstance(found, str):
-            print(f"{name}: {found}", flush=True)
+        if isinstance(message, str):
+            print(f"{name}: {message}", flush=True)
         if isinstance(other, str):
             counts["refused by Storm"] += 1
             print(f"{name}: Storm: {other}", flush=True)
-        elif other is not None and not isinstance(found, str):
-            alike = all(math.isclose(found, each, rel_tol=1e-13, abs_tol=1e-15) for each in other)
+        elif other is not None and not isinstance(message, str):
+            alike = all(
+                math.isclose(message, value, rel_tol=1e-13, abs_tol=1e-15) for value in other
+            )
             counts["alike" if alike else "apart"] += 1
             if not alike:
-                print(f"{name}: {found!r}, Storm {other[0]!r} to {other[1]!r}", flush=True)
+                print(f"{name}: {message!r}, Storm {other[0]!r} to {other[1]!r}", flush=True)
     for outcome, count in counts.most_common():
         print(f"{count:4} {outcome}")
     return 0

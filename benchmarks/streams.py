@@ -125,12 +125,12 @@ def asked(robot: Robot, wave: Wave) -> Array:
     # The sensor of a servo's torque reads the speed at the begin of a step, and its damping acts
     # on that at the end.
     lead = np.array([joint.servo.damping for joint in robot.arm_joints]) * STEP_S
-    found = []
+    result = []
     for step in range(round(wave.duration_s / STEP_S)):
         data.qpos[places], data.qvel[freedoms], data.qacc[freedoms] = wave.at(step * STEP_S)
         mujoco.mj_inverse(model, data)
-        found.append(data.qfrc_inverse[freedoms] + lead * data.qacc[freedoms])
-    return np.array(found)
+        result.append(data.qfrc_inverse[freedoms] + lead * data.qacc[freedoms])
+    return np.array(result)
 
 
 def rms(values: Array) -> Array:
@@ -182,7 +182,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             shares, torque, spread = compared(robot, rates, options.waves, quantity)
             print(f"{name}, {quantity}: torques within {torque:.1%}, exposures within {spread:.2%}")
             for rate_hz, share in shares.items():
-                print(f"    {rate_hz:5g} Hz  " + " ".join(f"{each:6.3f}" for each in share))
+                print(f"    {rate_hz:5g} Hz  " + " ".join(f"{item:6.3f}" for item in share))
             agree &= torque <= MOST_TORQUE and spread <= MOST_EXPOSURE
     return 0 if agree else 1
 

@@ -39,11 +39,11 @@ def docstring_lines(tree: ast.Module) -> set[int]:
     """Return the lines of all docstrings, and of texts that stand below a name."""
     lines: set[int] = set()
     for node in ast.walk(tree):
-        for each in (
+        for item in (
             getattr(node, "body", ()) if isinstance(getattr(node, "body", ()), list) else ()
         ):
-            if isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant):
-                lines |= set(range(each.lineno, (each.end_lineno or each.lineno) + 1))
+            if isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant):
+                lines |= set(range(item.lineno, (item.end_lineno or item.lineno) + 1))
     return lines
 
 
@@ -62,16 +62,16 @@ def imports(tree: ast.Module) -> Iterator[tuple[str, bool]]:
     What it imports for its types alone is left out.
     """
     for_types = {
-        id(each)
+        id(item)
         for node in ast.walk(tree)
         if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"
-        for each in ast.walk(node)
+        for item in ast.walk(node)
     }
     inside = {
-        id(each)
+        id(item)
         for node in ast.walk(tree)
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
-        for each in ast.walk(node)
+        for item in ast.walk(node)
     }
     for node in ast.walk(tree):
         if id(node) in for_types:
@@ -144,8 +144,8 @@ def main() -> None:
         graph.add_node(name)
     within = 0
     for name, tree in trees.items():
-        for found, is_inside in imports(tree):
-            target = found if found in trees else found.rpartition(".")[0]
+        for text, is_inside in imports(tree):
+            target = text if text in trees else text.rpartition(".")[0]
             within += is_inside
             if target in trees and target != name:
                 graph.add_edge(name, target)
@@ -167,7 +167,11 @@ def main() -> None:
     crowded = [f"{folder} {count}" for folder, count in folders.most_common() if count > 15]
     print(f"\nfolders with more than 15 files: {len(crowded)} ({', '.join(crowded)})")
     cycles = sorted(
-        (len(each) for each in nx.strongly_connected_components(graph) if len(each) > 1),
+        (
+            len(component)
+            for component in nx.strongly_connected_components(graph)
+            if len(component) > 1
+        ),
         reverse=True,
     )
     print(f"cycles of imports: {len(cycles)}, of {', '.join(map(str, cycles))} modules")

@@ -103,9 +103,9 @@ def named(nodeid: str) -> str:
 def last_line(text: str) -> str:
     """Return the line of a failure that says what it was, with the place in the tests."""
     lines = [line for line in text.splitlines() if line.startswith("E  ")]
-    found = lines[0][1:].strip() if lines else text.strip().splitlines()[-1] if text else ""
+    result = lines[0][1:].strip() if lines else text.strip().splitlines()[-1] if text else ""
     places = [line for line in text.splitlines() if ".py:" in line and ": " in line]
-    return f"{found} ({places[-1].strip()})" if places else found
+    return f"{result} ({places[-1].strip()})" if places else result
 
 
 def serve_build_products(aliases: dict[str, str], folders: dict[str, str]) -> None:
@@ -189,7 +189,7 @@ def run_program(job: dict[str, Any], runtime: Runtime, run_tests: Callable[[], N
         from tracerisk.pipeline.run.companions.companion_run import Companions
         from tracerisk.pipeline.trace.run_files import Companion
 
-        companions = tuple(read_back(Companion, each) for each in started["beside"])
+        companions = tuple(read_back(Companion, item) for item in started["beside"])
         Companions(companions, runtime, Recorder(io.BytesIO(), clock=lambda: 0)).start()
     sys.argv = list(runtime.argv)
     text = Path(job["file"]).read_bytes()
@@ -211,7 +211,7 @@ def main() -> None:
     scheduler = Scheduler(StillWorld(), duration_ns=LONGEST_NS)
     graph = Graph(scheduler)
     started = job["started"] or {"arguments": [], "parameters": []}
-    parameters = tuple(Parameter(**each) for each in started["parameters"])
+    parameters = tuple(Parameter(**item) for item in started["parameters"])
     into_tree(parameters, graph.parameters)
     argv = (job["file"] if job["ros"] == 1 else "pytest", *started["arguments"])
     rules = DistroRules("jazzy" if job["ros"] == 2 else "noetic")
@@ -230,7 +230,7 @@ def main() -> None:
 
     def tests() -> None:
         if job["ros"] == 1:
-            sys.path += [each for each in job["paths"] if each not in sys.path]
+            sys.path += [item for item in job["paths"] if item not in sys.path]
             run_program(job, runtime, run_tests)
             # Its node would live on.
             stream.flush()

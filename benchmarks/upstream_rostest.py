@@ -41,12 +41,14 @@ class StartedTest:
 
 def packages_of(checkouts: Sequence[Path]) -> dict[str, Path]:
     """Return the packages of ROS 1 in the checkouts: each name with its folder."""
-    found: dict[str, Path] = {}
-    for manifest in sorted(file for each in checkouts for file in each.rglob("package.xml")):
+    packages: dict[str, Path] = {}
+    for manifest in sorted(
+        file for checkout in checkouts for file in checkout.rglob("package.xml")
+    ):
         name = re.search(r"<name>\s*([\w-]+)\s*</name>", manifest.read_text(encoding="utf-8"))
         if name is not None:
-            found.setdefault(name[1], manifest.parent)
-    return found
+            packages.setdefault(name[1], manifest.parent)
+    return packages
 
 
 def interfaces_of(packages: Mapping[str, Path]) -> dict[str, Path]:
@@ -69,7 +71,7 @@ def started_tests(launch: Path, packages: Mapping[str, Path]) -> Iterator[Starte
             _NAME.sub("name=", _TEST.sub("<node", text)).replace("</test>", "</node>")
         )
         reading = read_roslaunch(as_nodes, packages)
-    others = [each for each in reading.nodes if each.name in beside]
+    others = [started_node for started_node in reading.nodes if started_node.name in beside]
     for node in sorted(reading.nodes, key=_full_name):
         script = _script(node, packages)
         if node not in others and script is not None:
@@ -77,7 +79,7 @@ def started_tests(launch: Path, packages: Mapping[str, Path]) -> Iterator[Starte
                 _full_name(node),
                 script,
                 _setup(node, reading).argv(()),
-                (_RUN_ID, *(asdict(each) for each in reading.parameters)),
+                (_RUN_ID, *(asdict(parameter) for parameter in reading.parameters)),
                 tuple(_companions(others, reading, packages)),
             )
 

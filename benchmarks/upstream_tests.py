@@ -169,17 +169,17 @@ def files(checkouts: Mapping[str, Path]) -> Iterator[TestFile]:
         if suite.repository in checkouts:
             root = checkouts[suite.repository] / suite.folder
             launched = list(_launched(name, root, checkouts)) if suite.ros == 1 else []
-            for path in sorted({path for each in suite.files for path in root.glob(each)}):
+            for path in sorted({path for file in suite.files for path in root.glob(file)}):
                 if path.name != "__init__.py" and not path.name.endswith(".launch.py"):
-                    own = [each for each in launched if each.path == path]
+                    own = [test_file for test_file in launched if test_file.path == path]
                     yield from own or [TestFile(name, root, path)]
 
 
 def _launched(suite: str, root: Path, checkouts: Mapping[str, Path]) -> Iterator[TestFile]:
     packages = packages_of(sorted(set(checkouts.values())))
     for launch in sorted((*root.rglob("*.test"), *root.rglob("*.launch"))):
-        for each in started_tests(launch, packages):
-            yield TestFile(suite, root, each.script, launch, each)
+        for started_test in started_tests(launch, packages):
+            yield TestFile(suite, root, started_test.script, launch, started_test)
 
 
 def ran(each: TestFile, given: Mapping[str, object], known: Sequence[Rule]) -> list[Result]:
@@ -188,7 +188,7 @@ def ran(each: TestFile, given: Mapping[str, object], known: Sequence[Rule]) -> l
     whole = rule_of(file, known)
     if whole is not None and whole.kind == "out":
         return [Result(file, "out", whole.reason, "")]
-    found: dict[str, tuple[str, str]] = {}
+    pair: dict[str, tuple[str, str]] = {}
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report"
         for _ in range(MOST_PROCESSES):
@@ -196,7 +196,7 @@ def ran(each: TestFile, given: Mapping[str, object], known: Sequence[Rule]) -> l
                 "file": str(each.path),
                 "root": str(each.root.parent),
                 "report": str(report),
-                "done": sorted(found),
+                "done": sorted(pair),
                 "library": each.suite,
                 "paths": [str(each.path.parent), str(each.root), str(each.root.parent)],
                 "ros": SUITES[each.suite].ros,
@@ -205,22 +205,22 @@ def ran(each: TestFile, given: Mapping[str, object], known: Sequence[Rule]) -> l
             }
             report.write_text("")
             said = processed(job, Path(folder))
-            before, begun = len(found), ""
+            before, begun = len(pair), ""
             for line in report.read_text().splitlines():
                 name, outcome, cause = json.loads(line)
                 begun = name if outcome == "begun" else ""
                 if outcome != "begun":
-                    found[name] = outcome, cause
+                    pair[name] = outcome, cause
             if begun:
-                found[begun] = "failed", said
+                pair[begun] = "failed", said
             elif said == "ended":
                 break
-            elif len(found) == before:
-                found[""] = "failed", said
+            elif len(pair) == before:
+                pair[""] = "failed", said
                 break
     return [
         judged(file if not name else f"{file}::{name}", outcome, cause, known)
-        for name, (outcome, cause) in found.items()
+        for name, (outcome, cause) in pair.items()
     ]
 
 
@@ -277,13 +277,13 @@ def table(results: Sequence[Result], *, markdown: bool) -> Iterator[str]:
         yield _row(heads)
     for name, own in _rows(results):
         count = {
-            kind: sum(1 for each in own if each.outcome == kind)
+            kind: sum(1 for result in own if result.outcome == kind)
             for kind in ("passed", "failed", "skipped", "out")
         }
         cells = (name, count["passed"] + count["failed"], *count.values())
         yield f"| {' | '.join(map(str, cells))} |" if markdown else _row(cells)
-    passed = sum(1 for each in results if each.outcome == "passed")
-    of = passed + sum(1 for each in results if each.outcome == "failed")
+    passed = sum(1 for result in results if result.outcome == "passed")
+    of = passed + sum(1 for result in results if result.outcome == "failed")
     if of:
         yield ""
         yield f"{passed} of {of} in scope pass: {passed / of:.1%}"
@@ -292,7 +292,7 @@ def table(results: Sequence[Result], *, markdown: bool) -> Iterator[str]:
         ("out", "Out of scope"),
         ("skipped", "Skipped by themselves"),
     ):
-        reported = [each for each in results if each.outcome == kind]
+        reported = [result for result in results if result.outcome == kind]
         if reported:
             yield f"\n{head}:\n"
             yield from _by_reasons(reported, markdown=markdown)
@@ -306,23 +306,23 @@ def _row(cells: Sequence[object]) -> str:
 def _rows(results: Sequence[Result]) -> Iterator[tuple[str, list[Result]]]:
     """Yield each file, each suite of several files, and all together, with its results."""
     for suite in SUITES:
-        of_suite = [each for each in results if each.test.startswith(f"{suite}/")]
-        names = sorted({each.file for each in of_suite})
+        of_suite = [result for result in results if result.test.startswith(f"{suite}/")]
+        names = sorted({result.file for result in of_suite})
         for name in names:
-            yield name, [each for each in of_suite if each.file == name]
+            yield name, [result for result in of_suite if result.file == name]
         if len(names) > 1:
             yield f"all of {suite}", of_suite
     yield "all", list(results)
 
 
 def _by_reasons(results: Sequence[Result], *, markdown: bool) -> Iterator[str]:
-    found: dict[str, list[str]] = {}
-    for each in results:
-        reason = each.reason or f"not known to fail: {each.cause}"
-        found.setdefault(reason, []).append(each.test)
-    for reason, tests in found.items():
+    texts: dict[str, list[str]] = {}
+    for result in results:
+        reason = result.reason or f"not known to fail: {result.cause}"
+        texts.setdefault(reason, []).append(result.test)
+    for reason, tests in texts.items():
         if markdown:
-            yield f"- {reason[:1].upper()}{reason[1:]}: {', '.join(f'`{each}`' for each in tests)}."
+            yield f"- {reason[:1].upper()}{reason[1:]}: {', '.join(f'`{test}`' for test in tests)}."
         else:
             yield "\n".join((*tests, f"    {reason}"))
 
@@ -346,7 +346,7 @@ def main() -> int:
     known = rules()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        fixtures = gather_messages([each.resolve() for each in options.test_msgs], folder)
+        fixtures = gather_messages([test_msg.resolve() for test_msg in options.test_msgs], folder)
         packages = packages_of([path for name, path in checkouts.items() if name in OF_ROS1])
         given = {
             "aliases": ALIASES,
@@ -354,16 +354,16 @@ def main() -> int:
             "interfaces1": interfaces_of(packages),
             "modules": {} if fixtures is None else {"test_msgs": fixtures},
         }
-        wanted = [each for each in files(checkouts) if options.only in each.name]
+        wanted = [file for file in files(checkouts) if options.only in file.name]
         if not wanted:
             parser.error("no tests in the checkouts that are given: name one with --rclpy DIR, say")
         with ThreadPoolExecutor(options.jobs) as pool:
-            results_of = pool.map(lambda each: ran(each, given, known), wanted)
-            results = [each for own in results_of for each in own]
+            results_of = pool.map(lambda item: ran(item, given, known), wanted)
+            results = [result for own in results_of for result in own]
     print("\n".join(table(results, markdown=options.markdown)))
     if options.json is not None:
-        options.json.write_text(json.dumps([asdict(each) for each in results], indent=1) + "\n")
-    return int(any(each.outcome == "failed" and not each.reason for each in results))
+        options.json.write_text(json.dumps([asdict(result) for result in results], indent=1) + "\n")
+    return int(any(result.outcome == "failed" and not result.reason for result in results))
 
 
 if __name__ == "__main__":

@@ -36,25 +36,25 @@ def main() -> int:
         process = subprocess.Popen(
             command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
-        found: list[tuple[float, float]] = []
+        pairs: list[tuple[float, float]] = []
         assert process.stdout is not None
         for line in process.stdout:
             times = _TIMES.search(line)
             if times is None:
                 continue
-            found.append((float(times[1]), float(times[2])))
-            if len(found) > options.saves:
+            pairs.append((float(times[1]), float(times[2])))
+            if len(pairs) > options.saves:
                 break
             place = _PLACE.search(text)
             assert place is not None
-            higher = float(place[2]) + 0.001 * len(found)
+            higher = float(place[2]) + 0.001 * len(pairs)
             path.write_text(_PLACE.sub(f"{place[1]}{higher:.3f}", text), encoding="utf-8")
         process.terminate()
         process.wait()
     # The first one starts the server that later runs are forked by.
-    warm = found[1:]
+    warm = pairs[1:]
     ratios = [whole / run for whole, run in warm]
-    print(f"first: {found[0][0]:.2f} s, of which the run {found[0][1]:.2f} s")
+    print(f"first: {pairs[0][0]:.2f} s, of which the run {pairs[0][1]:.2f} s")
     print(
         f"{len(warm)} saves: {statistics.median(w for w, _ in warm):.2f} s, of which the run "
         f"{statistics.median(r for _, r in warm):.2f} s; ratio {statistics.median(ratios):.3f} "

@@ -43,9 +43,9 @@ class Referee:
         self._model = compile_model(robot)
         self._data = mujoco.MjData(self._model)
         self._body = self._model.body(robot.group(group).tip_link).id
-        found = [self._model.joint(joint.name) for joint in self.joints]
-        self._address = [int(joint.qposadr[0]) for joint in found]
-        self._dofs = [int(joint.dofadr[0]) for joint in found]
+        joints = [self._model.joint(joint.name) for joint in self.joints]
+        self._address = [int(joint.qposadr[0]) for joint in joints]
+        self._dofs = [int(joint.dofadr[0]) for joint in joints]
         for name, value in robot.initial_state.items():
             self._data.qpos[self._model.joint(name).qposadr[0]] = value
         self._lower = np.array([_limits(joint)[0] for joint in self.joints])
@@ -57,9 +57,9 @@ class Referee:
         low, high = np.maximum(self._lower, -math.pi), np.minimum(self._upper, math.pi)
         for number in range(_DESCENTS):
             start = here.copy() if number == 0 else generator.uniform(low, high)
-            found = self._descend(pose, start, here)
-            if found is not None:
-                best = min(best, float(np.linalg.norm(found - here)))
+            descend = self._descend(pose, start, here)
+            if descend is not None:
+                best = min(best, float(np.linalg.norm(descend - here)))
         return best
 
     def _descend(self, pose: Pose, values: Array, here: Array) -> Array | None:
@@ -92,15 +92,15 @@ class Referee:
 
     def _within(self, values: Array, here: Array) -> Array | None:
         """Return the turns within limits that are nearest to `here`."""
-        found: Array = values.copy()
+        within: Array = values.copy()
         for i, (value, near) in enumerate(zip(values, here, strict=True)):
             turns = [value + TURN * k for k in range(-3, 4)]
             low, high = self._lower[i] - 1e-6, self._upper[i] + 1e-6
-            turns = [each for each in turns if low <= each <= high]
+            turns = [turn for turn in turns if low <= turn <= high]
             if not turns:
                 return None
-            found[i] = min(turns, key=lambda each: abs(each - near))
-        return found
+            within[i] = min(turns, key=lambda turn: abs(turn - near))
+        return within
 
 
 def _limits(joint: Joint) -> tuple[float, float]:
@@ -118,8 +118,8 @@ def arms() -> Iterator[tuple[str, str]]:
     for name in robot_names():
         robot = load_robot(name)
         for group, members in sorted(robot.groups.items()):
-            joints = [robot.joint(each) for each in members.joints]
-            turning = [each for each in joints if each.type != "prismatic"]
+            joints = [robot.joint(joint) for joint in members.joints]
+            turning = [joint for joint in joints if joint.type != "prismatic"]
             wide = any(high - low > TURN for low, high in map(_limits, turning))
             if wide and members.tip_link and len(turning) == len(joints) >= 6:
                 yield name, group
@@ -177,17 +177,17 @@ def chain(name: str, group: str, goals: int) -> tuple[int, int, float, float, fl
         before = np.array([state[joint.name] for joint in referee.joints])
         begin = time.process_time()
         try:
-            found = kinematics.inverse(group, pose, seed=state)
+            inverse = kinematics.inverse(group, pose, seed=state)
         except PlanningError:
             continue
         spent += time.process_time() - begin
-        after = np.array([found[joint.name] for joint in referee.joints])
+        after = np.array([inverse[joint.name] for joint in referee.joints])
         count += 1
         turns += needless(referee.joints, before, after)
         moved = float(np.linalg.norm(after - before))
         travel += moved
         least += min(moved, referee.nearest(pose, before, generator))
-        state.update(found)
+        state.update(inverse)
     return count, turns, travel, least, spent
 
 

@@ -67,15 +67,15 @@ def main() -> int:
     tried: list[tuple[Program, Found]] = []
     for program in _programs(options.programs, options.sound):
         try:
-            found = _tried(program, worlds)
+            result = _tried(program, worlds)
         except TraceRiskError as error:
             print(f"{program.path.name}: {error}", flush=True)
             continue
-        tried.append((program, found))
-        for line in found.named or ("nothing depends on a world",):
+        tried.append((program, result))
+        for line in result.named or ("nothing depends on a world",):
             print(f"{program.path.name}: {line}", flush=True)
     _report(tried)
-    missed = [one for one, found in tried if bool(found.named) != one.is_race]
+    missed = [one for one, result in tried if bool(result.named) != one.is_race]
     return 1 if missed and not options.quick else 0
 
 
@@ -125,11 +125,11 @@ def _report(tried: Sequence[tuple[Program, Found]]) -> None:
         (True, "that a race or a lucky start decides"),
         (False, "that are sound"),
     ):
-        of_kind = [found for program, found in tried if program.is_race is is_race]
+        of_kind = [result for program, result in tried if program.is_race is is_race]
         if of_kind:
-            named = sum(bool(found.named) for found in of_kind)
+            named = sum(bool(result.named) for result in of_kind)
             print(f"{named} of {len(of_kind)} programs {what} are named by a world")
-    ratios = sorted(ratio for _, found in tried for ratio in found.ratios)
+    ratios = sorted(ratio for _, result in tried for ratio in result.ratios)
     if ratios:
         print(
             f"{len(ratios)} runs in worlds, beside the run itself: median "

@@ -277,14 +277,14 @@ def check(
     from tracerisk.pipeline.workspace.project import Projects
 
     projects = Projects()
-    found = named_or_all(list(map(Path, paths)), projects)
-    verdicts: Sequence[Any] = [None] * len(found)
+    result = named_or_all(list(map(Path, paths)), projects)
+    verdicts: Sequence[Any] = [None] * len(result)
     if base is not None:
         from tracerisk.pipeline.review.run_verdicts import base_verdicts
 
-        verdicts = list(base_verdicts(list(found), base))
+        verdicts = list(base_verdicts(list(result), base))
     limits = [CoverageLimits(min_coverage, verdict) for verdict in verdicts]
-    return found, check_controllers(found, projects, limits)
+    return result, check_controllers(result, projects, limits)
 
 
 def refresh(
@@ -411,13 +411,13 @@ def evidence(path: str | Path) -> Evidence:
 
     controller = load_controller(path)
     kept = controller.root / EVIDENCE_NAME
-    found = read_evidence(kept).get(controller.file)
-    if found is None:
+    result = read_evidence(kept).get(controller.file)
+    if result is None:
         raise InputError(
             f"holds no evidence of {controller.file}; `tracerisk evidence {path}` gathers it",
             Location(str(kept)),
         )
-    return found
+    return result
 
 
 def evidence_replays(
@@ -465,7 +465,7 @@ def run_with_faults(
     from tracerisk.trace import RunFailedError
     from tracerisk.twin.faults.fault import parse_fault
 
-    parsed = [parse_fault(each) for each in faults]
+    parsed = [parse_fault(fault) for fault in faults]
     if not parsed:
         raise InputError("no fault is given; expected UNIT:MODE@SECONDS")
     controller = load_controller(path)

@@ -182,9 +182,9 @@ def controller_root(path: Path) -> Path:
     there is none, the script's own folder.
     """
     folder = path.resolve().parent
-    for each in (folder, *folder.parents):
-        if is_root(each):
-            return each
+    for parent in (folder, *folder.parents):
+        if is_root(parent):
+            return parent
     return folder
 
 
@@ -247,10 +247,10 @@ class ProjectSettings:
     def origins(self, file: str | None = None) -> dict[str, SettingOrigin]:
         """Return where each setting of a controller comes from. Raises as `of`."""
         self.of(file)
-        found = dict.fromkeys((field.name for field in fields(Settings)), SettingOrigin())
+        fromkeys = dict.fromkeys((field.name for field in fields(Settings)), SettingOrigin())
         for reader in self._readers(file):
-            found.update(reader.origins(file))
-        return found
+            fromkeys.update(reader.origins(file))
+        return fromkeys
 
     @property
     def controllers(self) -> tuple[str, ...]:
@@ -299,7 +299,7 @@ def _inline_metadata(path: Path) -> str | None:
     """
     lines = _text(path, "replace").split("\n")
     begins = [i for i, line in enumerate(lines) if line.rstrip() == _BLOCK_BEGINS]
-    found: list[str] = []
+    names: list[str] = []
     for begin in begins:
         content: list[str] = []
         for line in lines[begin + 1 :]:
@@ -315,11 +315,11 @@ def _inline_metadata(path: Path) -> str | None:
                 "settings, and begin each of its lines with '# '",
                 place,
             )
-        if found:
+        if names:
             raise SettingsError(f"a second block '{_BLOCK_BEGINS}'; keep one", place)
         last = len(content) - 1 - content[::-1].index(_BLOCK_ENDS)
-        found = [""] * (begin + 1) + [line[2:] for line in content[:last]]
-    return "\n".join(found) if found else None
+        names = [""] * (begin + 1) + [line[2:] for line in content[:last]]
+    return "\n".join(names) if names else None
 
 
 class _Reader:
@@ -371,7 +371,7 @@ class _Reader:
 
     def origins(self, file: str | None) -> dict[str, SettingOrigin]:
         """Return where the settings of a controller that are given here stand, by name."""
-        found = {}
+        row = {}
         tables: list[tuple[tuple[str, ...], Any, bool]] = [(_TABLE, self._table, self._is_own)]
         for name, own in self._table.get(_CONTROLLERS, {}).items():
             if file is not None and PurePosixPath(name) == PurePosixPath(file):
@@ -380,10 +380,10 @@ class _Reader:
             for name in values:
                 if name != _CONTROLLERS:
                     line = self._line(name, place)
-                    found[_ALIASES.get(name, name)] = SettingOrigin(
+                    row[_ALIASES.get(name, name)] = SettingOrigin(
                         Location(str(self._path), line), is_own
                     )
-        return found
+        return row
 
     def _placed(self, key: str, value: Any) -> Any:
         """Return a setting with the names of files as paths."""
@@ -427,7 +427,7 @@ class _Reader:
 
     def _value(self, key: str, value: Any) -> Any:
         if key in _LISTS:
-            if not isinstance(value, list) or not all(isinstance(each, str) for each in value):
+            if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
                 self.fail(key, f"expected a list of {_LISTS[key]}")
             return tuple(value)
         if key in (*_ALIASES, "max_failure_probability", "min_coverage"):

@@ -245,10 +245,10 @@ def interruption(error: BaseException) -> KeyboardInterrupt | SystemExit | None:
 
     A library may turn one that comes during an import into an error of its own.
     """
-    found: BaseException | None = error
-    while found is not None and not isinstance(found, KeyboardInterrupt | SystemExit):
-        found = found.__cause__ or found.__context__
-    return found
+    cause: BaseException | None = error
+    while cause is not None and not isinstance(cause, KeyboardInterrupt | SystemExit):
+        cause = cause.__cause__ or cause.__context__
+    return cause
 
 
 def disk_full(folder: str) -> MachineError:

@@ -365,19 +365,19 @@ class Trace:
     @property
     def drafted(self) -> str:
         """In words that a drafted scenario gave it values; empty where none did."""
-        drafts = (each for each in self.assumptions if each.startswith(DRAFTED))
+        drafts = (assumption for assumption in self.assumptions if assumption.startswith(DRAFTED))
         return next(drafts, "").removeprefix(DRAFTED).strip()
 
     @property
     def is_measured(self) -> bool:
         """Whether it is of a real robot or of a run on real ROS: no run on stand-ins gives it."""
-        return any(each.startswith(MEASURED) for each in self.assumptions)
+        return any(assumption.startswith(MEASURED) for assumption in self.assumptions)
 
     @property
     def lost(self) -> tuple[str, ...]:
         """What could not be known of a real robot, or on real ROS, in words."""
-        losses = (each for each in self.assumptions if each.startswith(LOST))
-        return tuple(each.removeprefix(LOST).strip() for each in losses)
+        losses = (assumption for assumption in self.assumptions if assumption.startswith(LOST))
+        return tuple(loss.removeprefix(LOST).strip() for loss in losses)
 
     @property
     def is_usable(self) -> bool:
@@ -401,7 +401,8 @@ class Trace:
             functions=tuple(replace(f, line=line(f.ref, f.line)) for f in self.functions),
             uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in self.uncovered),
             findings=tuple(
-                replace(each, location=with_line(each.location, line_of)) for each in self.findings
+                replace(finding, location=with_line(finding.location, line_of))
+                for finding in self.findings
             ),
             verdict=None if self.verdict is None else self.verdict.with_lines(line_of),
             commands=tuple(
@@ -418,16 +419,19 @@ class Trace:
             controller=file_of(self.controller) if self.controller else "",
             end=replace(self.end, location=with_file(self.end.location, file_of)),
             functions=tuple(
-                replace(each, ref=each.ref.with_file(file_of)) for each in self.functions
+                replace(function, ref=function.ref.with_file(file_of))
+                for function in self.functions
             ),
             visits=tuple(
-                replace(each, function=each.function.with_file(file_of)) for each in self.visits
+                replace(visit, function=visit.function.with_file(file_of)) for visit in self.visits
             ),
             uncovered=tuple(
-                replace(each, ref=each.ref.with_file(file_of)) for each in self.uncovered
+                replace(uncovered, ref=uncovered.ref.with_file(file_of))
+                for uncovered in self.uncovered
             ),
             findings=tuple(
-                replace(each, location=with_file(each.location, file_of)) for each in self.findings
+                replace(finding, location=with_file(finding.location, file_of))
+                for finding in self.findings
             ),
             files=tuple(map(file_of, self.files)),
             verdict=None if self.verdict is None else self.verdict.with_files(file_of),

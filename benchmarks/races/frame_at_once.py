@@ -19,8 +19,8 @@ def main():
     rospy.sleep(0.1)
     height = 0.4
     try:
-        found = buffer.lookup_transform("panda_link0", "panda_hand", rospy.Time(0))
-        height = found.transform.translation.z
+        lookup_transform = buffer.lookup_transform("panda_link0", "panda_hand", rospy.Time(0))
+        height = lookup_transform.transform.translation.z
     except tf2_ros.LookupException:
         rospy.logwarn("no frame, using a height of %.1f m", height)
     pose = arm.get_current_pose().pose

@@ -291,19 +291,17 @@ def _left_blocks_last(
     their rank may be another's by now, and their `next` may name a function without a block.
     """
     computed = {source.file: source.computed for source in sources}
-    found = _by_function(merged)
-    placed = [(ref.file, ref.name, block) for ref, block in found.items()]
+    by_function = _by_function(merged)
+    placed = [(ref.file, ref.name, block) for ref, block in by_function.items()]
     left = [
-        each
-        for each in placed
-        if each[1] not in computed[each[0]]
-        and not each[2].added
-        and not each[2].call_sequence.pinned
+        row
+        for row in placed
+        if row[1] not in computed[row[0]] and not row[2].added and not row[2].call_sequence.pinned
     ]
-    names = {*model_names(found).values(), DONE}
-    ranks = [each[2].call_sequence.value for each in placed if each not in left]
+    names = {*model_names(by_function).values(), DONE}
+    ranks = [row[2].call_sequence.value for row in placed if row not in left]
     result = dict(merged)
-    left.sort(key=lambda each: (each[2].call_sequence.value, each[0], each[1]))
+    left.sort(key=lambda row: (row[2].call_sequence.value, row[0], row[1]))
     for rank, (file, name, block) in enumerate(left, start=max(ranks, default=0) + 1):
         following = block.next
         if following is not None and not following.pinned:

@@ -108,7 +108,7 @@ class _Defaults:
     def add_argument(
         self, *names: str, dest: str = "", default: Any = None, action: str = "", **_: Any
     ) -> None:
-        name = next((each for each in names if each.startswith("--")), names[-1])
+        name = next((text for text in names if text.startswith("--")), names[-1])
         dest = dest or name.lstrip("-").replace("-", "_")
         self.values[dest] = False if action == "store_true" else default
 

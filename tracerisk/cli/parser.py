@@ -135,7 +135,9 @@ class _Parser(argparse.ArgumentParser):
 
     def _shorten_usage(self) -> None:
         """Name only what must be given: all else is listed below, in its groups."""
-        needed = [each for each in self._actions if each.required or not each.option_strings]
+        needed = [
+            action for action in self._actions if action.required or not action.option_strings
+        ]
         if len(self._actions) - len(needed) > _MOST_IN_USAGE:
             formatter = self._get_formatter()
             formatter.add_usage(None, needed, [], prefix="")
@@ -146,9 +148,9 @@ class _Parser(argparse.ArgumentParser):
     @property
     def _list(self) -> str | None:
         """The name of the one positional argument, if it takes several."""
-        found = [action for action in self._actions if not action.option_strings]
-        is_list = len(found) == 1 and found[0].nargs in ("*", "+")
-        return found[0].dest if is_list else None
+        actions = [action for action in self._actions if not action.option_strings]
+        is_list = len(actions) == 1 and actions[0].nargs in ("*", "+")
+        return actions[0].dest if is_list else None
 
     @property
     def _takes_arguments(self) -> bool:
@@ -166,7 +168,7 @@ class _Parser(argparse.ArgumentParser):
             for parser in action.choices.values()
         ]
         parsers = (self, *nested)
-        options = (word for each in parsers for word in each._option_string_actions)
+        options = (word for item in parsers for word in item._option_string_actions)
         known = [word for word in options if word.startswith("--")]
         option = next((word for word in words if word.startswith("-")), None)
         if option is None:
@@ -193,10 +195,10 @@ class _Command(_Parser):
 
     def format_help(self) -> str:
         verbs = {
-            each.dest: each
+            get_subaction.dest: get_subaction
             for action in self._actions
             if isinstance(action, argparse._SubParsersAction)
-            for each in action._get_subactions()
+            for get_subaction in action._get_subactions()
         }
         formatter = self._get_formatter()
         formatter.add_usage(self.usage, self._actions, self._mutually_exclusive_groups)

@@ -19,13 +19,13 @@ def read_acceptances(value: Any, fail: Callable[[str], NoReturn]) -> tuple[Accep
     """
     if not isinstance(value, list):
         fail("expected a list of tables with code, function, object and words")
-    found: dict[tuple[str, str, str], Acceptance] = {}
+    acceptances: dict[tuple[str, str, str], Acceptance] = {}
     for number, entry in enumerate(value, start=1):
         each = _acceptance(entry, number, fail)
-        if each.key in found:
+        if each.key in acceptances:
             fail(f"entry {number} is a duplicate of {each.code} in '{each.function}'; remove one")
-        found[each.key] = each
-    return tuple(found.values())
+        acceptances[each.key] = each
+    return tuple(acceptances.values())
 
 
 def _acceptance(entry: Any, number: int, fail: Callable[[str], NoReturn]) -> Acceptance:

@@ -26,7 +26,7 @@ def plain_label(text: str) -> str:
     import unicodedata  # for instances alone
 
     text = unicodedata.normalize("NFKC", text)
-    words = re.sub(_SEPARATORS, " ", "".join(each if each.isprintable() else " " for each in text))
+    words = re.sub(_SEPARATORS, " ", "".join(name if name.isprintable() else " " for name in text))
     return " ".join(words.split())[:_LONGEST_LABEL].strip()
 
 
@@ -46,19 +46,19 @@ def _parts_of(name: str) -> re.Match[str] | None:
 
 def is_name_at(name: str, function: str) -> bool:
     """Return whether a block of this name may stand in a function: its own, or an instance's."""
-    found = _parts_of(name)
-    if found is None:
+    parts = _parts_of(name)
+    if parts is None:
         return name == function
-    return found["of"] in (function, function.rpartition(".")[0])
+    return parts["of"] in (function, function.rpartition(".")[0])
 
 
 def name_at(name: str, function: Name) -> Name | QualifiedName:
     """Return what a block is to be called that stands in a function under a name not its own."""
-    found = _parts_of(name)
-    if found is None:
+    parts = _parts_of(name)
+    if parts is None:
         return function
-    is_method = found["of"].rpartition(".")[2] == function.rpartition(".")[2]
-    return instance_name(function, found["label"], is_only_method=not is_method)
+    is_method = parts["of"].rpartition(".")[2] == function.rpartition(".")[2]
+    return instance_name(function, parts["label"], is_only_method=not is_method)
 
 
 def places(name: str, functions: Iterable[tuple[Name, int]]) -> list[int]:

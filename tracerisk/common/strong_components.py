@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 def reached(starts: Iterable[N], onward: Callable[[N], Iterable[N]]) -> set[N]:
     """Return the starts and all nodes that they lead to."""
-    found = set(starts)
-    waiting = list(found)
+    ns = set(starts)
+    waiting = list(ns)
     while waiting:
         for node in onward(waiting.pop()):
-            if node not in found:
-                found.add(node)
+            if node not in ns:
+                ns.add(node)
                 waiting.append(node)
-    return found
+    return ns
 
 
 def upwards(
@@ -49,7 +49,7 @@ def upwards(
             elif node not in order:
                 opened[node] = None
                 stack.append((node, True))
-                stack += [(each, False) for each in reversed([*below(node)])]
+                stack += [(n, False) for n in reversed([*below(node)])]
     return list(order)
 
 
@@ -64,7 +64,7 @@ def strong_components(following: Mapping[N, Iterable[N]]) -> list[list[N]]:
     low: dict[N, int] = {}
     placed: set[N] = set()
     path: list[N] = []
-    found = []
+    nses = []
     for start in following:
         if start in index:
             continue
@@ -73,14 +73,14 @@ def strong_components(following: Mapping[N, Iterable[N]]) -> list[list[N]]:
         work = [(start, iter(following[start]))]
         while work:
             node, onward = work[-1]
-            for each in onward:
-                if each not in index:
-                    index[each] = low[each] = len(index)
-                    path.append(each)
-                    work.append((each, iter(following[each])))
+            for n in onward:
+                if n not in index:
+                    index[n] = low[n] = len(index)
+                    path.append(n)
+                    work.append((n, iter(following[n])))
                     break
-                if each not in placed:
-                    low[node] = min(low[node], index[each])
+                if n not in placed:
+                    low[node] = min(low[node], index[n])
             else:
                 work.pop()
                 if work:
@@ -90,10 +90,10 @@ def strong_components(following: Mapping[N, Iterable[N]]) -> list[list[N]]:
                     first = len(path) - 1
                     while path[first] != node:
                         first -= 1
-                    found.append(path[first:])
+                    nses.append(path[first:])
                     placed.update(path[first:])
                     del path[first:]
-    return found
+    return nses
 
 
 def joined_parts(parts: Iterable[tuple[set[N], list[M]]]) -> list[tuple[set[N], list[M]]]:
@@ -101,13 +101,13 @@ def joined_parts(parts: Iterable[tuple[set[N], list[M]]]) -> list[tuple[set[N], 
 
     A part stands where the last of those that it joins stood.
     """
-    found: list[tuple[set[N], list[M]]] = []
+    pairs: list[tuple[set[N], list[M]]] = []
     for own, members in parts:
         apart = []
-        for other, earlier in found:
+        for other, earlier in pairs:
             if other & own:
                 own, members = own | other, earlier + members
             else:
                 apart.append((other, earlier))
-        found = [*apart, (own, members)]
-    return found
+        pairs = [*apart, (own, members)]
+    return pairs

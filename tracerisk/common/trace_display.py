@@ -101,7 +101,13 @@ def _table(trace: Trace) -> str:
 def _timeline(trace: Trace) -> str:
     """Return a drawing with a row for each function and a bar for each of its visits."""
     functions, _ = _shown(trace.functions, _MOST_FUNCTIONS)
-    left = max((_CHARACTER * len(_short(each.ref.name)) for each in functions), default=0.0) + 10
+    left = (
+        max(
+            (_CHARACTER * len(_short(traced_function.ref.name)) for traced_function in functions),
+            default=0.0,
+        )
+        + 10
+    )
     end_s = max(trace.end.simulated_s or 0.0, 1e-9)
     height = _ROW * (len(functions) + 1)
     parts = list(_bars(trace, functions, left, _WIDE / end_s))

@@ -67,7 +67,7 @@ def read_log(text: str, file: str, *, controller: str) -> Trace:
         )
         for number, (name, _) in enumerate(calls)
     )
-    elements = dict.fromkeys(component for each in active.values() for component in each)
+    elements = dict.fromkeys(component for texts in active.values() for component in texts)
     return Trace(
         controller=controller,
         robot="",
@@ -118,11 +118,11 @@ def _names(
 ) -> list[str]:
     names = []
     for part in text.split(",") if text.strip() else []:
-        found = pattern.fullmatch(part.strip())
-        if found is None:
+        matched = pattern.fullmatch(part.strip())
+        if matched is None:
             example = "init()" if pattern is _CALL else "electric_motor"
             raise LogError(f"{part.strip()!r} is not a name such as {example}", place)
-        names.append(found[1] if pattern is _CALL else found[0])
+        names.append(matched[1] if pattern is _CALL else matched[0])
     if just_one and len(names) != 1:
         raise LogError(f"expected one function, found {len(names)}", place)
     if len(set(names)) != len(names) and pattern is _COMPONENT:

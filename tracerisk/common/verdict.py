@@ -146,7 +146,7 @@ class Verdict:
     @property
     def open_reasons(self) -> tuple[Reason, ...]:
         """The reasons that are not accepted."""
-        return tuple(each for each in self.reasons if not each.accepted)
+        return tuple(reason for reason in self.reasons if not reason.accepted)
 
     def with_lines(self, line_of: Callable[[str, int], int]) -> Verdict:
         """Return the verdict with other lines; `line_of` takes a file and a line of it."""
@@ -166,7 +166,10 @@ class Verdict:
 
     def with_files(self, file_of: Callable[[str], str]) -> Verdict:
         """Return the verdict with other names of files; `file_of` takes a file."""
-        never = (replace(each, ref=each.ref.with_file(file_of)) for each in self.coverage.never_ran)
+        never = (
+            replace(uncovered, ref=uncovered.ref.with_file(file_of))
+            for uncovered in self.coverage.never_ran
+        )
         return replace(
             self,
             reasons=tuple(
@@ -183,8 +186,10 @@ class Verdict:
     @property
     def unused_acceptances(self) -> tuple[Acceptance, ...]:
         """The acceptances of which nothing occurred."""
-        occurred = {each.key for each in self.reasons}
-        return tuple(each for each in self.acceptances if each.key not in occurred)
+        occurred = {reason.key for reason in self.reasons}
+        return tuple(
+            acceptance for acceptance in self.acceptances if acceptance.key not in occurred
+        )
 
     def __str__(self) -> str:
         """Return the verdict as one line: `partial: ...; 4 of 6 functions with commands ran`."""
@@ -207,7 +212,9 @@ def verdict_line(verdict: Verdict | None) -> str:
     ran, number = verdict.coverage.ran, verdict.coverage.all
     covered = f"{ran} of {number} function{'' if number == 1 else 's'} with commands ran"
     # Functions that never ran are counted by the coverage.
-    reported = [each for each in verdict.open_reasons if each.code != NEVER_RAN]
+    reported = [
+        open_reason for open_reason in verdict.open_reasons if open_reason.code != NEVER_RAN
+    ]
     if not reported:
         return f"{verdict.kind}, {covered}"
     more = f" (and {len(reported) - 1} more)" if len(reported) > 1 else ""

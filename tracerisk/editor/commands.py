@@ -39,7 +39,7 @@ async def _refresh(server: RiskServer, uri: str, policy: str) -> bool:
         server.report(f"{REFRESH} takes the URI of a file, and {one_of(POLICIES)}", is_error=True)
         return False
     path = path.resolve()
-    unsaved = [each.path.name for each in server.session.unsaved() if each.path is not None]
+    unsaved = [item.path.name for item in server.session.unsaved() if item.path is not None]
     if unsaved:
         message = f"{', '.join(unsaved)} is not saved; save, then refresh {path.name}"
         server.report(message, is_error=True)

@@ -102,14 +102,14 @@ def offers(
 
     `functions` are the qualified names of the source's functions, the nearest above first.
     """
-    found = _LINE.fullmatch(before)
-    if found is None:
+    matched = _LINE.fullmatch(before)
+    if matched is None:
         return
-    text = found["text"].lstrip()
+    text = matched["text"].lstrip()
     place = _place(lines, line)
     if place is None:
         if not is_c(file) and HEADER.startswith(text):
-            yield from _whole_block(functions, found["gutter"], text)
+            yield from _whole_block(functions, matched["gutter"], text)
         return
     keyed = _KEYED.fullmatch(text)
     if not place.section:
@@ -146,9 +146,9 @@ def _place(lines: Sequence[str], line: int) -> _Place | None:
         elif keyed is not None and sections:
             sections[-1].values.setdefault(keyed["key"], keyed["value"].strip())
         number += 1
-    opened = [each for each in sections if each.first < line]
+    opened = [section for section in sections if section.first < line]
     here = opened[-1] if opened and line < opened[-1].last else None
-    names = [each.values.get("name", "") for each in sections if each.kind == "Component"]
+    names = [section.values.get("name", "") for section in sections if section.kind == "Component"]
     if here is None:
         return _Place("", {}, tuple(names))
     return _Place(here.kind, here.values, tuple(names))
@@ -156,8 +156,8 @@ def _place(lines: Sequence[str], line: int) -> _Place | None:
 
 def _behind_gutter(lines: Sequence[str], number: int) -> str | None:
     """Return what a line states behind the gutter; `None` where it has no gutter."""
-    found = _LINE.fullmatch(lines[number]) if 0 <= number < len(lines) else None
-    return None if found is None else found["text"].strip()
+    matched = _LINE.fullmatch(lines[number]) if 0 <= number < len(lines) else None
+    return None if matched is None else matched["text"].strip()
 
 
 def _whole_block(functions: Sequence[str], gutter: str, typed: str) -> Iterator[Offer]:
@@ -196,7 +196,7 @@ def _values(
     elif key == NEXT.key:
         # The block that is typed in cannot be read; the last run has its function too.
         known = dict.fromkeys(
-            name for each in figures for name in (*each.names.values(), *each.ran)
+            name for figure in figures for name in (*figure.names.values(), *figure.ran)
         )
         for name in (*known, DONE):
             about = "the mission ends" if name == DONE else "a function of the model"
@@ -218,8 +218,8 @@ def _values(
 def _described(figures: Sequence[ControllerFigures]) -> Iterator[tuple[Component, str]]:
     """Yield the components of the controllers' hardware descriptions, with words on each."""
     seen = set()
-    for each in figures:
-        hardware = hardware_of(each)
+    for figure in figures:
+        hardware = hardware_of(figure)
         for component in () if hardware is None else hardware.components:
             if component.name not in seen:
                 seen.add(component.name)

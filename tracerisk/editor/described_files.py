@@ -27,7 +27,7 @@ _KEY = re.compile(
 
 def kind_of(lines: Sequence[str]) -> FileKind | None:
     """Return which of the files a text is, by the keys at its top; `None` for another one."""
-    keys = {found[1] for line in lines if (found := _TOP_KEY.match(line)) is not None}
+    keys = {matched[1] for line in lines if (matched := _TOP_KEY.match(line)) is not None}
     best: tuple[int, FileKind] | None = None
     for kind in _SCHEMAS:
         known = keys & set(schema_of(kind)["properties"])
@@ -97,41 +97,45 @@ def _about(root: Any, node: Any) -> str:
     """Return what a schema says of a key."""
     if "description" in node:
         return str(node["description"])
-    reported = [each["description"] for each in _alternatives(root, node) if "description" in each]
+    reported = [
+        alternative["description"]
+        for alternative in _alternatives(root, node)
+        if "description" in alternative
+    ]
     return reported[0] if reported else ""
 
 
 def _at(root: Any, nodes: Sequence[Any], path: Sequence[str]) -> list[Any]:
     """Return the schemas of what stands at a path below any of several."""
-    found = [each for node in nodes for each in _alternatives(root, node)]
+    alternatives = [alternative for node in nodes for alternative in _alternatives(root, node)]
     for step in path:
         below: list[Any] = []
-        for node in found:
+        for node in alternatives:
             if step == "-":
                 below += [node["items"]] if isinstance(node.get("items"), dict) else []
             elif step in node.get("properties", {}):
                 below.append(node["properties"][step])
             elif isinstance(node.get("additionalProperties"), dict):
                 below.append(node["additionalProperties"])
-        found = [each for node in below for each in _alternatives(root, node)]
-    return found
+        alternatives = [alternative for node in below for alternative in _alternatives(root, node)]
+    return alternatives
 
 
 def _alternatives(root: Any, node: Any) -> list[Any]:
     """Return a schema with those that it refers to or chooses from."""
     if not isinstance(node, dict):
         return []
-    found = [node]
+    alternatives = [node]
     reference = node.get("$ref")
     if isinstance(reference, str):
         below = root
         for part in reference.removeprefix("#/").split("/"):
             below = below[part]
-        found += _alternatives(root, below)
+        alternatives += _alternatives(root, below)
     for several in ("anyOf", "oneOf", "allOf"):
-        for each in node.get(several, ()):
-            found += _alternatives(root, each)
-    return found
+        for item in node.get(several, ()):
+            alternatives += _alternatives(root, item)
+    return alternatives
 
 
 def _cursor(lines: Sequence[str], line: int, before: str) -> _Cursor:
@@ -184,7 +188,7 @@ def _siblings(lines: Sequence[str], line: int, column: int, *, is_item: bool) ->
 
     A line that begins an item has none above it.
     """
-    found = []
+    siblings = []
     for step in (1,) if is_item else (-1, 1):
         number = line + step
         while 0 <= number < len(lines):
@@ -198,10 +202,10 @@ def _siblings(lines: Sequence[str], line: int, column: int, *, is_item: bool) ->
                 break  # of the table around, or the next item
             key = _KEY.match(rest)
             if begins == column and key is not None:
-                found.append(key["key"])
+                siblings.append(key["key"])
             if dashes and own < column and step < 0:
                 break
-    return tuple(found)
+    return tuple(siblings)
 
 
 def _flow(text: str) -> tuple[tuple[str, ...], str | None, str, tuple[str, ...]]:
@@ -216,9 +220,9 @@ def _flow(text: str) -> tuple[tuple[str, ...], str | None, str, tuple[str, ...]]
     at = 0
     while at < len(text):
         sign = text[at]
-        found = _KEY.match(text, at) if key is None else None
-        if found is not None:
-            key, at = found["key"], found.end()
+        matched = _KEY.match(text, at) if key is None else None
+        if matched is not None:
+            key, at = matched["key"], matched.end()
             keys.append(key)
         elif sign in "{[":
             around.append((len(path), key, keys))

@@ -80,7 +80,9 @@ class ControllerFigures:
         """Return the figures of a function of one of the controller's files."""
         name = self.names.get(FunctionRef(file, function))
         states = () if self.assessment is None else self.assessment.states
-        return next((each for each in states if each.name == name), None)
+        return next(
+            (state_assessment for state_assessment in states if state_assessment.name == name), None
+        )
 
     def share(self, state: StateAssessment) -> float:
         """Return the share that a function has of the mission's failure probability."""
@@ -106,8 +108,8 @@ class ControllerFigures:
         kept = self._kept(name)
         units = _table(_table(kept.get("instances")).get(component))
         elements = _table(kept.get("elements"))
-        found = [_use(unit, _table(elements.get(unit))) for unit in units]
-        return max(found, key=lambda each: each.used_s, default=None)
+        uses = [_use(unit, _table(elements.get(unit))) for unit in units]
+        return max(uses, key=lambda unit_use: unit_use.used_s, default=None)
 
     def _kept(self, name: str) -> Mapping[str, Any]:
         return _table(_table(self.summary.get("functions")).get(name))
@@ -136,9 +138,12 @@ def figures_of(controller: Controller, outline: Callable[[str], Outline]) -> Con
     placed: dict[FunctionRef, RiskBlock] = {}
     problem: TraceRiskError | None = None
     for file in files_of(controller, entry):
-        found = outline(file)
-        placed |= {FunctionRef(file, each.function): each.block for each in found.placed}
-        problem = problem or next(iter(found.problems), None)
+        result = outline(file)
+        placed |= {
+            FunctionRef(file, placed_block.function): placed_block.block
+            for placed_block in result.placed
+        }
+        problem = problem or next(iter(result.problems), None)
     names = model_names(placed)
     assessment = None
     blocks = tuple(replace(block, name=QualifiedName(names[ref])) for ref, block in placed.items())

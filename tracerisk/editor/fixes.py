@@ -59,18 +59,20 @@ def fixes(
 def _refreshes(
     session: Session, document: Document, analysis: Analysis, found: list[CheckFinding]
 ) -> Iterator[lsp.CodeAction]:
-    mended = [each for each in found if each.kind in MENDED]
+    mended = [check_finding for check_finding in found if check_finding.kind in MENDED]
     if not mended:
         return
     uri, name = session.uri_of(analysis.path), analysis.path.name
-    diagnostics = [finding_diagnostic(each, analysis.path, document.lines) for each in mended]
-    is_edited = any(each.kind in ("edited", "undecided") for each in mended)
+    diagnostics = [
+        finding_diagnostic(check_finding, analysis.path, document.lines) for check_finding in mended
+    ]
+    is_edited = any(check_finding.kind in ("edited", "undecided") for check_finding in mended)
     if not is_edited:
         yield _command(
             f"Refresh the risk blocks of {name}", diagnostics, REFRESH, [uri], preferred=True
         )
         return
-    if any(each.kind == "edited" for each in mended):
+    if any(check_finding.kind == "edited" for check_finding in mended):
         title = f"Keep all edits of {name} as set by hand, and refresh"
         yield _command(title, diagnostics, REFRESH, [uri, "accept-edits"])
     title = f"Discard all edits of {name}, and refresh"
@@ -194,9 +196,13 @@ def _command(
 
 def reason_of(verdict: Verdict | None, message: str, function: str) -> Reason | None:
     """Return the reason of a verdict that a finding reports, if it may be accepted."""
-    for each in () if verdict is None else verdict.open_reasons:
-        if each.code in ACCEPTABLE and each.function == function and message.startswith(each.words):
-            return each
+    for open_reason in () if verdict is None else verdict.open_reasons:
+        if (
+            open_reason.code in ACCEPTABLE
+            and open_reason.function == function
+            and message.startswith(open_reason.words)
+        ):
+            return open_reason
     return None
 
 

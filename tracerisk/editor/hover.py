@@ -31,10 +31,17 @@ def function_at(outline: Outline, line: int, text: str, index: int) -> Qualified
     if block is not None:
         return block.function
     word = next(
-        (each.group() for each in _WORD.finditer(text) if each.start() <= index <= each.end()), None
+        (
+            match_.group()
+            for match_ in _WORD.finditer(text)
+            if match_.start() <= index <= match_.end()
+        ),
+        None,
     )
-    named = [each for each in outline.placed if _last_name(each.function) == word]
-    here = [each for each in named if each.line == line]
+    named = [
+        placed_block for placed_block in outline.placed if _last_name(placed_block.function) == word
+    ]
+    here = [placed_block for placed_block in named if placed_block.line == line]
     if here or len(named) == 1:
         return (here or named)[0].function
     return None
@@ -46,12 +53,12 @@ def _last_name(function: QualifiedName) -> str:
 
 def component_at(block: PlacedBlock, line: int) -> ComponentEntry | None:
     """Return the component whose section holds a line of a block."""
-    found = [
-        each
-        for each in block.block.components
-        if each.location is not None and (each.location.line or line + 1) <= line
+    components = [
+        component
+        for component in block.block.components
+        if component.location is not None and (component.location.line or line + 1) <= line
     ]
-    return found[-1] if found else None
+    return components[-1] if components else None
 
 
 def function_markdown(
@@ -62,10 +69,10 @@ def function_markdown(
     `file` is the source, as each of the controllers names it. Empty where nothing is known.
     """
     lines = []
-    for each, name in zip(figures, file, strict=True):
-        state = each.state(name, function)
+    for figure, name in zip(figures, file, strict=True):
+        state = figure.state(name, function)
         if state is not None:
-            lines.append("\n".join(_function_lines(each, state)))
+            lines.append("\n".join(_function_lines(figure, state)))
     return "\n\n---\n\n".join(lines)
 
 
@@ -88,20 +95,20 @@ def _function_lines(figures: ControllerFigures, state: StateAssessment) -> Itera
 
 
 def _components(figures: ControllerFigures, state: StateAssessment) -> Iterator[str]:
-    ranked = sorted(state.components, key=lambda each: -each.contribution)
+    ranked = sorted(state.components, key=lambda component: -component.contribution)
     if not ranked:
         yield "No component is active in it."
         yield ""
         return
     yield "| component | needed | unit fails in a visit | most used unit | part of it |"
     yield "|---|---|---|---|---|"
-    for each in ranked[:MOST_COMPONENTS]:
-        part = each.contribution / state.top_event if state.top_event > 0.0 else 0.0
-        use = figures.use(state.name, each.component)
+    for contribution in ranked[:MOST_COMPONENTS]:
+        part = contribution.contribution / state.top_event if state.top_event > 0.0 else 0.0
+        use = figures.use(state.name, contribution.component)
         cells = (
-            _plain(each.name),
-            units_needed(each),
-            f"{each.probability:.3g}",
+            _plain(contribution.name),
+            units_needed(contribution),
+            f"{contribution.probability:.3g}",
             "-" if use is None else use_text(use),
             share_text(part),
         )
@@ -151,27 +158,27 @@ def component_markdown(
         if value.is_stated:
             lines.append(f"- {kind.key}: {_plain(value.text)}{_said(value)}")
     lines.append("")
-    for each, name in zip(figures, file, strict=True):
-        state = each.state(name, block.function)
-        if state is None or each.assessment is None:
+    for figure, name in zip(figures, file, strict=True):
+        state = figure.state(name, block.function)
+        if state is None or figure.assessment is None:
             continue
-        found = [one for one in state.components if one.component == entry.name]
-        contribution = sum(one.contribution for one in found)
+        contributions = [one for one in state.components if one.component == entry.name]
+        contribution = sum(one.contribution for one in contributions)
         part = contribution / state.top_event if state.top_event > 0.0 else 0.0
         lines.append(
             f"{share_text(part)} of the failure probability of {_plain(state.name)}, "
-            f"{share_text(part * each.share(state))} of that of the mission."
+            f"{share_text(part * figure.share(state))} of that of the mission."
         )
-        use = each.use(state.name, entry.name)
+        use = figure.use(state.name, entry.name)
         if use is not None:
             lines.append(f"Most used unit in the last run: {use_text(use)}.")
         lines += [
             "If it never failed, the mission's failure probability would fall by "
             f"{share_text(one.fussell_vesely)}."
-            for one in each.importances
+            for one in figure.importances
             if one.component == entry.name
         ]
-        lines += ["", *closing_lines(each)]
+        lines += ["", *closing_lines(figure)]
     return "\n".join(lines)
 
 

@@ -35,25 +35,25 @@ def lenses(
     `stale` says for each controller whether a refresh would mend something.
     """
     is_one = len(figures) == 1
-    for each, file, is_stale in zip(figures, files, stale, strict=True):
-        if file == each.controller.file:
-            yield from _of_mission(each)
+    for figure, file, is_stale in zip(figures, files, stale, strict=True):
+        if file == figure.controller.file:
+            yield from _of_mission(figure)
             if is_stale:
-                yield Lens(1, "refresh risk blocks", each)
-        of = "" if is_one else f" in {each.controller.file}"
+                yield Lens(1, "refresh risk blocks", figure)
+        of = "" if is_one else f" in {figure.controller.file}"
         for placed in outline.placed:
-            state = each.state(file, placed.function)
+            state = figure.state(file, placed.function)
             if state is None:
                 continue
-            ran = each.run(state.name)
+            ran = figure.run(state.name)
             exposed = "" if ran is None else f", {counted(ran[0], 'visit')}, {ran[1]:.1f} s"
             yield Lens(
                 max(placed.line, 1),
-                f"{share_text(each.share(state))} of the mission's failure probability{of}: "
+                f"{share_text(figure.share(state))} of the mission's failure probability{of}: "
                 f"{state.absorption_probability:.3g}{exposed}",
             )
         for name, line in outline.functions:
-            if FunctionRef(file, name) in each.never_ran:
+            if FunctionRef(file, name) in figure.never_ran:
                 yield Lens(line, f"no risk data{of}: can command hardware and never ran")
 
 

@@ -45,16 +45,16 @@ class ValueLine:
 
 def value_line(texts: Sequence[str], line: int) -> ValueLine | None:
     """Return the value that a line states, from 0; `None` where it states none."""
-    found = _VALUE.fullmatch(texts[line]) if 0 <= line < len(texts) else None
-    if found is None:
+    matched = _VALUE.fullmatch(texts[line]) if 0 <= line < len(texts) else None
+    if matched is None:
         return None
     return ValueLine(
         line,
-        found["before"],
-        found["key"],
-        found["operator"] == ":=",
-        found["value"],
-        found["comment"],
+        matched["before"],
+        matched["key"],
+        matched["operator"] == ":=",
+        matched["value"],
+        matched["comment"],
     )
 
 
@@ -83,15 +83,15 @@ def pinning(
     reason = " ".join(reason.replace("!", ".").split())
     if at.is_pinned:
         return _with_reason(texts, at, reason)
-    found = [at]
+    value_lines = [at]
     if at.key == NEXT.key:
         # All of its lines are one value, and the last has the reason.
         numbers = range(block.first_line - 1, min(block.last_line, len(texts)))
         values = [value_line(texts, number) for number in numbers]
-        found = [each for each in values if each is not None and each.key == NEXT.key]
+        value_lines = [value for value in values if value is not None and value.key == NEXT.key]
     comment = reason if computed is None else f"computed {computed}; {reason}"
-    edits = {each.line: each.pinned("") for each in found}
-    edits[found[-1].line] = found[-1].pinned(comment)
+    edits = {item.line: item.pinned("") for item in value_lines}
+    edits[value_lines[-1].line] = value_lines[-1].pinned(comment)
     return edits
 
 

@@ -95,11 +95,11 @@ def _words(path: Path, code: int, out: bytes, err: str) -> str:
         return f"{path.name}: the refresh was ended; nothing was written"
     with contextlib.suppress(ValueError):
         data: Any = json.loads(out)
-        for each in data.get("controllers", ()):
-            if "error" in each:
-                return f"{each['error']} [{each['code']}]"
-            changed = "changed" if each["changed"] else "unchanged"
-            return f"{path.name}: risk blocks {changed}; {each['verdict_line']}"
+        for item in data.get("controllers", ()):
+            if "error" in item:
+                return f"{item['error']} [{item['code']}]"
+            changed = "changed" if item["changed"] else "unchanged"
+            return f"{path.name}: risk blocks {changed}; {item['verdict_line']}"
         if "error" in data:
             return str(data["error"]["message"])
     lines = err.strip().splitlines()

@@ -79,7 +79,7 @@ class RiskServer:
 
     async def _check(self, uris: set[str]) -> None:
         session, loop = self.session, asyncio.get_running_loop()
-        versions = {uri: each.version for uri, each in session.documents.items()}
+        versions = {uri: item.version for uri, item in session.documents.items()}
         paths: dict[Path, None] = {}
         problems: dict[Path, Analysis] = {}
         for uri in sorted(uris):
@@ -87,20 +87,20 @@ class RiskServer:
             if document is None or not document.is_source or document.path is None:
                 continue
             try:
-                found = await loop.run_in_executor(
+                result = await loop.run_in_executor(
                     None, controllers_with, document, session.projects
                 )
             except TraceRiskError as error:
                 problems[document.path] = Analysis(document.path, error=error)
                 continue
-            session.remember(document, found)
-            paths |= dict.fromkeys(found)
+            session.remember(document, result)
+            paths |= dict.fromkeys(result)
         opened = session.opened
         for path in paths:
             session.analyses[path.resolve()] = await loop.run_in_executor(
                 None, analyse, path, opened, session.projects
             )
-        session.analyses.update({path.resolve(): each for path, each in problems.items()})
+        session.analyses.update({path.resolve(): problem for path, problem in problems.items()})
         session.forget_closed()
         self._publish(uris, versions)
         self._ahead = loop.create_task(self._solve_ahead(tuple(paths), opened))
@@ -134,23 +134,23 @@ class RiskServer:
         session = self.session
         now = diagnostics_of(session)
         here = {
-            each.path.resolve()
-            for each in session.documents.values()
-            if each.uri in asked and each.path is not None and each.is_source
+            document.path.resolve()
+            for document in session.documents.values()
+            if document.uri in asked and document.path is not None and document.is_source
         }
         for path in sorted({*now, *self._shown, *here}):
-            found = now.get(path, [])
-            if path in here or found != self._shown.get(path, []):
+            result = now.get(path, [])
+            if path in here or result != self._shown.get(path, []):
                 uri = session.uri_of(path)
                 self.connection.text_document_publish_diagnostics(
-                    lsp.PublishDiagnosticsParams(uri, found, versions.get(uri))
+                    lsp.PublishDiagnosticsParams(uri, result, versions.get(uri))
                 )
         self._shown = now
 
     def document(self, uri: str) -> Document | None:
         """Return a source that is open; `None` of any other text."""
-        found = self.session.documents.get(uri)
-        return found if found is not None and found.is_source else None
+        result = self.session.documents.get(uri)
+        return result if result is not None and result.is_source else None
 
     def report(self, words: str, *, is_error: bool) -> None:
         """Show the user a line."""
@@ -171,7 +171,9 @@ class RiskServer:
             return
         shown, token = self.connection.work_done_progress, f"tracerisk-{uuid4()}"
         await shown.create_async(token)
-        shown.tokens[token].add_done_callback(lambda each: cancel() if each.cancelled() else None)
+        shown.tokens[token].add_done_callback(
+            lambda tokens: cancel() if tokens.cancelled() else None
+        )
         shown.begin(token, lsp.WorkDoneProgressBegin(title, cancellable=True))
         try:
             yield
@@ -182,10 +184,10 @@ class RiskServer:
 
 def diagnostics_of(session: Session) -> dict[Path, list[lsp.Diagnostic]]:
     """Return the diagnostics of each file, without duplicates."""
-    found: dict[Path, dict[tuple[int, str], lsp.Diagnostic]] = {}
+    fieldses: dict[Path, dict[tuple[int, str], lsp.Diagnostic]] = {}
 
     def put(path: Path, one: lsp.Diagnostic) -> None:
-        found.setdefault(path.resolve(), {})[one.range.start.line, one.message] = one
+        fieldses.setdefault(path.resolve(), {})[one.range.start.line, one.message] = one
 
     for analysis in session.analyses.values():
         for finding in analysis.findings:
@@ -200,7 +202,7 @@ def diagnostics_of(session: Session) -> dict[Path, list[lsp.Diagnostic]]:
             continue
         for problem in session.outline(document).problems:
             put(document.path, error_diagnostic(problem, document.lines))
-    return {path: [each[key] for key in sorted(each)] for path, each in found.items()}
+    return {path: [fields[key] for key in sorted(fields)] for path, fields in fieldses.items()}
 
 
 def language_server() -> RiskServer:
@@ -290,16 +292,16 @@ def _code_lens(server: RiskServer, params: lsp.CodeLensParams) -> list[lsp.CodeL
         return []
     session = server.session
     figures, files = session.parts(document)
-    stale = [session.is_stale(each.controller.path, MENDED) for each in figures]
-    found = []
-    for each in lenses(session.outline(document), figures, files, stale):
+    stale = [session.is_stale(figure.controller.path, MENDED) for figure in figures]
+    code_lens = []
+    for lense in lenses(session.outline(document), figures, files, stale):
         # One without a command of its own is a text.
-        command = lsp.Command(each.text, "")
-        if each.refreshes is not None:
-            uri = session.uri_of(each.refreshes.controller.path)
-            command = lsp.Command(each.text, REFRESH, arguments=[uri])
-        found.append(lsp.CodeLens(document.lines.whole(each.line - 1), command))
-    return found
+        command = lsp.Command(lense.text, "")
+        if lense.refreshes is not None:
+            uri = session.uri_of(lense.refreshes.controller.path)
+            command = lsp.Command(lense.text, REFRESH, arguments=[uri])
+        code_lens.append(lsp.CodeLens(document.lines.whole(lense.line - 1), command))
+    return code_lens
 
 
 def _folding(server: RiskServer, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
@@ -317,7 +319,7 @@ def _code_action(server: RiskServer, params: lsp.CodeActionParams) -> list[lsp.C
     document = server.document(params.text_document.uri)
     only = params.context.only
     wanted = only is None or any(
-        lsp.CodeActionKind.QuickFix.value.startswith(each) for each in only
+        lsp.CodeActionKind.QuickFix.value.startswith(item) for item in only
     )
     if document is None or not wanted:
         return []
@@ -330,20 +332,22 @@ def _completion(server: RiskServer, params: lsp.CompletionParams) -> lsp.Complet
         return lsp.CompletionList(False, [])
     lines, line = document.lines, params.position.line
     before = lines.text(line)[: lines.index(params.position)]
-    found: Iterable[Offer] = ()
+    result: Iterable[Offer] = ()
     if document.path.suffix in (".yaml", ".yml"):
         kind = kind_of(lines.texts)
-        found = () if kind is None else yaml_offers(kind, lines.texts, line, before)
+        result = () if kind is None else yaml_offers(kind, lines.texts, line, before)
     elif document.is_source:
         session = server.session
-        above = [each for each in session.outline(document).functions if each[1] <= line + 1]
+        above = [
+            function for function in session.outline(document).functions if function[1] <= line + 1
+        ]
         functions = [name for name, _ in reversed(above)]
         figures, _ = session.parts(document)
         file = document.path.name
-        found = offers(lines.texts, line, before, figures, file=file, functions=functions)
+        result = offers(lines.texts, line, before, figures, file=file, functions=functions)
     items = [
-        _item(each, lines.span(line, len(before) - len(each.typed), len(before)), number)
-        for number, each in enumerate(found)
+        _item(offer, lines.span(line, len(before) - len(offer.typed), len(before)), number)
+        for number, offer in enumerate(result)
     ]
     return lsp.CompletionList(False, items)
 

@@ -107,21 +107,25 @@ class Session:
     def opened(self) -> Mapping[Path, bytes]:
         """The bytes of each file that is open."""
         return {
-            each.path.resolve(): each.source
-            for each in self.documents.values()
-            if each.path is not None
+            document.path.resolve(): document.source
+            for document in self.documents.values()
+            if document.path is not None
         }
 
     def unsaved(self) -> list[Document]:
         """Return the sources that are open and hold something else on disk."""
-        return [each for each in self.documents.values() if each.is_source and not _is_saved(each)]
+        return [
+            document
+            for document in self.documents.values()
+            if document.is_source and not _is_saved(document)
+        ]
 
     def uri_of(self, path: Path) -> str:
         """Return by which name the editor knows a file."""
         here = path.resolve()
-        for each in self.documents.values():
-            if each.path is not None and each.path.resolve() == here:
-                return each.uri
+        for document in self.documents.values():
+            if document.path is not None and document.path.resolve() == here:
+                return document.uri
         return here.as_uri()
 
     def lines_of(self, path: Path) -> Lines:
@@ -137,14 +141,14 @@ class Session:
 
     def outline(self, document: Document) -> Outline:
         """Return the outline of a document: of one half typed what can be read of it."""
-        found = outline_of(document.source, str(document.path))
-        if found.is_code_read:
-            self._whole[document.uri] = (document.source, found)
-            return found
+        result = outline_of(document.source, str(document.path))
+        if result.is_code_read:
+            self._whole[document.uri] = (document.source, result)
+            return result
         whole = self._whole.get(document.uri)
         if whole is None:
-            return found
-        return whole[1].at_lines_of(whole[0], document.source, found.problems)
+            return result
+        return whole[1].at_lines_of(whole[0], document.source, result.problems)
 
     def controllers(self, document: Document) -> tuple[Path, ...]:
         """Return the controllers that a document belongs to, as they were found last.
@@ -165,8 +169,8 @@ class Session:
 
     def is_stale(self, path: Path, mended: frozenset[str]) -> bool:
         """Return whether a controller was found to have what a refresh may mend."""
-        found = self.analyses.get(path.resolve())
-        return found is not None and any(each.kind in mended for each in found.findings)
+        analysis = self.analyses.get(path.resolve())
+        return analysis is not None and any(finding.kind in mended for finding in analysis.findings)
 
     def forget_closed(self) -> None:
         """Drop what is known of controllers of which no file is open any more."""
@@ -175,7 +179,7 @@ class Session:
         }
         here = set(self.opened)
         self.analyses = {
-            path: each for path, each in self.analyses.items() if path in open_ones | here
+            path: analysis for path, analysis in self.analyses.items() if path in open_ones | here
         }
 
     def parts(self, document: Document) -> tuple[Sequence[ControllerFigures], Sequence[str]]:
@@ -194,11 +198,11 @@ class Session:
         for path in paths:
             try:
                 controller = controller_with(path, opened, self.projects)
-                found = figures_of(controller, partial(self._outline, controller))
+                controller_figures = figures_of(controller, partial(self._outline, controller))
                 name = lock_key(document.path, controller.root)
             except TraceRiskError:
                 continue
-            figures.append(found)
+            figures.append(controller_figures)
             files.append(name)
         return figures, files
 
@@ -267,10 +271,10 @@ def controllers_with(document: Document, projects: Projects) -> tuple[Path, ...]
     if path is None or not document.is_source:
         return ()
     is_known = path.is_file() or is_gone(path, projects)
-    found = controllers_of([path], projects) if is_known else ()
-    if not found and b"RiskAnnotation" in document.source:
+    controllers = controllers_of([path], projects) if is_known else ()
+    if not controllers and b"RiskAnnotation" in document.source:
         return (path,)
-    return found
+    return controllers
 
 
 def controller_with(path: Path, opened: Mapping[Path, bytes], projects: Projects) -> Controller:
@@ -282,9 +286,9 @@ def controller_with(path: Path, opened: Mapping[Path, bytes], projects: Projects
     project = projects.of(path)
     base = project.root
     others = {
-        each.relative_to(base).as_posix(): source
-        for each, source in opened.items()
-        if each.is_relative_to(base)
+        item.relative_to(base).as_posix(): source
+        for item, source in opened.items()
+        if item.is_relative_to(base)
     }
     file = here.relative_to(base).as_posix()
     source = others.pop(file, None)

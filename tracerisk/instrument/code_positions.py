@@ -45,8 +45,8 @@ def source_position(code: CodeType, instruction: int) -> Position:
     """Return where the instruction at an offset (a frame's `f_lasti`) is in the source."""
     if sys.version_info >= (3, 11):
         places = itertools.islice(code.co_positions(), max(instruction, 0) // 2, None)
-        found = next(places, None)
-        return _NOWHERE if found is None else (found[0], found[2])
+        result = next(places, None)
+        return _NOWHERE if result is None else (result[0], result[2])
     return next((place for at, place in _annotation(code)[1] if at == instruction), _NOWHERE)
 
 
@@ -85,10 +85,12 @@ def _annotated(code: CodeType, twin: CodeType, nodes: list[ast.AST], outer: str)
     is_module = code.co_name == "<module>"
     name = code.co_name if is_module else outer + code.co_name
     inside = "" if is_module else f"{name}{'.<locals>' * bool(code.co_flags & _IS_FUNCTION)}."
-    inner = iter([each for each in twin.co_consts if isinstance(each, CodeType)])
+    inner = iter([co_const for co_const in twin.co_consts if isinstance(co_const, CodeType)])
     constants = [
-        _annotated(each, next(inner), nodes, inside) if isinstance(each, CodeType) else each
-        for each in code.co_consts
+        _annotated(co_const, next(inner), nodes, inside)
+        if isinstance(co_const, CodeType)
+        else co_const
+        for co_const in code.co_consts
     ]
     places = tuple(_places(code, twin, nodes))
     return code.replace(co_consts=(*constants, (_MARK, name, places)))
@@ -134,7 +136,7 @@ def _place(node: ast.AST, line: int) -> Position:
 
 
 def _is_plain(call: ast.Call) -> bool:
-    return not any(isinstance(each, ast.Starred) for each in call.args) and all(
+    return not any(isinstance(argument, ast.Starred) for argument in call.args) and all(
         keyword.arg is not None for keyword in call.keywords
     )
 
@@ -142,8 +144,8 @@ def _is_plain(call: ast.Call) -> bool:
 def _found_in(namespace: Mapping[str, Any], code: CodeType) -> str | None:
     """Return the name of the function of a module, or of a class in it, that runs a code."""
     for value in list(namespace.values()):
-        for each in (value, *(vars(value).values() if isinstance(value, type) else ())):
-            function = getattr(each, "fget", None) or getattr(each, "__func__", each)
+        for var in (value, *(vars(value).values() if isinstance(value, type) else ())):
+            function = getattr(var, "fget", None) or getattr(var, "__func__", var)
             function = getattr(function, "__wrapped__", function)
             if isinstance(function, FunctionType) and function.__code__ is code:
                 return function.__qualname__

@@ -103,13 +103,15 @@ def helper_rule(
     calls = _Calls.of({call_path(stack) for stack in stacks})
     named_states = frozenset(f for f in calls.functions if f.name in states)
     named_helpers = frozenset(f for f in calls.functions if f.name in helpers)
-    found = set(named_helpers)
-    undecided = sorted(calls.functions - found - named_states)
+    function_refs = set(named_helpers)
+    undecided = sorted(calls.functions - function_refs - named_states)
     while True:
-        more = {f for f in undecided if calls.is_helper(f, found)}
+        more = {f for f in undecided if calls.is_helper(f, function_refs)}
         if not more:
-            return HelperRule(frozenset(found), named_states, len(entered) > 1, named_helpers)
-        found |= more
+            return HelperRule(
+                frozenset(function_refs), named_states, len(entered) > 1, named_helpers
+            )
+        function_refs |= more
         undecided = [f for f in undecided if f not in more]
 
 
@@ -153,8 +155,8 @@ class _Calls:
                 edges[caller].add(callee)
         component = {
             function: number
-            for number, found in enumerate(strong_components(edges))
-            for function in found
+            for number, function_refs in enumerate(strong_components(edges))
+            for function in function_refs
         }
         for path in paths:
             calls._add(path, component)

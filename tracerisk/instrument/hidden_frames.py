@@ -63,8 +63,10 @@ def visible_traceback(entry: TracebackType | None) -> TracebackType | None:
             entries.append(entry)
         entry = entry.tb_next
     visible: TracebackType | None = None
-    for each in reversed(entries):
-        visible = TracebackType(visible, each.tb_frame, each.tb_lasti, each.tb_lineno)
+    for traceback_type in reversed(entries):
+        visible = TracebackType(
+            visible, traceback_type.tb_frame, traceback_type.tb_lasti, traceback_type.tb_lineno
+        )
     return visible
 
 

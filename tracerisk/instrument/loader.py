@@ -173,12 +173,12 @@ def package_of(script: Path) -> tuple[str, Path]:
 
 @contextlib.contextmanager
 def _entry(table: dict[str, ModuleType], name: str, module: ModuleType) -> Iterator[None]:
-    found = table.get(name)
+    result = table.get(name)
     table[name] = module
     try:
         yield
     finally:
-        if found is None:
+        if result is None:
             table.pop(name, None)
         else:
-            table[name] = found
+            table[name] = result

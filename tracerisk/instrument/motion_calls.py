@@ -98,23 +98,23 @@ def missed_calls(
     tree = parsed(source)
     if tree is None:
         return ()
-    found = [_InSource(call, (file, call.site)) for call in marked_calls(tree)]
+    insources = [_InSource(call, (file, call.site)) for call in marked_calls(tree)]
     own = _commanding_names(tree, file, commanding)
-    known = {call.same for call in found if call.place in commanding.calls}
+    known = {call.same for call in insources if call.place in commanding.calls}
     in_vain = _turned_back(commanding, calls) | {
         call.place
-        for call in found
+        for call in insources
         if call.place in calls.waiting - commanding.calls
         and (call.same in known or last_name(call.marked.node.func) in own)
     }
     # A call that only asks (a mode, a state) shows that its name does not say what it does.
     asking = {
         call.same
-        for call in found
+        for call in insources
         if call.place in calls.executed - commanding.calls and call.place not in in_vain
     }
     missed = []
-    for call in found:
+    for call in insources:
         is_missed = call.place in in_vain
         if call.place not in calls.executed | commanding.calls and not call.marked.is_spare:
             is_missed = (call.same in known or call.is_of(own)) and call.same not in asking
@@ -184,6 +184,6 @@ def _turned_back(commanding: Commanding, calls: Calls) -> frozenset[Place]:
 
     return frozenset(
         place
-        for place, found in turns.items()
-        if place not in commanding.calls and all(turned_back(turn, frozenset()) for turn in found)
+        for place, item in turns.items()
+        if place not in commanding.calls and all(turned_back(turn, frozenset()) for turn in item)
     )

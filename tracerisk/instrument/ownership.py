@@ -100,13 +100,13 @@ class Attribution:
     def _current_visits(self, n_steps: int, step_ns: int) -> NDArray[np.int64]:
         if not self.commands:
             return np.full(n_steps, -1, dtype=np.int64)
-        visits = np.array([each.visit for each in self.commands], dtype=np.int64)
-        issued = np.array([each.command.issue_ns for each in self.commands], dtype=np.int64)
+        visits = np.array([command.visit for command in self.commands], dtype=np.int64)
+        issued = np.array([command.command.issue_ns for command in self.commands], dtype=np.int64)
         starts = np.arange(n_steps, dtype=np.int64) * step_ns
         latest = np.searchsorted(issued, starts, side="right") - 1
         owner: NDArray[np.int64] = visits[np.maximum(latest, 0)]
-        for each in self.commands:
-            _paint(owner, each, each.live_until_ns, step_ns)
+        for command in self.commands:
+            _paint(owner, command, command.live_until_ns, step_ns)
         return owner
 
     def assign(self, element: str, n_steps: int, step_ns: int) -> NDArray[np.int64]:
@@ -118,10 +118,10 @@ class Attribution:
             (n_steps,) indices into `visits`; all -1 where the run has no visit.
         """
         owner = self.current(n_steps, step_ns)
-        for each in self.commands:
-            if element in each.command.elements:
-                place = each.command.elements.index(element)
-                _paint(owner, each, each.until_ns[place], step_ns)
+        for command in self.commands:
+            if element in command.command.elements:
+                place = command.command.elements.index(element)
+                _paint(owner, command, command.until_ns[place], step_ns)
         return owner
 
 
@@ -144,8 +144,10 @@ def attribute(
     """
     commands = recording.commands
     seen = commands if beside is None else (*commands, *beside.commands)
-    rule = helper_rule([each.stack for each in seen], states=states, helpers=helpers)
-    owners = _named_by_instance([each.stack[rule.owner_position(each.stack)] for each in commands])
+    rule = helper_rule([command.stack for command in seen], states=states, helpers=helpers)
+    owners = _named_by_instance(
+        [command.stack[rule.owner_position(command.stack)] for command in commands]
+    )
     visits, visit_of = _visits(commands, owners)
     live = _live(commands, visit_of, end_ns)
     return Attribution(
@@ -194,7 +196,7 @@ class _OpenVisit:
             self.function,
             self.line,
             self.commands[0].issue_ns,
-            tuple(each.id for each in self.commands),
+            tuple(item.id for item in self.commands),
             outcome,
         )
 
@@ -243,7 +245,7 @@ def _visits(
         visit.live.append(command)
         visit_of.append(visit.index)
         last_on_element.update(dict.fromkeys(command.elements, command.id))
-    return tuple(each.closed() for each in visits), visit_of
+    return tuple(open_visit.closed() for open_visit in visits), visit_of
 
 
 def _still_live(visit: _OpenVisit, command: Command, last_on_element: dict[str, int]) -> bool:
@@ -285,12 +287,12 @@ def _concurrent_owners(
     findings: list[Finding] = []
     reported: set[frozenset[FunctionRef]] = set()
     open_commands: list[LiveCommand] = []
-    for each in live:
-        now = each.command.issue_ns
+    for live_command in live:
+        now = live_command.command.issue_ns
         open_commands = [other for other in open_commands if other.live_until_ns > now]
-        if each.live_until_ns <= now:
+        if live_command.live_until_ns <= now:
             continue
-        visit = visits[each.visit]
+        visit = visits[live_command.visit]
         for other in open_commands:
             earlier = visits[other.visit].function
             pair = frozenset({earlier, visit.function})
@@ -298,11 +300,12 @@ def _concurrent_owners(
                 continue
             reported.add(pair)
             message = (
-                f"{visit.function.name} commands {', '.join(each.command.elements)} while a "
+                f"{visit.function.name} commands {', '.join(live_command.command.elements)} "
+                "while a "
                 f"command of {earlier.name} is still live; each element counts for whoever "
                 "addressed it last, the others for the latest command"
             )
             location = Location(visit.function.file, visit.line)
             findings.append(Finding("concurrent_owners", message, now / _SECOND_NS, location))
-        open_commands.append(each)
+        open_commands.append(live_command)
     return tuple(findings)

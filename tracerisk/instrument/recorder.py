@@ -83,7 +83,7 @@ class Recorder:
             kind=kind,
             elements=list(elements),
             stack=self._frames(stack),
-            goal=[float(each) for each in goal],
+            goal=[float(value) for value in goal],
         )
         if self.watch is not None:
             self.watch.issued(command_id, stack, goal)

@@ -51,11 +51,11 @@ class StateEntries:
         """
         labels: list[str | None] = []
         last: Any = None
-        for found in reversed(self._found):
-            if found is None:
+        for result in reversed(self._found):
+            if result is None:
                 labels.append(None)
                 continue
-            state, label = found
+            state, label = result
             is_new = state is not last and not (last is None and inherited and label == inherited)
             labels.append(label if is_new else None)
             last = state
@@ -69,7 +69,7 @@ def _state_of(frame: FrameType) -> Any:
         return None
     own = _first_argument(frame)
     kind = type(own)
-    if kind is type or not any(_BASE.fullmatch(each.__name__) for each in kind.__mro__[1:]):
+    if kind is type or not any(_BASE.fullmatch(item.__name__) for item in kind.__mro__[1:]):
         return None
     return own
 
@@ -109,7 +109,7 @@ def _key_in(machine: Any, state: Any) -> str | None:
             continue
         for key, value in list(held.items()):
             is_state = value is state or (
-                isinstance(value, dict) and any(each is state for each in value.values())
+                isinstance(value, dict) and any(item is state for item in value.values())
             )
             if is_state and isinstance(key, str):
                 return key

@@ -280,14 +280,14 @@ class Tracer:
         """
         if isinstance(error, SyntaxError) and error.filename in self._files:
             return Location(self._files[error.filename], error.lineno, error.offset or None)
-        found: Location | None = None
+        location: Location | None = None
         traceback = error.__traceback__
         while traceback is not None:
             file = self._files.get(traceback.tb_frame.f_code.co_filename)
             if file is not None:
-                found = Location(file, traceback.tb_lineno)
+                location = Location(file, traceback.tb_lineno)
             traceback = traceback.tb_next
-        return found
+        return location
 
     # --- how
 
@@ -328,11 +328,11 @@ class Tracer:
             if is_root:
                 through += tuple(self._lambdas(python, None))
             frames.append(Frame(record.ref, record.line, activation, site, root, through=through))
-        known = next((each.instance for each in reversed(inherited) if each.instance), None)
+        known = next((item.instance for item in reversed(inherited) if item.instance), None)
         labels = entries.labels(known)
         frames = [
-            each if label is None else replace(each, instance=label)
-            for each, label in zip(frames, labels, strict=True)
+            item if label is None else replace(item, instance=label)
+            for item, label in zip(frames, labels, strict=True)
         ]
         return (*inherited, *reversed(frames))
 

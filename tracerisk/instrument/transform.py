@@ -115,7 +115,8 @@ class _DecoratorInserter(cst.CSTTransformer):
     ) -> cst.FunctionDef:
         site = self._open.pop()
         if any(
-            _last_name(each.decorator) in COMPILING_DECORATORS for each in original_node.decorators
+            _last_name(decorator.decorator) in COMPILING_DECORATORS
+            for decorator in original_node.decorators
         ):
             return updated_node
         self._met.append(site)
@@ -175,12 +176,12 @@ def _take_positions(tree: ast.Module, original: ast.Module, file: str) -> None:
         for name in twin._fields:
             ours, theirs = getattr(node, name, None), getattr(twin, name, None)
             if isinstance(ours, list) and isinstance(theirs, list):
-                own = [each for each in ours if not _is_inserted(each)]
+                own = [item for item in ours if not _is_inserted(item)]
                 if len(own) != len(theirs):
                     raise _cannot_instrument(file, getattr(twin, "lineno", None))
-                for each in ours:
-                    if _is_inserted(each):
-                        _place_inserted(each, twin)
+                for item in ours:
+                    if _is_inserted(item):
+                        _place_inserted(item, twin)
                 pairs = list(zip(own, theirs, strict=True))
             else:
                 pairs = [(ours, theirs)]
@@ -202,10 +203,10 @@ def _is_inserted(node: object) -> bool:
 def _place_inserted(node: ast.AST, owner: ast.AST) -> None:
     line = getattr(owner, "lineno", 1)
     column = getattr(owner, "col_offset", 0)
-    for each in ast.walk(node):
-        if "lineno" in each._attributes:
-            each.lineno = each.end_lineno = line  # type: ignore[attr-defined]
-            each.col_offset = each.end_col_offset = column  # type: ignore[attr-defined]
+    for item in ast.walk(node):
+        if "lineno" in item._attributes:
+            item.lineno = item.end_lineno = line  # type: ignore[attr-defined]
+            item.col_offset = item.end_col_offset = column  # type: ignore[attr-defined]
 
 
 def _cannot_instrument(file: str, line: int | None) -> UnsafeRewriteError:

@@ -46,13 +46,13 @@ def blocks_of(sources: Mapping[str, bytes]) -> list[tuple[FunctionRef, RiskBlock
     Beside each stands its function: the file and the qualified name within it.
     Raises BlockError or SourceError where a block or a source is malformed.
     """
-    found = [
+    pairs = [
         (FunctionRef(file, name), block)
         for file, source in sources.items()
         for name, block in _blocks_in(source, file)
     ]
-    names = model_names([ref for ref, _ in found])
-    return [(ref, replace(block, name=QualifiedName(names[ref]))) for ref, block in found]
+    names = model_names([ref for ref, _ in pairs])
+    return [(ref, replace(block, name=QualifiedName(names[ref]))) for ref, block in pairs]
 
 
 def _blocks_in(source: bytes, file: str) -> Iterator[tuple[QualifiedName, RiskBlock]]:

@@ -41,12 +41,17 @@ def assumed_figures(
     hangs on the description.
     """
     shares = component_shares(assessment)
-    found = [
+    figures = [
         AssumedFigure(name, shares[name], source)
         for name, source in assumed_sources(hardware).items()
         if name in shares and name not in by_hand
     ]
-    return tuple(sorted(found, key=lambda each: (-each.fussell_vesely, each.component)))
+    return tuple(
+        sorted(
+            figures,
+            key=lambda assumed_figure: (-assumed_figure.fussell_vesely, assumed_figure.component),
+        )
+    )
 
 
 def assumed_table(figures: Sequence[AssumedFigure], width: int = 80) -> Table | None:
@@ -54,13 +59,17 @@ def assumed_table(figures: Sequence[AssumedFigure], width: int = 80) -> Table | 
     if not figures:
         return None
     # The first stands for all where none drives anything.
-    driving = [each for each in figures if each.fussell_vesely >= LEAST_SHARE] or figures[:1]
+    driving = [figure for figure in figures if figure.fussell_vesely >= LEAST_SHARE] or figures[:1]
     shown = driving[:MOST_SHOWN]
     title = part_of("Assumed figures that drive the result", len(shown), len(figures))
     table = table_of(title, ["component"])
     add_share_columns(table, width)
     table.add_column("source", overflow="fold")
-    for each in shown:
-        found = plain([each.source])
-        table.add_row(*plain([each.component]), *share_cells(each.fussell_vesely, width), *found)
+    for assumed_figure in shown:
+        console_renderables = plain([assumed_figure.source])
+        table.add_row(
+            *plain([assumed_figure.component]),
+            *share_cells(assumed_figure.fussell_vesely, width),
+            *console_renderables,
+        )
     return table

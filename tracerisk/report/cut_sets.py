@@ -43,12 +43,12 @@ def render_cut_sets(
         first = "most probable" if total is not None else "of the lowest orders"
         title = f"The {len(listed)} {first}" if len(listed) < count else "All of them"
         table = table_of("", ["events"], ("probability", "share") if total is not None else ())
-        for each in listed:
-            events = ", ".join([*each.events, *(f"not {name}" for name in each.absent)])
+        for cut_set in listed:
+            events = ", ".join([*cut_set.events, *(f"not {name}" for name in cut_set.absent)])
             cells = [events or "(always)"]
-            if total is not None and each.probability is not None:
-                share = each.probability / total if total > 0.0 else 0.0
-                cells += [f"{each.probability:.6e}", f"{100.0 * share:.3g} %"]
+            if total is not None and cut_set.probability is not None:
+                share = cut_set.probability / total if total > 0.0 else 0.0
+                cells += [f"{cut_set.probability:.6e}", f"{100.0 * share:.3g} %"]
             table.add_row(*plain(cells))
         parts += [*plain([title]), table]
     return render_parts(parts, paper)

@@ -52,8 +52,8 @@ def end_effect(cells: Iterable[Cell]) -> str:
     """Return the worst effect of some cells in words, and that it may be worse where one of them
     was not followed to its end."""
     cells = list(cells)
-    worst = min((each.effect for each in cells), key=EFFECTS.index)
-    is_open = worst != EFFECTS[0] and any(each.followed_s is not None for each in cells)
+    worst = min((cell.effect for cell in cells), key=EFFECTS.index)
+    is_open = worst != EFFECTS[0] and any(cell.followed_s is not None for cell in cells)
     return f"{WORDS[worst]} or worse" if is_open else WORDS[worst]
 
 
@@ -62,7 +62,7 @@ def untold_for(cells: Iterable[Cell]) -> int | None:
 
     `None` where all runs were followed to their ends.
     """
-    followed = [each.followed_s for each in cells if each.followed_s is not None]
+    followed = [cell.followed_s for cell in cells if cell.followed_s is not None]
     return math.floor(min(followed)) if followed else None
 
 
@@ -82,7 +82,7 @@ class FmeaRow:
     @property
     def failed(self) -> int:
         """In how many of the cells the mission failed."""
-        return sum(1 for each in self.cells if each.fails)
+        return sum(1 for cell in self.cells if cell.fails)
 
     @property
     def share(self) -> float:
@@ -97,12 +97,12 @@ class FmeaRow:
     @property
     def worst(self) -> Cell:
         """The cell with the worst effect, the soonest of several."""
-        return min(self.cells, key=lambda each: (EFFECTS.index(each.effect), each.time_s))
+        return min(self.cells, key=lambda cell: (EFFECTS.index(cell.effect), cell.time_s))
 
     @property
     def told_after_s(self) -> float | None:
         """The median time until the controller was notified, where it was [s]."""
-        notified = [each.told_after_s for each in self.cells if each.told_after_s is not None]
+        notified = [cell.told_after_s for cell in self.cells if cell.told_after_s is not None]
         return statistics.median(notified) if notified else None
 
     @property
@@ -116,18 +116,18 @@ class FmeaRow:
     @property
     def detection(self) -> str:
         """By what the failure was reported, and in how many of the cells."""
-        notified = [each.told_by for each in self.cells if each.told_by]
+        notified = [cell.told_by for cell in self.cells if cell.told_by]
         if not notified:
             untold_s = untold_for(self.cells)
             return "nothing" if untold_s is None else f"nothing within {untold_s} s"
-        kinds = ", ".join(sorted({each.replace("_", " ") for each in notified}))
+        kinds = ", ".join(sorted({name.replace("_", " ") for name in notified}))
         return f"{kinds} ({len(notified)} of {len(self.cells)})"
 
     @property
     def hardest(self) -> str:
         """The hardest touch that was not to be expected; empty for none."""
-        touched = [each for each in self.cells if each.contact]
-        return max((each.contact for each in touched), key=_newtons, default="")
+        touched = [cell for cell in self.cells if cell.contact]
+        return max((cell.contact for cell in touched), key=_newtons, default="")
 
     @property
     def values(self) -> tuple[str, ...]:
@@ -147,7 +147,7 @@ class FmeaRow:
             f"{high:.4g}",
             str(self.failed),
             str(len(self.cells)),
-            str(sum(1 for each in self.cells if each.followed_s is not None)),
+            str(sum(1 for cell in self.cells if cell.followed_s is not None)),
             "",
             "",
             self.hardest,
@@ -167,8 +167,8 @@ def fmea_rows(found: Evidence) -> tuple[FmeaRow, ...]:
 def confusion(cells: Iterable[Cell]) -> tuple[int, int, int, int]:
     """Return how many cells were in use and failed, in use and harmless, idle and each."""
     counts = [0, 0, 0, 0]
-    for each in cells:
-        counts[2 * each.is_idle + (not each.fails)] += 1
+    for cell in cells:
+        counts[2 * cell.is_idle + (not cell.fails)] += 1
     in_use, harmless, idle, idle_harmless = counts
     return in_use, harmless, idle, idle_harmless
 
@@ -207,10 +207,10 @@ def summary_lines(found: Evidence) -> list[str]:
     """Return what a campaign showed over all, a line each."""
     cells = found.cells
     needed, harmless, idle_needed, idle_harmless = confusion(cells)
-    delays = [each.told_after_s for each in cells if each.told_after_s is not None]
+    delays = [cell.told_after_s for cell in cells if cell.told_after_s is not None]
     lines = [
         f"{len(cells)} failures tried, {found.drawn} of them drawn from the hazard; "
-        f"{sum(1 for each in cells if each.fails)} ended the mission",
+        f"{sum(1 for cell in cells if cell.fails)} ended the mission",
         f"in use: {needed} needed, {harmless} harmless; idle: {idle_needed} needed, "
         f"{idle_harmless} harmless",
     ]
@@ -255,7 +255,7 @@ def markdown_text(found: Evidence, name: str) -> str:
 
 
 def _row(values: Sequence[str]) -> str:
-    return "| " + " | ".join(each.replace("|", "\\|") for each in values) + " |"
+    return "| " + " | ".join(value.replace("|", "\\|") for value in values) + " |"
 
 
 def _listed(lines: Iterable[str]) -> list[str]:
@@ -263,7 +263,7 @@ def _listed(lines: Iterable[str]) -> list[str]:
 
 
 def _functions(cells: Sequence[Cell]) -> list[str]:
-    return list(dict.fromkeys(each.function for each in sorted(cells, key=lambda c: c.time_s)))
+    return list(dict.fromkeys(cell.function for cell in sorted(cells, key=lambda c: c.time_s)))
 
 
 def _newtons(contact: str) -> float:

@@ -54,9 +54,9 @@ def functions_table(
 
 def riskiest(assessment: Assessment, most: int) -> list[StateAssessment]:
     """Return the functions with the greatest shares, in the order of their call sequence."""
-    ranked = sorted(assessment.states, key=lambda each: -each.absorption_probability)
-    names = {each.name for each in ranked[:most]}
-    return [each for each in assessment.states if each.name in names]
+    ranked = sorted(assessment.states, key=lambda state: -state.absorption_probability)
+    names = {state_assessment.name for state_assessment in ranked[:most]}
+    return [state for state in assessment.states if state.name in names]
 
 
 def _rows(
@@ -87,7 +87,7 @@ def _rows(
     name = Text(state.name, style="bold")
     rows = [row(str(state.call_sequence), name, figures=(*figures, absorbed), share=share)]
     # The greatest first; those alike stay in the order of the block.
-    components = sorted(state.components, key=lambda each: -each.contribution)
+    components = sorted(state.components, key=lambda contribution: -contribution.contribution)
     left = len(components) - MOST_OF_FUNCTION if len(components) > MOST_OF_FUNCTION + 1 else 0
     for component in components[: len(components) - left]:
         part = component.contribution / state.top_event if state.top_event > 0.0 else 0.0

@@ -30,11 +30,11 @@ def hardware_table(
     sources: list[str] = []
     rows: list[Sequence[str]] = [_TITLES]
     for component in hardware.components:
-        found = None if bound is None else bound.get(component.name)
-        if bound is not None and found is None:
+        bound_component = None if bound is None else bound.get(component.name)
+        if bound is not None and bound_component is None:
             rows.append((component.name, "0", "", "the robot has none", ""))
             continue
-        quantity = component.quantity if found is None else found.quantity
+        quantity = component.quantity if bound_component is None else bound_component.quantity
         cells = (
             [component.name],
             list(_units(component, quantity)),

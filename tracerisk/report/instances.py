@@ -38,11 +38,11 @@ def component_shares(assessment: Assessment) -> dict[str, float]:
     The units' own part and the common cause of a component are parameters of their own in the
     model; what goes with either is added up, which is right while failures are rare.
     """
-    found: dict[str, float] = {}
-    for each in assessment.components:
-        name = each.component
-        found[name] = min(1.0, found.get(name, 0.0) + each.fussell_vesely)
-    return found
+    values: dict[str, float] = {}
+    for component in assessment.components:
+        name = component.component
+        values[name] = min(1.0, values.get(name, 0.0) + component.fussell_vesely)
+    return values
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,16 +65,16 @@ def instance_importances(
 ) -> tuple[InstanceImportance, ...]:
     """Return every instance with its importance, components as they matter, most first."""
     shares = component_shares(assessment)
-    ordered = sorted(instances, key=lambda each: -shares.get(each.component.name, 0.0))
+    ordered = sorted(instances, key=lambda item: -shares.get(item.component.name, 0.0))
     return tuple(
         InstanceImportance(
-            each.component.name,
+            item.component.name,
             instance,
             instance.share,
-            instance.fussell_vesely * shares.get(each.component.name, 0.0),
+            instance.fussell_vesely * shares.get(item.component.name, 0.0),
         )
-        for each in ordered
-        for instance in sorted(each.instances, key=lambda one: -one.share)
+        for item in ordered
+        for instance in sorted(item.instances, key=lambda one: -one.share)
     )
 
 
@@ -84,15 +84,15 @@ def instances_data(
     """Return all instances as data; `names` are the functions' names in the model."""
     return [
         {
-            "component": each.component,
-            "instance": each.instance.element,
-            "units": each.instance.units,
-            "p_failure": each.instance.p_failure,
-            "share": each.share,
-            "fussell_vesely": each.fussell_vesely,
-            "per_visit": {names[ref]: p for ref, p in each.instance.per_visit.items()},
+            "component": importance.component,
+            "instance": importance.instance.element,
+            "units": importance.instance.units,
+            "p_failure": importance.instance.p_failure,
+            "share": importance.share,
+            "fussell_vesely": importance.fussell_vesely,
+            "per_visit": {names[ref]: p for ref, p in importance.instance.per_visit.items()},
         }
-        for each in importances
+        for importance in importances
     ]
 
 
@@ -105,11 +105,11 @@ def instances_table(
 
     On a wide terminal they stand side by side.
     """
-    unlike = {each.component.name for each in instances if not each.are_alike}
+    unlike = {instance.component.name for instance in instances if not instance.are_alike}
     rows: dict[str, list[InstanceImportance]] = {}
-    for each in importances:
-        if each.component in unlike:
-            rows.setdefault(each.component, []).append(each)
+    for importance in importances:
+        if importance.component in unlike:
+            rows.setdefault(importance.component, []).append(importance)
     if not rows:
         return None
     return _side_by_side(rows, width) if width >= WIDE else _stacked(rows, width)
@@ -119,15 +119,15 @@ def _stacked(rows: Mapping[str, Sequence[InstanceImportance]], width: int) -> Ta
     headings = ("p mission", "share", *(("Fussell-Vesely",) if width >= ROOMY else ()))
     table = table_of(_TITLE, ("component", "instance"), headings)
     most = MOST_INSTANCES
-    for component, found in rows.items():
-        shown, left = _shown(found, most)
-        for index, each in enumerate(shown):
+    for component, importances in rows.items():
+        shown, left = _shown(importances, most)
+        for index, importance in enumerate(shown):
             cells = [
                 component if index == 0 else "",
-                each.instance.element,
-                f"{each.instance.p_failure:.2e}",
-                share_text(each.share),
-                share_text(each.fussell_vesely),
+                importance.instance.element,
+                f"{importance.instance.p_failure:.2e}",
+                share_text(importance.share),
+                share_text(importance.fussell_vesely),
             ]
             table.add_row(*plain(cells[: 2 + len(headings)]))
         if left:
@@ -142,15 +142,15 @@ def _side_by_side(rows: Mapping[str, Sequence[InstanceImportance]], width: int) 
     from rich.text import Text
 
     tables = []
-    for component, found in rows.items():
+    for component, importances in rows.items():
         table = table_of(component, style="")
         table.add_column("instance", overflow="fold", max_width=24)
         table.add_column("p mission", justify="right", no_wrap=True)
         add_share_columns(table, width)
-        shown, left = _shown(found, MOST_INSTANCES)
-        for each in shown:
-            names = plain([each.instance.element, f"{each.instance.p_failure:.2e}"])
-            table.add_row(*names, *share_cells(each.share, width))
+        shown, left = _shown(importances, MOST_INSTANCES)
+        for importance in shown:
+            names = plain([importance.instance.element, f"{importance.instance.p_failure:.2e}"])
+            table.add_row(*names, *share_cells(importance.share, width))
         if left:
             table.add_row(*plain([f"and {left} more"]))
         tables.append(table)

@@ -24,8 +24,8 @@ def render_importances(
     """Return the importance of every parameter for a figure."""
     measures = MEASURES | {"birnbaum": "derivative"}
     rows = [
-        (each.name, *(_shown(getattr(each, measure)) for measure in measures))
-        for each in parameters
+        (parameter.name, *(_shown(getattr(parameter, measure)) for measure in measures))
+        for parameter in parameters
     ]
     title = f"Importance for {figure}"
     return render_parts([table_of(title, ["parameter"], measures.values(), rows)], paper)
@@ -36,7 +36,7 @@ def render_sweeps(figure: str, sweeps: Sequence[FigureSweep], paper: Paper = PAP
     tables = []
     for swept in sweeps:
         title = f"{figure} along {swept.name} ({swept.before:.4g} in the model)"
-        rows = [(f"{each.value:.4g}", f"{each.figures[figure]:.6e}") for each in swept.points]
+        rows = [(f"{point.value:.4g}", f"{point.figures[figure]:.6e}") for point in swept.points]
         tables.append(table_of(title, (), (swept.name, figure), rows, overflow="fold"))
     return render_parts(tables, paper)
 

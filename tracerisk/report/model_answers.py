@@ -23,8 +23,8 @@ MOST_PAIRS = 20
 def render_set_values(values: Sequence[SetValue], paper: Paper = PAPER) -> str:
     """Return the parameters that were set, each with its value in the model."""
     rows = [
-        (each.name, "-" if math.isnan(each.before) else f"{each.before:.4g}", f"{each.now:.4g}")
-        for each in values
+        (value.name, "-" if math.isnan(value.before) else f"{value.before:.4g}", f"{value.now:.4g}")
+        for value in values
     ]
     headings = ("in the model", "now")
     title = "Set, for what follows"
@@ -35,15 +35,18 @@ def render_set_values(values: Sequence[SetValue], paper: Paper = PAPER) -> str:
 
 def render_sweeps(sweeps: Sequence[Sweep], paper: Paper = PAPER) -> str:
     """Return the mission's figures along each sweep."""
-    return render_parts([_sweep(each) for each in sweeps], paper)
+    return render_parts([_sweep(sweep) for sweep in sweeps], paper)
 
 
 def render_importances(components: Sequence[ComponentImportance], paper: Paper = PAPER) -> str:
     """Return every importance measure of every component, and its parts by state and unit."""
     digits = dict.fromkeys(MEASURES, 4) | {"risk_achievement_worth": 3}
     rows = [
-        (each.name, *(f"{getattr(each, name):.{count}g}" for name, count in digits.items()))
-        for each in components
+        (
+            component.name,
+            *(f"{getattr(component, name):.{count}g}" for name, count in digits.items()),
+        )
+        for component in components
     ]
     return render_parts(
         [
@@ -80,24 +83,26 @@ def render_uncertainty(
     """Return the percentiles of a figure, and the share of each input."""
     headings = [f"{level:.0f} %" for level in found.levels]
     figures = (found.point, found.mean, *found.percentiles, found.deviation)
-    rows = [[f"{each:.3e}" for each in figures]]
+    rows = [[f"{item:.3e}" for item in figures]]
     for end, name in enumerate(("95 % from", "to")):
-        ends = ["" if each[end] is None else f"{each[end]:.3e}" for each in found.intervals]
+        ends = [
+            "" if interval[end] is None else f"{interval[end]:.3e}" for interval in found.intervals
+        ]
         rows += [[name, "", *ends, ""]] if ends else []
     title = f"{figure}, {found.samples} samples, seed {found.seed}"
     numbers = ("point", "mean", *headings, "std. deviation")
     spread = table_of(title, (), numbers, rows, overflow="ellipsis")
     rows = []
-    for each in found.inputs:
-        cells = [f"{value:.3e}" for value in (each.value, *each.percentiles)]
-        rows.append([each.name, *cells, f"{100.0 * each.share:.3g} %"])
+    for input_share in found.inputs:
+        cells = [f"{value:.3e}" for value in (input_share.value, *input_share.percentiles)]
+        rows.append([input_share.name, *cells, f"{100.0 * input_share.share:.3g} %"])
     title, numbers = "Share of each input in that spread", ("point", *headings, "share")
     inputs = table_of(title, ["parameter"], numbers, rows, overflow="ellipsis")
     cut = [
-        f"{each.name}: {each.cut} of {found.samples} samples above 1 were set to 1; "
+        f"{input_share.name}: {input_share.cut} of {found.samples} samples above 1 were set to 1; "
         "is its error factor meant?"
-        for each in found.inputs
-        if each.cut
+        for input_share in found.inputs
+        if input_share.cut
     ]
     lines = []
     if found.mean > 0.0:
@@ -130,7 +135,7 @@ def _sweep(swept: Sweep) -> Table:
     for point in swept.points:
         mission = point.mission
         figures = (mission.geometric_cycles, mission.fixed_cycles, mission.visits_as_run)
-        rows.append((f"{point.value:.4g}", *(f"{each:.4e}" for each in figures)))
+        rows.append((f"{point.value:.4g}", *(f"{figure:.4e}" for figure in figures)))
     headings = (swept.name, "geometric cycles", "fixed cycles", "as executed")
     title = f"Sweep of {swept.name} ({swept.before:.4g} in the model)"
     return table_of(title, (), headings, rows, overflow="fold")

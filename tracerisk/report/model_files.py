@@ -72,8 +72,8 @@ def render_event_tree(found: EventTreeSolution, paper: Paper = PAPER) -> str:
     """Return the sequences and outcomes of an event tree."""
     unit = f" per {found.initiating.per}" if found.initiating.per else ""
     rows = [
-        (each.name, each.end_state, f"{each.probability:.6e}", f"{each.value:.6e}")
-        for each in found.sequences
+        (sequence.name, sequence.end_state, f"{sequence.probability:.6e}", f"{sequence.value:.6e}")
+        for sequence in found.sequences
     ]
     headings = ("probability", f"value{unit}")
     sequences = table_of("", ("sequence", "end state"), headings, rows)
@@ -95,7 +95,7 @@ def render_states(
     """Return a figure of each state; of many states, the greatest."""
     shown = list(values.items())
     if len(shown) > MOST_ROWS:
-        shown = sorted(shown, key=lambda each: (-each[1], each[0]))[:MOST_ROWS]
+        shown = sorted(shown, key=lambda pair: (-pair[1], pair[0]))[:MOST_ROWS]
     columns = [Column("state"), Column(heading, is_number=True)]
     rows = [[state, f"{value:.6e}"] for state, value in shown]
     return render_table(part_of(name, len(shown), len(values)), columns, rows, paper)
@@ -105,16 +105,16 @@ def render_answers(name: str, answers: Sequence[Answer], paper: Paper = PAPER) -
     """Return the value of each property, a range where it differs by the start of the chain."""
     title, table = name, table_of("", ["property"])
     table.add_column("value", justify="right", overflow="fold")
-    limited = any(each.holds is not None for each in answers)
+    limited = any(answer.holds is not None for answer in answers)
     if limited:
         table.add_column("holds", no_wrap=True)
-    for each in answers:
-        text = each.question.text
-        label = f"{each.question.name}: {text}" if each.question.name else text
-        value = f"{each.greatest:.6e}"
-        cells = [label, value if each.single else f"{each.least:.6e} to {value}"]
+    for answer in answers:
+        text = answer.question.text
+        label = f"{answer.question.name}: {text}" if answer.question.name else text
+        value = f"{answer.greatest:.6e}"
+        cells = [label, value if answer.single else f"{answer.least:.6e} to {value}"]
         if limited:
-            cells.append("" if each.holds is None else "yes" if each.holds else "no")
+            cells.append("" if answer.holds is None else "yes" if answer.holds else "no")
         table.add_row(*plain(cells))
     return render_parts([*plain([title]), table], paper)
 

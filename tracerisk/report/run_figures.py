@@ -36,17 +36,17 @@ class RunFigures:
 
     def tables(self, width: int = 80) -> list[RenderableType]:
         """Return the tables for a terminal; none where instances are alike and none is assumed."""
-        found = (
+        row = (
             instances_table(self.instances, self.importances, width),
             assumed_table(self.assumed, width),
         )
-        return [each for each in found if each is not None]
+        return [item for item in row if item is not None]
 
     def data(self, names: Mapping[FunctionRef, str]) -> dict[str, Any]:
         """Return all as plain data; `names` are the functions' names in the model."""
         return {
             "instances": instances_data(self.importances, names),
-            "assumed_figures": [asdict(each) for each in self.assumed],
+            "assumed_figures": [asdict(assumed_figure) for assumed_figure in self.assumed],
         }
 
 

@@ -220,9 +220,9 @@ def render_sarif(alerts: Sequence[Alert], *, version: str) -> str:
     """Return the alerts as a SARIF log of one run, sorted by place; `version` is the tool's."""
     ordered = sorted(
         set(alerts),
-        key=lambda each: (
-            *(each.file, each.line or 0, _RULES[each.rule], each.fingerprint),
-            *(each.column or 0, each.message, each.line is None, each.column is None),
+        key=lambda item: (
+            *(item.file, item.line or 0, _RULES[item.rule], item.fingerprint),
+            *(item.column or 0, item.message, item.line is None, item.column is None),
         ),
     )
     log = {

@@ -117,7 +117,7 @@ def _plain_table(
     cells = [title, *headings, *(cell for row in rows for cell in row)]
     if not all(cell.isascii() and cell.isprintable() and cell == cell.strip() for cell in cells):
         return None
-    widths = [max(map(len, each)) for each in zip(headings, *rows, strict=True)]
+    widths = [max(map(len, item)) for item in zip(headings, *rows, strict=True)]
     total = sum(widths) + len(_GAP) * (len(widths) - 1)
     if max(total, len(title)) > width or not title or not all(widths):
         return None

@@ -106,8 +106,8 @@ def render_brief(
         console.print(Text(assessment.statement, style="italic"))
         console.print(table)
         parts = [
-            f"{each.name} {share_text(each.fussell_vesely)}"
-            for each in assessment.components[:MOST_PARTS]
+            f"{component.name} {share_text(component.fussell_vesely)}"
+            for component in assessment.components[:MOST_PARTS]
         ]
         if parts:
             console.print(
@@ -187,10 +187,10 @@ def _components(components: Sequence[ComponentImportance], width: int) -> Table:
     table = table_of(title, ["component"])
     add_share_columns(table, width, heading="Fussell-Vesely" if width >= ROOMY else "share")
     measures: dict[str, Callable[[ComponentImportance], str]] = {
-        "criticality": lambda each: share_text(each.criticality),
-        "RRW": lambda each: f"{each.risk_reduction_worth:.4g}",
-        "RAW": lambda each: f"{each.risk_achievement_worth:.3g}",
-        "tenfold": lambda each: f"{each.tenfold:.4g}",
+        "criticality": lambda importance: share_text(importance.criticality),
+        "RRW": lambda importance: f"{importance.risk_reduction_worth:.4g}",
+        "RAW": lambda importance: f"{importance.risk_achievement_worth:.3g}",
+        "tenfold": lambda importance: f"{importance.tenfold:.4g}",
     }
     if width < ROOMY:
         # The same as the share, nearly, and the same for all whose failure ends a mission.

@@ -25,12 +25,12 @@ def render_worlds(runs: Sequence[WorldRun], paper: Paper = PAPER) -> str:
 
 def worlds_line(runs: Sequence[WorldRun]) -> str:
     """Return in a sentence how many worlds verdict or outcome depend on."""
-    found = depending(runs)
+    world_runs = depending(runs)
     of = f"{len(runs)} world{'' if len(runs) == 1 else 's'}"
-    if not found:
+    if not world_runs:
         return f"verdict and outcome are the same in {of}"
-    return f"verdict or outcome depend on {len(found)} of {of}: " + ", ".join(
-        run.world for run in found
+    return f"verdict or outcome depend on {len(world_runs)} of {of}: " + ", ".join(
+        run.world for run in world_runs
     )
 
 

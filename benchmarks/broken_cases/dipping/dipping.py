@@ -34,6 +34,6 @@ def home():
 
 
 home()
-for each in baths:
-    dip(each)
+for bath in baths:
+    dip(bath)
 home()

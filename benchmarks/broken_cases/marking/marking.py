@@ -52,8 +52,8 @@ class Marking(Node):
             self.get_logger().warning("out of reach")
             return None
         state = answer.result().solution.joint_state
-        found = dict(zip(state.name, state.position, strict=True))
-        return [found[name] for name in JOINTS]
+        result = dict(zip(state.name, state.position, strict=True))
+        return [result[name] for name in JOINTS]
 
     def drive(self, posture, seconds):
         goal = FollowJointTrajectory.Goal()

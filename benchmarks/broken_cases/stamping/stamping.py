@@ -77,11 +77,11 @@ class Stamping(Node):
         if not answer.success:
             return "end"
         try:
-            found = self.buffer.lookup_transform("base", "blank", rclpy.time.Time())
+            lookup_transform = self.buffer.lookup_transform("base", "blank", rclpy.time.Time())
         except TransformException as error:
             self.get_logger().error(str(error))
             return "fail"
-        self.pose = found.transform
+        self.pose = lookup_transform.transform
         return "take"
 
     async def take(self):

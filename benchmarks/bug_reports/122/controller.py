@@ -36,8 +36,8 @@ class Polisher:
         target = dict(HOME)
         target.update(change)
         self.arm.set_joint_value_target(target)
-        found, trajectory, seconds, code = self.arm.plan()
-        if not found:
+        result, trajectory, seconds, code = self.arm.plan()
+        if not result:
             raise RuntimeError("no way to %s: code %d" % (name, code.val))
         points = trajectory.joint_trajectory.points
         length = points[-1].time_from_start.to_sec()

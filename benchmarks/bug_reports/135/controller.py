@@ -29,11 +29,11 @@ class HeightKeeper(Node):
 
     def on_timer(self):
         try:
-            found = self.tf_buffer.lookup_transform("base_link", "tool0", Time())
+            lookup_transform = self.tf_buffer.lookup_transform("base_link", "tool0", Time())
         except TransformException as error:
             self.get_logger().info(f"Could not transform tool0 to base_link: {error}")
             return
-        self.height = found.transform.translation.z
+        self.height = lookup_transform.transform.translation.z
 
     def wait_for_height(self):
         self.height = None

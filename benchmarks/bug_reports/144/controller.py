@@ -50,10 +50,10 @@ class Script:
 
     def tool(self):
         """The pose of the tool in the base of the robot: x, y, z, rx, ry, rz."""
-        found = self.buffer.lookup_transform(
+        transform = self.buffer.lookup_transform(
             "base", "tool0", rospy.Time(0), rospy.Duration(2.0)).transform
-        where = found.translation
-        return [where.x, where.y, where.z] + rotation_vector(found.rotation)
+        where = transform.translation
+        return [where.x, where.y, where.z] + rotation_vector(transform.rotation)
 
 
 def main():

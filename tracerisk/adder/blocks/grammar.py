@@ -271,10 +271,10 @@ class _Parser:
             raise self._error(name.line, f"`{name.value}` cannot be the name of a component")
         fields: list[Field[Any]] = []
         for kind, default in zip(COMPONENT_KINDS, (0.0, 1, Redundancy(False)), strict=True):
-            found = self._field(section, kind)
-            if found is None and not section.omitted:
+            field = self._field(section, kind)
+            if field is None and not section.omitted:
                 raise self._missing(section, kind)
-            fields.append(Field(default, "") if found is None else found)
+            fields.append(Field(default, "") if field is None else field)
         probability, quantity, redundancy = fields
         return ComponentEntry(
             name=name.value,
@@ -406,7 +406,7 @@ def print_block(block: RiskBlock, width: int = DEFAULT_WIDTH) -> tuple[str, ...]
     Parsed again, the lines give the same block.
     """
     marks = [block.digest or "", WITH_EVIDENCE if block.has_evidence else ""]
-    lines = [" ".join([HEADER, *(each for each in marks if each)])]
+    lines = [" ".join([HEADER, *(mark for mark in marks if mark)])]
     lines += _print_header("Function", block.added, False, block.reason, width)
     lines.append(f"  name = {block.name}")
     lines += _print_field(CALL_SEQUENCE, block.call_sequence, width)

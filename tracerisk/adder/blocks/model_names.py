@@ -42,12 +42,12 @@ def _modules(files: Collection[str]) -> dict[str, str]:
     """
     common = len(Path(commonpath(Path(file).resolve().parent for file in files)).parts)
     parts = {file: _parts(file)[common:] or _parts(file)[-1:] for file in files}
-    longest = max(len(each) for each in parts.values())
+    longest = max(len(part) for part in parts.values())
     for count in range(1, longest + 1):
-        short = {file: ".".join(each[-count:]) for file, each in parts.items()}
+        short = {file: ".".join(part[-count:]) for file, part in parts.items()}
         if len(set(short.values())) == len(files):
             return short
-    return {file: ".".join(each) for file, each in parts.items()}
+    return {file: ".".join(part) for file, part in parts.items()}
 
 
 def _parts(file: str) -> Sequence[str]:

@@ -75,29 +75,29 @@ def read_redundancy(text: str) -> Redundancy:
     """
     if text in ("true", "false"):  # most blocks say no more
         return Redundancy(text == "true")
-    found = re.fullmatch(_REDUNDANCY, text, re.ASCII)
-    if found is None or (text.startswith("false") and text != "false"):
+    matched = re.fullmatch(_REDUNDANCY, text, re.ASCII)
+    if matched is None or (text.startswith("false") and text != "false"):
         raise ValueError(
             "true, false, required K (as many must work); behind true or required K, in this "
             "order: `, spare cold`, `, spare warm D` or `, spare hot`, `, switch S`, "
             "`, common_cause B`, `, detected mission_start` or `, detected each_visit`"
         )
     detected: Detection = "mission_start"
-    if found["detected"] == "each_visit":
+    if matched["detected"] == "each_visit":
         detected = "each_visit"
-    elif found["detected"] not in (None, detected):
+    elif matched["detected"] not in (None, detected):
         raise ValueError(
             "detected mission_start, the first failures of a group stay hidden until the mission "
             "ends, or detected each_visit, the group is whole again at each visit"
         )
-    required = int(found["required"] or 1)
+    required = int(matched["required"] or 1)
     if required < 1:
         raise ValueError("required K with K from 1 up")
-    dormancy = {"cold": 0.0, "hot": 1.0}.get(found["spare"], 1.0)
+    dormancy = {"cold": 0.0, "hot": 1.0}.get(matched["spare"], 1.0)
     shares = {
-        "spare warm D, the rate of a waiting spare by that of a working one": found["dormancy"],
-        "switch S, the probability that a spare fails to take over": found["switch"],
-        "common_cause B, the share of failures that hit every unit": found["beta"],
+        "spare warm D, the rate of a waiting spare by that of a working one": matched["dormancy"],
+        "switch S, the probability that a spare fails to take over": matched["switch"],
+        "common_cause B, the share of failures that hit every unit": matched["beta"],
     }
     values = []
     for what, share in shares.items():
@@ -106,7 +106,7 @@ def read_redundancy(text: str) -> Redundancy:
             raise ValueError(f"{what}, from 0 to 1")
         values.append(value)
     warm, switch, beta = values
-    if found["dormancy"] is not None:
+    if matched["dormancy"] is not None:
         dormancy = warm
     return Redundancy(text != "false", required, beta, dormancy, switch, detected)
 

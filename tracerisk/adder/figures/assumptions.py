@@ -12,18 +12,20 @@ from tracerisk.common.hardware.model import Basis, Component
 
 def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
     """Return what is assumed of the components, each kind in a line."""
-    bound = [each.bound for each in used]
+    bound = [component_use.bound for component_use in used]
     return (
         *_named(
             bound,
-            lambda each: any(figure.per is Basis.VISIT for figure in each.figures),
+            lambda component: any(figure.per is Basis.VISIT for figure in component.figures),
             "failure figures are per visit, whatever its length, so the mission's figure depends "
             "on how the code is divided into functions",
         ),
         *_tested(used),
         *_named(
             bound,
-            lambda each: each.load_law is not None and each.load_law.reference_speed is None,
+            lambda component: (
+                component.load_law is not None and component.load_law.reference_speed is None
+            ),
             "the figures are taken to hold at the mean speed of the mission itself, since the "
             "load law states no reference_speed: what moves faster throughout wears no more by "
             "that",
@@ -32,9 +34,9 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
         *_harmless(bound),
         *_named(
             bound,
-            lambda each: any(
+            lambda component: any(
                 figure.error_factor is not None and figure.value_is == "median"
-                for figure in each.figures
+                for figure in component.figures
             ),
             "the figures with an error factor are medians, and so the mission's is about its "
             "median; its mean is higher; `solve --hardware --uncertainty` prints it",
@@ -46,32 +48,47 @@ def _named(
     bound: Sequence[BoundComponent], is_so: Callable[[Component], bool], words: str
 ) -> tuple[str, ...]:
     """Return words behind the names of the components that are so; nothing where none is."""
-    names = sorted(each.component.name for each in bound if is_so(each.component))
+    names = sorted(
+        bound_component.component.name
+        for bound_component in bound
+        if is_so(bound_component.component)
+    )
     return (f"{', '.join(names)}: {words}",) if names else ()
 
 
 def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
-    tested = [each for each in used if each.component.test_interval_s is not None]
-    within = sorted(each.component.name for each in tested if each.missions_between_tests == 1.0)
+    tested = [
+        component_use
+        for component_use in used
+        if component_use.component.test_interval_s is not None
+    ]
+    within = sorted(
+        component_use.component.name
+        for component_use in tested
+        if component_use.missions_between_tests == 1.0
+    )
     lines = [
         f"{', '.join(within)}: tests within the mission are not counted: a failure is taken to "
         "stay hidden until the mission ends, which overstates the risk"
     ]
     rarer = [
-        f"{each.component.name}: of {each.missions_between_tests:.4g} missions between two tests, "
+        f"{component_use.component.name}: of {component_use.missions_between_tests:.4g} "
+        "missions between two tests, "
         "one after the other, the mean: a failure hidden in one is there in the next, and the "
         "block's probability is that with which a mission fails as in this mean"
-        for each in tested
-        if each.missions_between_tests > 1.0
+        for component_use in tested
+        if component_use.missions_between_tests > 1.0
     ]
     return (*(lines if within else ()), *rarer)
 
 
 def _ageing(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
     ages: dict[float, list[str]] = {}
-    for each in bound:
-        if any(figure.kind == "weibull" for figure in each.component.figures):
-            ages.setdefault(each.component.age_s, []).append(each.component.name)
+    for bound_component in bound:
+        if any(figure.kind == "weibull" for figure in bound_component.component.figures):
+            ages.setdefault(bound_component.component.age_s, []).append(
+                bound_component.component.name
+            )
     return tuple(
         f"{', '.join(sorted(names))}: Weibull, of units that "
         + ("are new" if age_s == 0.0 else f"were in use for {age_s / 3600.0:.6g} h")
@@ -82,13 +99,16 @@ def _ageing(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
 
 def _harmless(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
     lines = []
-    for each in sorted(bound, key=lambda each: each.component.name):
-        modes = each.component.modes
+    for bound_component in sorted(
+        bound, key=lambda bound_component: bound_component.component.name
+    ):
+        modes = bound_component.component.modes
         rest = 1.0 - math.fsum(mode.fraction for mode in modes)
         if modes and rest > _ROUNDING:
             lines.append(
-                f"{each.component.name}: the failure modes make up {100.0 * (1.0 - rest):.4g} % "
-                f"of the failures; the other {100.0 * rest:.4g} % are taken as harmless"
+                f"{bound_component.component.name}: the failure modes make up "
+                f"{100.0 * (1.0 - rest):.4g} % of the failures; the other "
+                f"{100.0 * rest:.4g} % are taken as harmless"
             )
     return tuple(lines)
 

@@ -101,15 +101,19 @@ def compute_blocks(
     names = model_names([function.ref for function in trace.functions])
     _check_profile(profile or {}, list(names.values()))
     visits = visits_by_function(trace)
-    used = [use_of(each, trace, active, evidence) for each in bound]
-    uses = [function_uses(each, visits) for each in used]
-    entries = [_entries(*each) for each in zip(used, uses, strict=True)]
+    used = [use_of(bound_component, trace, active, evidence) for bound_component in bound]
+    uses = [function_uses(component_use, visits) for component_use in used]
+    entries = [_entries(*pair) for pair in zip(used, uses, strict=True)]
     blocks = {}
     exposures = {}
     observed = {}
     for function in trace.functions:
         ref = function.ref
-        here = [each for each, entry in zip(used, entries, strict=True) if ref in entry]
+        here = [
+            component_use
+            for component_use, entry in zip(used, entries, strict=True)
+            if ref in entry
+        ]
         following = computed_next(counts[ref])
         name = names[ref]
         if profile and name in profile:
@@ -122,20 +126,25 @@ def compute_blocks(
             has_evidence=evidence is not None and evidence.evidence.counts,
         )
         exposures[ref] = {
-            each.component.name: seconds
-            for each in here
-            if (seconds := _mean_exposure(each, visits[ref].numbers)) is not None
+            component_use.component.name: seconds
+            for component_use in here
+            if (seconds := _mean_exposure(component_use, visits[ref].numbers)) is not None
         }
         observed[ref] = tuple(
-            each.component.name
-            for each in here
-            if not each.component.always_active
-            and any(each.is_active[visit] for visit in visits[ref].numbers)
+            component_use.component.name
+            for component_use in here
+            if not component_use.component.always_active
+            and any(component_use.is_active[visit] for visit in visits[ref].numbers)
         )
     times = visits_of_mission(trace)
     instances = tuple(
-        _with_shares(instances_of(each, use), each, [visits[ref].numbers for ref in use], times)
-        for each, use in zip(used, uses, strict=True)
+        _with_shares(
+            instances_of(component_use, use),
+            component_use,
+            [visits[ref].numbers for ref in use],
+            times,
+        )
+        for component_use, use in zip(used, uses, strict=True)
     )
     assumed = (*assumptions_of(used), *_evidence_words(evidence, used))
     return ComputedBlocks(blocks, exposures, observed, assumed, instances)
@@ -146,9 +155,9 @@ def _evidence_words(
 ) -> tuple[str, ...]:
     """Return what a reader must know of figures that take evidence; nothing for others."""
     names = sorted(
-        each.component.name
-        for each in used
-        if any(term.ends for unit in each.units for term in unit.terms)
+        component_use.component.name
+        for component_use in used
+        if any(term.ends for unit in component_use.units for term in unit.terms)
     )
     if evidence is None or not names:
         return ()
@@ -158,10 +167,10 @@ def _evidence_words(
         "components count in full"
     ]
     assumed = sorted(
-        each.component.name
-        for each in used
-        if each.component.name in names
-        and any(mode.source and is_assumed(mode.source) for mode in each.component.modes)
+        component_use.component.name
+        for component_use in used
+        if component_use.component.name in names
+        and any(mode.source and is_assumed(mode.source) for mode in component_use.component.modes)
     )
     if assumed:
         words.append(
@@ -341,14 +350,14 @@ def _unknown(component: Component, error: UnknownUseError) -> HardwareError:
 
 def _mean_exposure(used: ComponentUse, visits: Sequence[int]) -> float | None:
     seconds = [unit.seconds(visit) for visit in visits for unit in used.units]
-    known = [each for each in seconds if each is not None]
+    known = [second for second in seconds if second is not None]
     return math.fsum(known) / used.bound.quantity if len(known) == len(seconds) else None
 
 
 def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
     """Raise HardwareError where it is unknown what may be failed when a mission starts."""
-    for each in bound:
-        component = each.component
+    for bound_component in bound:
+        component = bound_component.component
         if component.test_interval_s is None:
             continue
         if mission_time(trace) is not None:

@@ -80,7 +80,9 @@ def derive_function(
             group = _group(used, here, function, uses)
             components.append(_component(used, here.numbers, group, block))
     return FunctionDerivation(
-        function=model_names([each.ref for each in trace.functions])[function],
+        function=model_names([traced_function.ref for traced_function in trace.functions])[
+            function
+        ],
         file=function.file,
         active=active,
         times=here.total,
@@ -89,7 +91,9 @@ def derive_function(
             for n, weight in zip(here.numbers, here.weights, strict=True)
         ),
         components=tuple(components),
-        by_hand=tuple(each.name for each in block.components if each.added) if block else (),
+        by_hand=tuple(component.name for component in block.components if component.added)
+        if block
+        else (),
     )
 
 
@@ -99,7 +103,7 @@ def _component(
     component = used.component
     distinct = list(dict.fromkeys(used.units))
     first = distinct[0]
-    units = tuple(_unit(each, used.units.count(each), visits) for each in distinct)
+    units = tuple(_unit(unit_use, used.units.count(unit_use), visits) for unit_use in distinct)
     terms = tuple(
         TermDerivation(
             figure=term.figure,
@@ -108,11 +112,15 @@ def _component(
             mode=None if term.mode is None else term.mode.name,
             states=term.states,
             demands=term.demands,
-            units=tuple(_term(each.terms[index], each, visits) for each in distinct),
+            units=tuple(_term(unit_use.terms[index], unit_use, visits) for unit_use in distinct),
         )
         for index, term in enumerate(first.terms)
     )
-    entries = {each.name: each for each in block.components} if block is not None else {}
+    entries = (
+        {component_entry.name: component_entry for component_entry in block.components}
+        if block is not None
+        else {}
+    )
     return ComponentDerivation(
         name=component.name,
         redundancy=computed_redundancy(component.redundancy).text,
@@ -211,8 +219,8 @@ def _term(term: Term, unit: UnitUse, visits: Sequence[int]) -> TermOfUnit:
             wearing,
         )
     hazards = tuple(
-        term.ending(use, hazard_of(term.rate, term.share, each))
-        for use, each in zip(uses, counted, strict=True)
+        term.ending(use, hazard_of(term.rate, term.share, value))
+        for use, value in zip(uses, counted, strict=True)
     )
     ends = tuple(term.ends[use.visit] for use in uses) if term.ends else ()
     return TermOfUnit(term.rate, amounts, counted, hazards, load, ends)

@@ -24,13 +24,13 @@ def kept_values(summary: Mapping[str, Any], function: str) -> dict[str, dict[str
     `function` is its name in the model. What has another form than the tool gives it, as a lock
     edited by hand may have, is left out.
     """
-    found: Any = summary
+    table: Any = summary
     for key in ("functions", function, "instances"):
-        found = found.get(key) if isinstance(found, dict) else None
-    if not isinstance(found, dict):
+        table = table.get(key) if isinstance(table, dict) else None
+    if not isinstance(table, dict):
         return {}
     return {
         component: {name: p for name, p in values.items() if isinstance(p, (int, float))}
-        for component, values in found.items()
+        for component, values in table.items()
         if isinstance(values, dict)
     }

@@ -49,14 +49,14 @@ class ComponentInstances:
     @property
     def are_alike(self) -> bool:
         """Whether all have the same failure probability over the mission, within noise."""
-        return are_alike(each.p_failure for each in self.instances)
+        return are_alike(instance.p_failure for instance in self.instances)
 
     def in_function(self, function: FunctionRef) -> dict[str, float]:
         """Return the failure probability of each element in one visit; nothing if not used."""
         return {
-            each.element: each.per_visit[function]
-            for each in self.instances
-            if function in each.per_visit
+            instance.element: instance.per_visit[function]
+            for instance in self.instances
+            if function in instance.per_visit
         }
 
 
@@ -71,10 +71,10 @@ def instances_of(used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]) ->
     for number, unit in enumerate(used.units):
         places.setdefault(str(unit.element), []).append(number)
     shares = _shares(used, list(uses.values()), len(places))
-    found = []
+    instances = []
     for element, units in places.items():
         first = units[0]
-        found.append(
+        instances.append(
             Instance(
                 element=element,
                 units=len(units),
@@ -87,7 +87,7 @@ def instances_of(used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]) ->
                 share=shares[first].share,
             )
         )
-    return ComponentInstances(used.component, tuple(found))
+    return ComponentInstances(used.component, tuple(instances))
 
 
 def _shares(

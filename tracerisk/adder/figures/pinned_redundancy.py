@@ -19,8 +19,8 @@ def check_redundancies(block: RiskBlock, instances: InstanceValues) -> None:
     The block's one value stands for unlike units by the gate of the hardware description: under
     another gate it is the value of nothing. A user who sets it too says what it is.
     """
-    for each in unfounded_redundancies(block, instances):
-        raise BlockError(each.message, each.location or block.location)
+    for redundancy in unfounded_redundancies(block, instances):
+        raise BlockError(redundancy.message, redundancy.location or block.location)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ def _is_set_alone(entry: ComponentEntry) -> bool:
 def _shown(values: Mapping[str, float]) -> str:
     """Return the instances' values, the greatest first."""
     ordered: Sequence[tuple[str, float]] = sorted(
-        values.items(), key=lambda each: (-each[1], each[0])
+        values.items(), key=lambda item: (-item[1], item[0])
     )
     texts = [f"{element} {value:.4g}" for element, value in ordered[:_MOST_SHOWN]]
     left = len(ordered) - len(texts)

@@ -68,16 +68,16 @@ def is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
 
     A newly pinned value need not say yet what is computed there.
     """
-    found = written_block(block)
-    if found is None or block.digest != digest_of(written):
+    row = written_block(block)
+    if row is None or block.digest != digest_of(written):
         return False
-    if found == written:
+    if row == written:
         return True
     own: dict[str, Field[Any]] = {CALL_SEQUENCE.key: block.call_sequence}
     own |= {} if block.next is None else {NEXT.key: block.next}
-    entries = {each.name: each for each in block.components if not each.added}
+    entries = {component.name: component for component in block.components if not component.added}
     return (
-        _fits(own, found.values, written.values)
+        _fits(own, row.values, written.values)
         and entries.keys() == written.components.keys()
         and all(
             entry.omitted
@@ -85,7 +85,7 @@ def is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
                 not written.components[name].omitted
                 and _fits(
                     {kind.key: value for kind, value in component_fields(entry)},
-                    found.components[name].values,
+                    row.components[name].values,
                     written.components[name].values,
                 )
             )
@@ -119,8 +119,8 @@ def vouched_part(block: RiskBlock) -> WrittenBlock | None:
         }
 
     components = {
-        name: WrittenComponent(vouched(name, each.values), each.omitted)
-        for name, each in written.components.items()
+        name: WrittenComponent(vouched(name, written_component.values), written_component.omitted)
+        for name, written_component in written.components.items()
         if digest.has_component(name) or digest.had_omitted(name)
     }
     return WrittenBlock(vouched(None, written.values), components)
@@ -133,7 +133,7 @@ class DigestReading:
         """Read `block.digest`; `names` gives the earlier names of functions renamed since."""
         self._names = names or {}
         groups = (block.digest or "").split("-")
-        self._first, self._groups = groups[0], {each[:_NAME_WIDTH]: each for each in groups[1:]}
+        self._first, self._groups = groups[0], {group[:_NAME_WIDTH]: group for group in groups[1:]}
         own = (_digest_now(block, self._names) or "").split("-")
         shorter = len(self._first) - _WHOLE_WIDTH
         # All values fit, but not all together: one of them fits by chance, and none is believed.
@@ -178,8 +178,8 @@ class DigestReading:
 
 
 def _is_at(group: str, start: int, widths: Mapping[str, int], key: str, said: str) -> bool:
-    for each, width in widths.items():
-        if each == key:
+    for name, width in widths.items():
+        if name == key:
             return group[start : start + width] == _checksum(said, width)
         start += width
     return False
@@ -191,13 +191,13 @@ def _digest_now(block: RiskBlock, names: Mapping[str, str]) -> str | None:
         return None
     if names and NEXT.key in written.values:
         steps = _renamed(NEXT.read(written.values[NEXT.key]), names)
-        text = ", ".join(f"{each.target} {each.weight}" for each in steps)
+        text = ", ".join(f"{step.target} {step.weight}" for step in steps)
         written = WrittenBlock({**written.values, NEXT.key: text}, written.components)
     return digest_of(written)
 
 
 def _renamed(steps: Any, names: Mapping[str, str]) -> Any:
-    return tuple(type(each)(names.get(each.target, each.target), each.weight) for each in steps)
+    return tuple(type(step)(names.get(step.target, step.target), step.weight) for step in steps)
 
 
 # Most texts of a project come again and again: `1`, `false`, `done 1`.
@@ -209,7 +209,7 @@ def _plain(key: str, text: str) -> str:
 def _plain_value(key: str, value: Any) -> str:
     """Return a value as text, whatever digits and order it is written in."""
     if key == NEXT.key:
-        return ", ".join(sorted(f"{each.target} {each.weight}" for each in value))
+        return ", ".join(sorted(f"{item.target} {item.weight}" for item in value))
     if key == REDUNDANCY.key:
         return computed_redundancy(value).text
     return repr(value)

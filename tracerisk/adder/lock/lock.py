@@ -99,8 +99,8 @@ def as_written(name: str, written: WrittenBlock) -> RiskBlock:
         call_sequence=values[CALL_SEQUENCE.key] or Field(1, "1"),
         next=values[NEXT.key],
         components=tuple(
-            _component_as_written(each, component)
-            for each, component in written.components.items()
+            _component_as_written(text, component)
+            for text, component in written.components.items()
             # Where a user's value outlives its component, nothing was computed there.
             if component.omitted or COMPONENT_KEYS.keys() <= component.values.keys()
         ),
@@ -220,7 +220,7 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
     if entry.previous is not None:
         data["previous"] = _sources_data(entry.previous)
     if entry.others:
-        data["others"] = [_sources_data(each) for each in entry.others]
+        data["others"] = [_sources_data(other) for other in entry.others]
     # An entry that a merge has mixed stays so until it is written anew.
     data["digest"] = "" if entry.is_mixed else data_digest(data)
     return data

@@ -135,15 +135,15 @@ class _Reader:
             raise self._error(f"holds {error}; restore it from version control") from error
 
     def _object(self, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        found = dict(pairs)
-        if len(found) != len(pairs) and not self._is_side:
+        table = dict(pairs)
+        if len(table) != len(pairs) and not self._is_side:
             names = [name for name, _ in pairs]
             twice = sorted({name for name in names if names.count(name) > 1})
             raise self._error(
                 f"duplicate {', '.join(twice)} in one object, as after a careless merge; "
                 "restore it from version control"
             )
-        return found
+        return table
 
     def _controller(self, path: str, value: Any) -> ControllerLock:
         entry = self._mapping(value, path)
@@ -166,7 +166,7 @@ class _Reader:
             trace=self._mapping(entry.get("trace"), f"{path}: trace"),
             inputs=self._mapping(entry.get("inputs", {}), f"{path}: inputs"),
             previous=None if previous is None else self._sources(previous, f"{path}: previous"),
-            others=tuple(self._sources(each, f"{path}: others") for each in others),
+            others=tuple(self._sources(other, f"{path}: others") for other in others),
             is_mixed=digest is not None and digest != data_digest(entry),
         )
 

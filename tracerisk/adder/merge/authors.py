@@ -95,7 +95,7 @@ class KnownBlock:
             return False
         if not self.is_known:
             return None
-        return all(each is not None and not each.omitted for each in written)
+        return all(item is not None and not item.omitted for item in written)
 
     def knows(self, component: str) -> bool:
         """Return whether the tool has written a component into the block, on any branch."""
@@ -112,50 +112,66 @@ class KnownBlock:
 
         def is_it(text: str | None) -> bool:
             return text is not None and any(
-                kind.same(kind.read(text), each) for each in (value, earlier)
+                kind.same(kind.read(text), item) for item in (value, earlier)
             )
 
-        if any(is_it(_value(each, component, kind)) for each in self._written()):
+        if any(
+            is_it(_value(written_component, component, kind))
+            for written_component in self._written()
+        ):
             # A figure of four digits is no coincidence; a small number may be.
             return "tool" if kind is PROBABILITY else "unknown"
         # Nor is the figure of another function one: a merge may have put its lines here.
         names = self._all_names() if kind is PROBABILITY else self._possible_names()
-        if any(is_it(_value(each, component, kind)) for each in self._written(names)):
+        if any(
+            is_it(_value(written_component, component, kind))
+            for written_component in self._written(names)
+        ):
             return "unknown"
         stood = any(
-            found is not None and not found.pinned and is_it(found.text or None)
+            field is not None and not field.pinned and is_it(field.text or None)
             for block in self._standing(names)
-            for found in (_field(block, component, kind),)
+            for field in (_field(block, component, kind),)
         )
         return self._person_or_unknown(stood)
 
     def author_of_component(self, component: str, value: float) -> Author:
         """Return who put in a component that neither the digest nor the lock knows."""
-        before = [each.components.get(component) for each in self._written()]
-        texts = [each.values.get(PROBABILITY.key) for each in before if each is not None]
+        before = [
+            written_component.components.get(component) for written_component in self._written()
+        ]
+        texts = [item.values.get(PROBABILITY.key) for item in before if item is not None]
         if any(text is not None and PROBABILITY.read(text) == value for text in texts):
             return "tool"
         names = self._possible_names()
-        if any(component in each.components for each in self._written(names)):
+        if any(
+            component in written_component.components for written_component in self._written(names)
+        ):
             return "unknown"
         stood = any(
-            each.name == component and not each.added
+            component_entry.name == component and not component_entry.added
             for block in self._standing(names)
-            for each in block.components
+            for component_entry in block.components
         )
         return self._person_or_unknown(stood)
 
     def author_of_removal(self, component: str) -> Author:
         """Return who took out a component that the tool had written."""
-        entries = [{each.name: each for each in block.components} for block in self._standing()]
-        if any(component in each and each[component].omitted for each in entries):
+        entries = [
+            {component_entry.name: component_entry for component_entry in block.components}
+            for block in self._standing()
+        ]
+        if any(component in entry and entry[component].omitted for entry in entries):
             # A user had omitted it, and has taken that back.
             return "tool"
         names = self._possible_names()
-        if any(component not in each.components for each in self._written(names)):
+        if any(
+            component not in written_component.components
+            for written_component in self._written(names)
+        ):
             return "unknown"
         was_without = any(
-            all(each.name != component for each in block.components)
+            all(component_entry.name != component for component_entry in block.components)
             for block in self._standing(names)
         )
         return self._person_or_unknown(was_without)
@@ -211,7 +227,7 @@ def _value(base: WrittenBlock, component: str | None, kind: FieldKind) -> str | 
 def _field(block: RiskBlock, component: str | None, kind: FieldKind) -> Field[Any] | None:
     if component is None:
         return {CALL_SEQUENCE: block.call_sequence, NEXT: block.next}[kind]
-    for each in block.components:
-        if each.name == component:
-            return dict(component_fields(each))[kind]
+    for component_entry in block.components:
+        if component_entry.name == component:
+            return dict(component_fields(component_entry))[kind]
     return None

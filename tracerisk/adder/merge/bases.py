@@ -39,13 +39,13 @@ def merge_with_bases(
     """Merge the block of one function; `bases` are of its file, under the names of now."""
     from tracerisk.adder.merge.merge import merge
 
-    base, *others = [each.get(name) for each in bases]
+    base, *others = [fields.get(name) for fields in bases]
     return merge(
         base,
         current,
         computed,
         policy=policy,
-        others=[each for each in others if each is not None and each != base],
+        others=[other for other in others if other is not None and other != base],
         evidence=evidence,
         names={str(new): str(old) for old, new in renamed.items()},
     )

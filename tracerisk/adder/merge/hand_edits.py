@@ -24,11 +24,11 @@ def ranks_by_hand(blocks: Blocks) -> dict[FunctionRef, Field[int]]:
     Raises:
         BlockError: if two are the same, with both places.
     """
-    found: dict[FunctionRef, Field[int]] = {}
+    ranks: dict[FunctionRef, Field[int]] = {}
     for ref, block in blocks.items():
         if not (block.added or block.call_sequence.pinned):
             continue
-        for other, rank in found.items():
+        for other, rank in ranks.items():
             if rank.value == block.call_sequence.value:
                 place = "" if rank.location is None else f" ({rank.location})"
                 raise BlockError(
@@ -36,8 +36,8 @@ def ranks_by_hand(blocks: Blocks) -> dict[FunctionRef, Field[int]]:
                     f"{other.name} too{place}; give each function its own",
                     block.call_sequence.location or block.location,
                 )
-        found[ref] = block.call_sequence
-    return found
+        ranks[ref] = block.call_sequence
+    return ranks
 
 
 def give_way(computed: Blocks, by_hand: Mapping[FunctionRef, Field[int]]) -> Blocks:

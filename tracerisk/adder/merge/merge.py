@@ -140,7 +140,7 @@ def merge(
     """
     if current is None:
         return Merged(computed, ())
-    bases = [each for each in (base, *others) if each is not None]
+    bases = [other for other in (base, *others) if other is not None]
     known = KnownBlock(current, bases, evidence, names)
     merger = _Merger(known, current, computed, policy)
     return Merged(merger.block(), tuple(merger.edits))

@@ -76,11 +76,11 @@ class EvidenceShares:
         if bound.component.modes and (is_idle or not bound.component.modes_by_use):
             return self._of_modes(bound, unit, term, uses)
         # Without modes the fault counts that ends the mission most often.
-        tried = sorted({each.mode for each in self._cells(unit, is_idle)})
-        found = [self._of_fault(bound, unit, fault, term, uses) for fault in tried]
-        if not found or not all(each.ends for each in found):
+        tried = sorted({cell.mode for cell in self._cells(unit, is_idle)})
+        of_faults = [self._of_fault(bound, unit, fault, term, uses) for fault in tried]
+        if not of_faults or not all(item.ends for item in of_faults):
             return term
-        return max(found, key=lambda each: math.fsum(map(each.hazard, uses)))
+        return max(of_faults, key=lambda item: math.fsum(map(item.hazard, uses)))
 
     def _of_modes(self, bound: BoundComponent, unit: str, term: Term, uses: Sequence[Use]) -> Term:
         """Return a figure of all modes; one without a fault counts in full."""
@@ -88,11 +88,11 @@ class EvidenceShares:
         for mode in bound.component.modes:
             if mode.fault is None:
                 continue
-            found = self._of_fault(bound, unit, mode.fault, term, uses)
-            if found.ends:
+            of_fault = self._of_fault(bound, unit, mode.fault, term, uses)
+            if of_fault.ends:
                 left -= mode.fraction
-                shares = [s + mode.fraction * c for s, c in zip(shares, found.ends, strict=True)]
-                number += found.cells[1]
+                shares = [s + mode.fraction * c for s, c in zip(shares, of_fault.ends, strict=True)]
+                number += of_fault.cells[1]
         ends = tuple(min(1.0, max(0.0, left) + share) for share in shares)
         if not number:
             return term
@@ -101,12 +101,12 @@ class EvidenceShares:
 
     def _cells(self, unit: str, is_idle: bool, fault: str | None = None) -> list[Cell]:
         return [
-            each
-            for each in self.evidence.cells
-            if each.drawn
-            and each.unit == unit
-            and each.is_idle == is_idle
-            and fault in (None, each.mode)
+            cell
+            for cell in self.evidence.cells
+            if cell.drawn
+            and cell.unit == unit
+            and cell.is_idle == is_idle
+            and fault in (None, cell.mode)
         ]
 
     def _of_fault(
@@ -117,7 +117,7 @@ class EvidenceShares:
         if len(cells) < LEAST_OF_UNIT:
             # Few cells of one unit say little: those of its like count together.
             like = [
-                each for name in twin_units(bound) for each in self._cells(name, is_idle, fault)
+                cell for name in twin_units(bound) for cell in self._cells(name, is_idle, fault)
             ]
             if not like:
                 return term
@@ -125,26 +125,26 @@ class EvidenceShares:
             return replace(term, ends=ends, cells=(f"{fault} {is_idle}", len(like)))
         described = replace(term, cells=(f"{unit} {fault} {is_idle}", len(cells)))
         if is_idle:
-            places = [(each.time_s - each.active_s, each.fails) for each in cells]
+            places = [(cell.time_s - cell.active_s, cell.fails) for cell in cells]
             shares = _nearest(places, [use.standby_s or 0.0 for use in uses])
         else:
             named = [STATES.index(s) for s in STATES if term.mode and s in term.mode.when]
             places = [
-                (sum(each.states_s[i] for i in named) if named else each.active_s, each.fails)
-                for each in cells
+                (sum(cell.states_s[i] for i in named) if named else cell.active_s, cell.fails)
+                for cell in cells
             ]
             shares = _nearest(places, [_in_use(use, named) for use in uses])
-        stands_for = [_hazard(term, each) for each in cells]
+        stands_for = [_hazard(term, cell) for cell in cells]
         total = sum(stands_for)
         if total <= 0.0 or term.counts == "visits":
             return replace(described, ends=shares)
-        ending = sum(s for s, each in zip(stands_for, cells, strict=True) if each.fails)
+        ending = sum(s for s, cell in zip(stands_for, cells, strict=True) if cell.fails)
         hazards = [term.hazard(use) for use in uses]
         return replace(described, ends=_scaled(shares, hazards, self._kept(cells, ending / total)))
 
     def _kept(self, cells: Sequence[Cell], share: float) -> float:
         """Return the share of a stratum's hazard, as it is with the share that figures keep."""
-        counted = sum(1 for each in cells if each.fails) / len(cells)
+        counted = sum(1 for cell in cells if cell.fails) / len(cells)
         kept = self._taken[cells[0].stratum]
         if kept == counted:
             return share
@@ -160,14 +160,14 @@ def _hazard(term: Term, cell: Cell) -> float:
 
 def _pooled(cells: Sequence[Cell], term: Term) -> float:
     """Return one share for cells of several units; of few cells the pessimistic end."""
-    failed = sum(1 for each in cells if each.fails)
+    failed = sum(1 for cell in cells if cell.fails)
     if len(cells) < LEAST_OF_UNIT:
         return clopper_pearson(failed, len(cells))[1]
-    hazards = [_hazard(term, each) for each in cells]
+    hazards = [_hazard(term, cell) for cell in cells]
     total = sum(hazards)
     if total <= 0.0:
         return failed / len(cells)
-    return sum(h for h, each in zip(hazards, cells, strict=True) if each.fails) / total
+    return sum(h for h, cell in zip(hazards, cells, strict=True) if cell.fails) / total
 
 
 def _scaled(shares: Shares, hazards: Sequence[float], share: float) -> Shares:
@@ -178,7 +178,7 @@ def _scaled(shares: Shares, hazards: Sequence[float], share: float) -> Shares:
     """
     wanted = share * sum(hazards)
     free = [index for index, hazard in enumerate(hazards) if hazard > 0.0]
-    found = list(shares)
+    values = list(shares)
     for _ in range(len(free) + 1):
         fixed = sum(h for i, h in enumerate(hazards) if h > 0.0 and i not in free)
         now = sum(hazards[i] * shares[i] for i in free)
@@ -189,18 +189,18 @@ def _scaled(shares: Shares, hazards: Sequence[float], share: float) -> Shares:
             # Nothing of these visits lies near a failing cell, and yet some of it ends.
             whole = sum(hazards[i] for i in free)
             for i in free:
-                found[i] = min(1.0, left / whole)
+                values[i] = min(1.0, left / whole)
             break
         factor = left / now
         above = [i for i in free if shares[i] * factor > 1.0]
         for i in free:
-            found[i] = min(1.0, shares[i] * factor)
+            values[i] = min(1.0, shares[i] * factor)
         if not above:
             break
         free = [i for i in free if i not in above]
     if wanted <= 0.0:
         return tuple(0.0 for _ in shares)
-    return tuple(found)
+    return tuple(values)
 
 
 def _in_use(use: Use, named: Sequence[int]) -> float:
@@ -230,7 +230,7 @@ def _nearest(cells: Sequence[tuple[float, bool]], lengths: Sequence[float]) -> S
     for length in lengths:
         end = begin + length
         if length <= 0.0:
-            near = min(ordered, key=lambda each: abs(each[0] - begin))
+            near = min(ordered, key=lambda pair: abs(pair[0] - begin))
             shares.append(1.0 if near[1] else 0.0)
             continue
         failing = sum(

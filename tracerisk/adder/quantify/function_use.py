@@ -34,7 +34,11 @@ def mission_probability(functions: Sequence[FunctionUse], unit: int) -> float:
 
 def mission_hazard(functions: Sequence[FunctionUse], unit: int) -> float:
     """Return the hazard of one unit of a group over a mission."""
-    logs = (each.scale * survival_log(units[unit]) for each in functions for units in each.visits)
+    logs = (
+        function.scale * survival_log(units[unit])
+        for function in functions
+        for units in function.visits
+    )
     return 0.0 - math.fsum(logs)
 
 

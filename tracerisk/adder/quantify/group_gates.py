@@ -69,7 +69,7 @@ def unlike_apart(own: Sequence[Outcome], redundancy: Redundancy) -> Outcome:
     """
     if not redundancy.has_spares or needs_all(redundancy, len(own)):
         return at_least(threshold_of(redundancy, len(own)), own)
-    hazards = [each.hazard for each in own]
+    hazards = [outcome.hazard for outcome in own]
     return unlike_spares([h if h < SURE else Decimal("Infinity") for h in hazards], redundancy)
 
 

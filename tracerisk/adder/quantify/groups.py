@@ -35,16 +35,18 @@ def group_unit_probabilities(
     """
     quantity = len(functions[0].visits[0])
     is_kept = missions != 1.0 and stays_hidden(redundancy, quantity)
-    if not is_kept and all(len(set(units)) == 1 for each in functions for units in each.visits):
-        alone = [_of_one_unit(each, redundancy) for each in functions]
-        found = [value for value in alone if value is not None]
-        if len(found) == len(alone):
-            return tuple(found)
+    if not is_kept and all(
+        len(set(units)) == 1 for function in functions for units in function.visits
+    ):
+        alone = [_of_one_unit(function, redundancy) for function in functions]
+        unit_probabilities = [value for value in alone if value is not None]
+        if len(unit_probabilities) == len(alone):
+            return tuple(unit_probabilities)
     if quantity == 1 or (needs_all(redundancy, quantity) and not redundancy.common_cause):
-        return tuple(mean_probability(each.visits) for each in functions)
+        return tuple(mean_probability(function.visits) for function in functions)
     if stays_hidden(redundancy, quantity):
         return hidden_values(functions, redundancy, quantity, missions)
-    return tuple(_renewed(each.visits, redundancy, quantity) for each in functions)
+    return tuple(_renewed(function.visits, redundancy, quantity) for function in functions)
 
 
 def _of_one_unit(each: FunctionUse, redundancy: Redundancy) -> float | None:

@@ -64,12 +64,12 @@ def _mean_hazard(hazards: Sequence[float]) -> Decimal:
 
 def over_mission(functions: Sequence[HiddenHazards]) -> tuple[list[Outcome], Decimal]:
     """Return each unit's own outcome after all visits, and the hazard of the common cause."""
-    columns = zip(*(each.own for each in functions), strict=True)
-    times = [each.times for each in functions]
+    columns = zip(*(function.own for function in functions), strict=True)
+    times = [function.times for function in functions]
     own = [
         after(sum((h * n for h, n in zip(column, times, strict=True)), ZERO)) for column in columns
     ]
-    return own, sum((each.common * each.times for each in functions), ZERO)
+    return own, sum((function.common * function.times for function in functions), ZERO)
 
 
 def hidden_values(
@@ -85,7 +85,7 @@ def hidden_values(
     A function's part of the group's hazard is what it adds to it to first order: the hazards of
     its units, each by how much the group's failure depends on that unit.
     """
-    hazards = [hidden_hazards(each, redundancy) for each in functions]
+    hazards = [hidden_hazards(function, redundancy) for function in functions]
     own, common = over_mission(hazards)
     between_tests = Decimal(missions)
     if missions != 1.0:
@@ -96,10 +96,12 @@ def hidden_values(
         return (0.0,) * len(functions)
     slopes = _slopes(own, redundancy, apart)
     weights = [
-        sum((slope * h for slope, h in zip(slopes, each.own, strict=True)), each.common)
-        for each in hazards
+        sum((slope * h for slope, h in zip(slopes, hazard.own, strict=True)), hazard.common)
+        for hazard in hazards
     ]
-    whole = sum((weight * each.times for weight, each in zip(weights, hazards, strict=True)), ZERO)
+    whole = sum(
+        (weight * hazard.times for weight, hazard in zip(weights, hazards, strict=True)), ZERO
+    )
     shares = [weight / whole for weight in weights]
     if apart.q == ZERO:
         return tuple(float(after(SURE * share).p) for share in shares)
@@ -109,7 +111,8 @@ def hidden_values(
         own_hazard, common_hazard = x, ZERO
         if beta:
             units = [
-                (after(x * share), each.times) for share, each in zip(shares, hazards, strict=True)
+                (after(x * share), hazard.times)
+                for share, hazard in zip(shares, hazards, strict=True)
             ]
             own_hazard, common_hazard = (
                 sum((unit.share(part).hazard * times for unit, times in units), ZERO)

@@ -79,15 +79,17 @@ def _mission_hazard(
     """Return the hazard of the group over a mission, one unit of it being perfect."""
     if stays_hidden(redundancy, quantity):
         own, common = over_mission(
-            [hidden_hazards(each, redundancy, without) for each in functions]
+            [hidden_hazards(function, redundancy, without) for function in functions]
         )
         apart = unlike_apart(own, redundancy)
         return (apart.hazard if apart.q else SURE) + common
     return sum(
         (
-            Decimal(each.scale) * times * min(unlike_visit(units, redundancy, without).hazard, SURE)
-            for each in functions
-            for units, times in Counter(map(tuple, each.visits)).items()
+            Decimal(function.scale)
+            * times
+            * min(unlike_visit(units, redundancy, without).hazard, SURE)
+            for function in functions
+            for units, times in Counter(map(tuple, function.visits)).items()
         ),
         ZERO,
     )

@@ -120,10 +120,10 @@ class FunctionVisits:
     @property
     def weights(self) -> tuple[int, ...]:
         """The times in the smallest whole numbers: ones where a mission has all alike often."""
-        common = math.lcm(*(each.denominator for each in self.times))
-        whole = [int(each * common) for each in self.times]
+        common = math.lcm(*(time.denominator for time in self.times))
+        whole = [int(time * common) for time in self.times]
         divisor = math.gcd(*whole)
-        return tuple(each // divisor for each in whole)
+        return tuple(number // divisor for number in whole)
 
 
 def times_in_mission(trace: Trace) -> tuple[Fraction, ...]:
@@ -152,14 +152,14 @@ def visits_of_mission(trace: Trace) -> tuple[float, ...]:
 
 def visits_by_function(trace: Trace) -> dict[FunctionRef, FunctionVisits]:
     """Return the visits of each function, in the order of the functions."""
-    found: dict[FunctionRef, list[int]] = {function.ref: [] for function in trace.functions}
+    table: dict[FunctionRef, list[int]] = {function.ref: [] for function in trace.functions}
     times = times_in_mission(trace)
     for number, visit in enumerate(trace.visits):
         if times[number]:
-            found[visit.function].append(number)
+            table[visit.function].append(number)
     return {
         ref: FunctionVisits(tuple(numbers), tuple(times[number] for number in numbers))
-        for ref, numbers in found.items()
+        for ref, numbers in table.items()
     }
 
 

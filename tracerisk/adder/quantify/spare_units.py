@@ -78,9 +78,9 @@ class _States:
         for target, rate, chance in self._steps(failed):
             if rate.is_infinite():
                 at_once = [] if target is None else self.settled(target)
-                found = [(state, chance * share) for state, share in at_once]
+                pairs = [(state, chance * share) for state, share in at_once]
                 lost = ONE - chance if target is not None else ONE
-                return [*found, (_FAILED, lost)] if lost else found
+                return [*pairs, (_FAILED, lost)] if lost else pairs
         if failed not in self._numbers:
             if len(self._sets) >= MOST_STATES:
                 raise HardwareError(
@@ -94,18 +94,18 @@ class _States:
 
     def ways(self, number: int) -> list[tuple[int, Decimal]]:
         """Return the ways out of a state."""
-        found = []
+        pairs = []
         for target, rate, chance in self._steps(self._sets[number]):
             if rate == ZERO:
                 continue
             if target is None:
-                found.append((_FAILED, rate))
+                pairs.append((_FAILED, rate))
                 continue
             if chance < ONE:
-                found.append((_FAILED, rate * (ONE - chance)))
+                pairs.append((_FAILED, rate * (ONE - chance)))
             if chance > ZERO:
-                found += [(state, rate * chance * share) for state, share in self.settled(target)]
-        return found
+                pairs += [(state, rate * chance * share) for state, share in self.settled(target)]
+        return pairs
 
     def _steps(self, failed: int) -> Iterator[tuple[int | None, Decimal, Decimal]]:
         """Yield what each unit's failure leads to, its rate, and the chance that it is survived."""

@@ -85,10 +85,10 @@ def insert_c_blocks(
     """Return the source with each of `blocks` in its function; see `insert_blocks`."""
     parsed = parse_c(source, file)
     placed = tuple(_placed(parsed, c_comments(source, file)))
-    found = [(each.name, each.line) for each in parsed.functions]
+    pairs = [(function.name, function.line) for function in parsed.functions]
     line = parsed.first_unread
     hint = "" if line is None else f"; from line {line} on something cannot be read without macros"
-    return insert_c_at(parsed, placed, targets_of(found, placed, blocks, lines, file, hint))
+    return insert_c_at(parsed, placed, targets_of(pairs, placed, blocks, lines, file, hint))
 
 
 def insert_c_at(
@@ -127,7 +127,9 @@ def insert_c_at(
 
 def _definition(parsed: CSource, name: QualifiedName, line: int) -> CFunction:
     return next(
-        each for each in parsed.functions if each.line == line and is_name_at(name, each.name)
+        function
+        for function in parsed.functions
+        if function.line == line and is_name_at(name, function.name)
     )
 
 
@@ -146,9 +148,9 @@ def _placed(parsed: CSource, comments: Iterable[CComment]) -> Iterable[PlacedBlo
                 "directly above a function",
                 Location(parsed.file, comment.line),
             )
-        named = [each for each in owners if _is_meant(block.name, each.name)]
+        named = [c_function for c_function in owners if _is_meant(block.name, c_function.name)]
         if not named:
-            functions = (each.name for each in owners)
+            functions = (c_function.name for c_function in owners)
             place = Location(parsed.file, comment.line)
             raise MisplacedBlockError(block, QualifiedName(block.name), functions, place)
         last = comment.line + _lines_in(parsed.source, comment) - 1
@@ -171,10 +173,13 @@ def _is_meant(name: str, function: QualifiedName) -> bool:
 def _owners(parsed: CSource, comment: CComment) -> list[CFunction]:
     """Return the functions that a comment may describe: the one around it, and the one below it."""
     around = parsed.innermost(comment.start)
-    found = [] if around is None else [around]
+    c_functions = [] if around is None else [around]
     below = _BLANK.match(parsed.source, comment.end)
     assert below is not None
-    return [*found, *(each for each in parsed.functions if each.begins == below.end())]
+    return [
+        *c_functions,
+        *(function for function in parsed.functions if function.begins == below.end()),
+    ]
 
 
 def _lines_in(source: bytes, comment: CComment) -> int:
@@ -206,23 +211,23 @@ def _text(block: RiskBlock, source: bytes, at: int, indent_at: int, file: str) -
     before = source[at - 2 : at] if at else source[: source.find(b"\n") + 1]
     newline = b"\r\n" if before.endswith(b"\r\n") else b"\n"
     printed = print_block(block, width_behind(indent))
-    lines = [" * " + each.removeprefix(GUTTER) for each in printed]
-    for each in lines:
-        if "*/" in each:
+    lines = [" * " + name.removeprefix(GUTTER) for name in printed]
+    for name in lines:
+        if "*/" in name:
             raise UnsafeRewriteError(
                 f"the risk block of {block.name} holds `*/`, which would end its comment; write "
                 "the reason in other words",
                 Location(file, source.count(b"\n", 0, at) + 1),
             )
-    return b"".join(indent + each.encode() + newline for each in ("/***", *lines, " ***/"))
+    return b"".join(indent + name.encode() + newline for name in ("/***", *lines, " ***/"))
 
 
 def _check_rewrite(before: CSource, result: bytes, expected: Sequence[RiskBlock]) -> None:
     """Refuse a result that is not proved to be the source with the expected blocks."""
     try:
-        found = list(c_comments(result, before.file))
+        results = list(c_comments(result, before.file))
         after = parse_c(result, before.file)
-        placed = tuple(_placed(after, found))
+        placed = tuple(_placed(after, results))
     except InputError as error:
         raise UnsafeRewriteError(
             f"with the risk block in, the file would no longer be read: {error.message}",
@@ -230,7 +235,7 @@ def _check_rewrite(before: CSource, result: bytes, expected: Sequence[RiskBlock]
         ) from error
     comments = list(c_comments(before.source, before.file))
     bare = _without(before.source, comments, before.file)
-    check_same_bytes(bare, _without(result, found, before.file), before.file)
+    check_same_bytes(bare, _without(result, results, before.file), before.file)
     _check_same_program(before, after, "adding")
     check_same_blocks(expected, placed, before.file)
 

@@ -76,15 +76,15 @@ class CSource:
 
     def innermost(self, offset: int) -> CFunction | None:
         """Return the innermost function whose body holds a byte."""
-        around = [each for each in self.functions if each.start < offset < each.end]
-        return max(around, key=lambda each: each.start, default=None)
+        around = [function for function in self.functions if function.start < offset < function.end]
+        return max(around, key=lambda c_function: c_function.start, default=None)
 
     @property
     def first_unread(self) -> int | None:
         """The line of the first thing that tree-sitter could not read; `None` for no such."""
         node = self.tree.root_node
         while node.has_error and node.type != "ERROR" and not node.is_missing:
-            node = next((each for each in node.children if each.has_error), node.children[0])
+            node = next((child for child in node.children if child.has_error), node.children[0])
         is_bad = node.type == "ERROR" or node.is_missing
         return node.start_point.row + 1 if is_bad else None
 
@@ -120,7 +120,7 @@ def parse_c(source: bytes, file: str) -> CSource:
         raise SourceError("holds a zero byte; is it a text file?", Location(file))
     require_cpp()
     tree = _parser("c" if file.lower().endswith(".c") else "cpp").parse(source)
-    starts = (0, *(found.end() for found in re.finditer(rb"\n", source)))
+    starts = (0, *(match_.end() for match_ in re.finditer(rb"\n", source)))
     return CSource(file, source, tree, tuple(_functions(source, tree, starts)), starts)
 
 
@@ -139,7 +139,7 @@ def _parser(language: str) -> Parser:
 
 def _functions(source: bytes, tree: Tree, starts: Sequence[int]) -> Iterator[CFunction]:
     known = list(tokens(source))
-    begins = [each.start for each in known]
+    begins = [token.start for token in known]
 
     def is_code(offset: int) -> bool:
         """Whether a line that begins there begins outside all tokens, and goes on no other."""
@@ -156,10 +156,10 @@ def _functions(source: bytes, tree: Tree, starts: Sequence[int]) -> Iterator[CFu
             name = node.child_by_field_name("name")
             inner = scope if name is None else f"{scope}{_plain(name)}{SCOPE}"
         elif node.type == "function_definition" and not is_broken:
-            found = _function(source, node, around or node, scope, is_code, starts)
-            if found is not None:
-                yield found
-                inner = f"{found.name}{SCOPE}"
+            result = _function(source, node, around or node, scope, is_code, starts)
+            if result is not None:
+                yield result
+                inner = f"{result.name}{SCOPE}"
         outer = (around or node) if node.type in _AROUND else None
         stack += [(child, inner, outer, is_broken) for child in reversed(node.named_children)]
 

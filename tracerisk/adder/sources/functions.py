@@ -18,6 +18,6 @@ def functions_in(source: bytes, file: str) -> list[tuple[QualifiedName, int]]:
     if is_c(file):
         from tracerisk.adder.sources.c_source import parse_c
 
-        return [(each.name, each.line) for each in parse_c(source, file).functions]
+        return [(function.name, function.line) for function in parse_c(source, file).functions]
     tree = parse_python(source, file).tree
-    return [(MODULE, 1), *((each.name, each.line) for each in definitions(tree))]
+    return [(MODULE, 1), *((definition.name, definition.line) for definition in definitions(tree))]

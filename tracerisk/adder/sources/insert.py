@@ -72,9 +72,9 @@ def insert_blocks(
         return insert_c_blocks(source, blocks, file, lines or {})
     parsed = parse_python(source, file)
     placed = scan_blocks(parsed)
-    found = [(MODULE, module_line(parsed))]
-    found += [(definition.name, definition.line) for definition in definitions(parsed.tree)]
-    targets = targets_of(found, placed, blocks, lines or {}, file)
+    pairs = [(MODULE, module_line(parsed))]
+    pairs += [(definition.name, definition.line) for definition in definitions(parsed.tree)]
+    targets = targets_of(pairs, placed, blocks, lines or {}, file)
     return insert_at(source, parsed, placed, targets)
 
 
@@ -163,8 +163,8 @@ def _sites(
     if any(name != MODULE for name, _ in needed):
         from tracerisk.adder.sources.positions import function_sites
 
-        found = function_sites(source)
-        sites.update(_own_sites(parsed) if found is None else found)
+        row = function_sites(source)
+        sites.update(_own_sites(parsed) if row is None else row)
     sites[MODULE, module_line(parsed)] = _module_site(parsed)
     for (function, line), site in list(sites.items()):
         of_instances = [name for name, at in needed if at == line and is_name_at(name, function)]

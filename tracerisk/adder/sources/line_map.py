@@ -15,9 +15,9 @@ def line_map(before: bytes, after: bytes, file: str) -> Callable[[int], int]:
     old, new = block_lines(before, file), block_lines(after, file)
 
     def moved(line: int) -> int:
-        rest = line - sum(1 for each in old if each < line)
-        for each in new:
-            if each <= rest:
+        rest = line - sum(1 for number in old if number < line)
+        for number in new:
+            if number <= rest:
                 rest += 1
         return rest
 

@@ -119,7 +119,9 @@ def check_same_blocks(
     expected: Iterable[RiskBlock], placed: Iterable[PlacedBlock], file: str
 ) -> None:
     """Raise UnsafeRewriteError where a source holds other blocks than were meant for it."""
-    if sorted(map(print_block, expected)) != sorted(print_block(each.block) for each in placed):
+    if sorted(map(print_block, expected)) != sorted(
+        print_block(placed_block.block) for placed_block in placed
+    ):
         raise UnsafeRewriteError(
             "the risk blocks would not be read back as they were written", Location(file)
         )

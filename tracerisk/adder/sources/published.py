@@ -96,9 +96,11 @@ def read_plain_blocks(source: bytes, file: str) -> tuple[RiskBlock, ...]:
     blocks: list[RiskBlock] = []
     run: list[BlockLine] = []
     for number in range(1, len(parsed.lines) + 2):
-        found = _PLAIN.fullmatch(parsed.text(number).rstrip("\r\n")) if number in comments else None
-        if found is not None:
-            run.append(BlockLine(number, found["text"]))
+        matched = (
+            _PLAIN.fullmatch(parsed.text(number).rstrip("\r\n")) if number in comments else None
+        )
+        if matched is not None:
+            run.append(BlockLine(number, matched["text"]))
         elif run:
             blocks += _blocks_of(run, file)
             run = []
@@ -148,7 +150,7 @@ def _parts(lines: Iterable[BlockLine]) -> list[list[BlockLine]]:
         text = line.text.strip()
         begins = is_header(text) or (
             text.startswith("@Function")
-            and any(each.text.strip().startswith("@Function") for each in parts[-1])
+            and any(block_line.text.strip().startswith("@Function") for block_line in parts[-1])
         )
         if begins and parts[-1]:
             parts.append([])

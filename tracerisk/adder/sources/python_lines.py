@@ -150,16 +150,16 @@ def comment_lines(source: PythonSource) -> frozenset[int]:
     """Return the lines that hold a comment."""
     import tokenize
 
-    found = set()
+    numbers = set()
     try:
         for token in _tokens_from(source, 1):
             if token.type == tokenize.COMMENT:
-                found.add(token.start[0])
+                numbers.add(token.start[0])
     except (tokenize.TokenError, SyntaxError):
         # A source that the parser takes and the tokenizer does not (an odd dedent before a
         # form feed): what was found until there stands.
         pass
-    return frozenset(found)
+    return frozenset(numbers)
 
 
 def preamble_end(source: PythonSource) -> int:

@@ -104,12 +104,12 @@ def scan_blocks(source: PythonSource) -> tuple[PlacedBlock, ...]:
         return ()
     runs = tuple(_runs(source))
     finder = _OwnerFinder(source)
-    found: list[PlacedBlock] = []
+    placed_blocks: list[PlacedBlock] = []
     strays: list[int] = []
     for run in runs:
         owners = finder.owners(run)
         if owners:
-            found += _placed(source, run, owners)
+            placed_blocks += _placed(source, run, owners)
         else:
             strays.append(run.first)
     in_runs = {number for run in runs for number in range(run.first, run.last + 1)}
@@ -120,7 +120,7 @@ def scan_blocks(source: PythonSource) -> tuple[PlacedBlock, ...]:
     ]
     if strays:
         _forbid_strays(source, strays)
-    return tuple(found)
+    return tuple(placed_blocks)
 
 
 def _forbid_strays(source: PythonSource, strays: Sequence[int]) -> None:

@@ -46,16 +46,16 @@ def follow_renames(source: bytes, file: str, known: Collection[QualifiedName]) -
         BlockError, SourceError: as `read_blocks`; a block that merely stands under another
             function than it says is such an error, and no renaming.
     """
-    found: dict[QualifiedName, QualifiedName] = {}
+    qualified_names: dict[QualifiedName, QualifiedName] = {}
     while True:
-        named = _with_names(source, found)
+        named = _with_names(source, qualified_names)
         try:
-            return FollowedBlocks(named, read_blocks(named, file), found)
+            return FollowedBlocks(named, read_blocks(named, file), qualified_names)
         except MisplacedBlockError as error:
             new = _new_name(source, file, error, known)
-            if new is None or error.name in found or new in found.values():
+            if new is None or error.name in qualified_names or new in qualified_names.values():
                 raise
-            found[error.name] = new
+            qualified_names[error.name] = new
 
 
 def _new_name(
@@ -76,9 +76,9 @@ def _with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedName]) -
     names = {old.encode(): new.encode() for old, new in renamed.items()}
     lines = []
     for line in source.splitlines(keepends=True):
-        found = re.fullmatch(_NAME, line) or re.fullmatch(_NEXT, line, re.DOTALL)
-        if found is not None and found[2] in names:
-            line = found[1] + names[found[2]] + found[3]
+        matched = re.fullmatch(_NAME, line) or re.fullmatch(_NEXT, line, re.DOTALL)
+        if matched is not None and matched[2] in names:
+            line = matched[1] + names[matched[2]] + matched[3]
         lines.append(line)
     return b"".join(lines)
 

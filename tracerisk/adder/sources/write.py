@@ -169,12 +169,12 @@ def _written_beside(target: Path, data: bytes) -> Iterator[_Temporary]:
 def _remove_leftovers(target: Path) -> None:
     """Remove what killed writers left beside the files that they were to write, this or others."""
     with os.scandir(target.parent) as entries:
-        found = [
+        pairs = [
             (Path(entry.path), match)
             for entry in entries
             if (match := _LEFTOVER.fullmatch(entry.name))
         ]
-    for path, match in found:
+    for path, match in pairs:
         is_ours = match["of"] == target.name or path.with_name(match["of"]).is_file()
         if is_ours and not _is_running(int(match["process"])):
             path.unlink(missing_ok=True)

@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     if options.robot is None and options.controller is None:
         raise InputError("--robot is missing: name the robot that is listened to")
     named = (options.names, options.joint_states)
-    topics = tuple(each for each in named if each is not None)
+    topics = tuple(item for item in named if item is not None)
     with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
         path = Path(options.keep or Path(folder, "robot.mcap"))
         note("listening; an interrupt ends it", quiet=options.quiet)

@@ -94,14 +94,14 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
     if options.files:
         note_without_controllers(options, projects)
     limits = [CoverageLimits(options.min_coverage, base) for base in _bases(paths, options.base)]
-    found = check_controllers(paths, projects, limits)
-    checked = [each for each in found if isinstance(each, Checked)]
-    errors = [each for each in found if isinstance(each, TraceRiskError)]
-    findings = [finding for each in checked for finding in each.findings]
+    check_findings = check_controllers(paths, projects, limits)
+    checked = [item for item in check_findings if isinstance(item, Checked)]
+    errors = [item for item in check_findings if isinstance(item, TraceRiskError)]
+    findings = [finding for check_finding in checked for finding in check_finding.findings]
     if options.sarif is not None:
         from tracerisk.pipeline.review.alerts import check_alerts
 
-        write_sarif(options.sarif, check_alerts(paths, found, projects))
+        write_sarif(options.sarif, check_alerts(paths, check_findings, projects))
     code = max(
         (*(finding.exit_code for finding in findings), *(error.exit_code for error in errors)),
         default=ExitCode.FINE,
@@ -114,25 +114,29 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
         print_json(
             "check",
             exit_code=int(code),
-            fresh=[str(each.path) for each in checked if not each.findings],
+            fresh=[
+                str(check_finding.path) for check_finding in checked if not check_finding.findings
+            ],
             findings=[
-                picked(each, "kind", "message") | picked(each.location, "file", "line")
-                for each in findings
+                picked(check_finding, "kind", "message")
+                | picked(check_finding.location, "file", "line")
+                for check_finding in findings
             ],
             errors=[str(error) for error in errors],
             verdicts=[
-                {"controller": str(each.path), **verdict_json(each.verdict)} for each in checked
+                {"controller": str(check_finding.path), **verdict_json(check_finding.verdict)}
+                for check_finding in checked
             ],
         )
         return int(code)
-    for each in checked:
+    for check_finding in checked:
         if not options.quiet:
-            show(f"{each.path}: {_verdict_of(each)}")
+            show(f"{check_finding.path}: {_verdict_of(check_finding)}")
     for line in [*map(str, findings), *(error.with_code for error in errors)]:
         show(line)
     for line in _notes(checked):
         note(line, quiet=options.quiet)
-    bad = len(errors) + sum(1 for each in checked if each.findings)
+    bad = len(errors) + sum(1 for check_finding in checked if check_finding.findings)
     count = f"{len(paths)} controller{'' if len(paths) == 1 else 's'}"
     note(f"{count} checked, {bad} to mend", quiet=options.quiet)
     return int(code)
@@ -150,7 +154,7 @@ def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:
 def _verdict_of(checked: Checked) -> str:
     """Return the verdict in words, without reasons where a finding of its own has each."""
     verdict = _as_typed(checked)
-    if verdict is not None and any(each.kind == verdict.kind for each in checked.findings):
+    if verdict is not None and any(finding.kind == verdict.kind for finding in checked.findings):
         verdict = replace(verdict, reasons=tuple(r for r in verdict.reasons if r.code in GAPS))
     return verdict_line(verdict)
 
@@ -165,17 +169,19 @@ def _as_typed(checked: Checked) -> Verdict | None:
 
 def _notes(checked: Sequence[Checked]) -> Iterator[str]:
     """Yield what a user should know of verdicts that pass."""
-    for each in checked:
-        if is_c(each.path.name):
+    for check_finding in checked:
+        if is_c(check_finding.path.name):
             continue
-        if each.verdict is None and {"unknown", "gone"}.isdisjoint(f.kind for f in each.findings):
+        if check_finding.verdict is None and {"unknown", "gone"}.isdisjoint(
+            f.kind for f in check_finding.findings
+        ):
             yield (
-                f"{each.path}: its lock is of a tracerisk without verdicts; "
-                f"`tracerisk refresh {each.path}` gives it one"
+                f"{check_finding.path}: its lock is of a tracerisk without verdicts; "
+                f"`tracerisk refresh {check_finding.path}` gives it one"
             )
-        elif (verdict := _as_typed(each)) is not None:
+        elif (verdict := _as_typed(check_finding)) is not None:
             for one in verdict.reasons:
                 if one.accepted:
-                    yield f"{each.path}: accepted: {one}: {one.accepted}"
+                    yield f"{check_finding.path}: accepted: {one}: {one.accepted}"
             for entry in verdict.unused_acceptances:
-                yield f"{each.path}: accepted, and did not occur; remove it: {entry}"
+                yield f"{check_finding.path}: accepted, and did not occur; remove it: {entry}"

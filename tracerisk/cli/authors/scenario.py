@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
             raise InputError("--no-run writes nothing: leave out --write and --output")
         asked = asked_in_source(controller)
         if options.json:
-            print_json("scenario", source=[_data(each.need, each.location) for each in asked])
+            print_json("scenario", source=[_data(missed.need, missed.location) for missed in asked])
         else:
             _print_asked(asked, "in the source", from_here(controller.root))
         return 0
@@ -147,11 +147,11 @@ def _drafted(
         draft = draft_scenario(
             controller, settings, base, progress=progress, own_s=options.search_limit_s
         )
-    found = (*draft.given, *draft.missing)
+    drafts = (*draft.given, *draft.missing)
     asked = tuple(
-        each
-        for each in asked_in_source(controller)
-        if not any(_is_same(each, other.need, other.location) for other in found)
+        missed
+        for missed in asked_in_source(controller)
+        if not any(_is_same(missed, other.need, other.location) for other in drafts)
     )
     return draft, asked
 
@@ -183,7 +183,7 @@ def _print_draft(
     """Print a draft; `file_of` names a file of the controller as a user would type it."""
     if draft.cut:
         note(f"tracerisk: {draft.cut}: this is the best scenario so far")
-    rows = [(each.need.words, each.location, each.words) for each in draft.given]
+    rows = [(item.need.words, item.location, item.words) for item in draft.given]
     if draft.arguments is not None:
         text = f"arguments {' '.join(draft.arguments.words)}"
         rows.insert(0, (text, None, draft.arguments.remark))
@@ -193,8 +193,8 @@ def _print_draft(
         show(f"  {text}{_at(place, file_of)}: {words}")
     if draft.missing:
         show("Asked for, and given by no scenario:")
-    for each in draft.missing:
-        show(f"  {each.need.words}{_at(each.location, file_of)}: {each.words}")
+    for item in draft.missing:
+        show(f"  {item.need.words}{_at(item.location, file_of)}: {item.words}")
     _print_asked(asked, "in the source beside, and had in the run or not reached", file_of)
     if not rows and not draft.missing and not asked:
         show("It asks its world for nothing.")
@@ -213,8 +213,8 @@ def _print_draft(
 def _print_asked(asked: tuple[Missed, ...], where: str, file_of: Callable[[str], str]) -> None:
     if asked:
         show(f"Asked for {where}:")
-    for each in asked:
-        show(f"  {each.need.words}{_at(each.location, file_of)}")
+    for missed in asked:
+        show(f"  {missed.need.words}{_at(missed.location, file_of)}")
 
 
 def _at(place: Location | None, file_of: Callable[[str], str]) -> str:

@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _refuse_pins(found: tuple[str, ...]) -> None:
     if found:
-        listed = "\n".join(f"  {each}" for each in found)
+        listed = "\n".join(f"  {name}" for name in found)
         raise EditInTheWayError(
             f"values that a user set would be lost; nothing was written:\n{listed}\n"
             "Use --discard-edits to remove them all the same."

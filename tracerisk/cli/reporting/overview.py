@@ -37,13 +37,20 @@ def write_overview(options: argparse.Namespace) -> int:
             raise InputError(f"--{name} is for the report of one controller; leave out --all")
     if options.output is None:
         raise InputError("--all writes one page; give -o/--output OUT.html")
-    found = overview(Path())
+    known_controllers = overview(Path())
     folder = Path(options.output).parent
-    links = report_links([each.name for each in found], reports_in(folder, found))
+    links = report_links(
+        [known_controller.name for known_controller in known_controllers],
+        reports_in(folder, known_controllers),
+    )
     title = Path.cwd().name
-    rows = [overview_row(each, report=links.get(each.name, "")) for each in found]
+    rows = [
+        overview_row(known_controller, report=links.get(known_controller.name, ""))
+        for known_controller in known_controllers
+    ]
     write_file(options.output, overview_page(title, rows))
-    text = f"{options.output}: {len(found)} controller{'' if len(found) == 1 else 's'}"
+    count = len(known_controllers)
+    text = f"{options.output}: {count} controller{'' if count == 1 else 's'}"
     note(text, quiet=options.quiet or options.json)
     if options.json:
         print_json(
@@ -52,12 +59,12 @@ def write_overview(options: argparse.Namespace) -> int:
             report=options.output,
             controllers=[
                 {
-                    "controller": each.name,
-                    "error": each.error or None,
-                    "failure_probability": each.failure_probability,
-                    **verdict_json(each.verdict),
+                    "controller": known_controller.name,
+                    "error": known_controller.error or None,
+                    "failure_probability": known_controller.failure_probability,
+                    **verdict_json(known_controller.verdict),
                 }
-                for each in found
+                for known_controller in known_controllers
             ],
         )
     return int(ExitCode.FINE)
@@ -72,7 +79,7 @@ def overview_row(known: KnownController, *, link: str = "", report: str = "") ->
 
 def reports_in(folder: Path, known: tuple[KnownController, ...]) -> dict[str, str]:
     """Return the reports in a folder that may be those of controllers, by path within it."""
-    paths = [Path(each.name).with_suffix(".html") for each in known]
+    paths = [Path(known_controller.name).with_suffix(".html") for known_controller in known]
     names = {name for path in paths for name in (path.as_posix(), path.name)}
     return {name: name for name in sorted(names) if is_report(folder / name)}
 

@@ -54,15 +54,15 @@ def evidence_shown(
 
     Raises InputError where the file of evidence is malformed.
     """
-    found = kept_evidence(controller)
-    if found is None or found.fingerprint != fingerprint:
+    evidence = kept_evidence(controller)
+    if evidence is None or evidence.fingerprint != fingerprint:
         return ()
-    if not found.cells and found.edited is None:
+    if not evidence.cells and evidence.edited is None:
         return ()
     from tracerisk.report.html.evidence import evidence_section
 
     is_used = used_evidence(controller, settings, fingerprint) is not None
-    return (evidence_section(found, is_used=is_used),)
+    return (evidence_section(evidence, is_used=is_used),)
 
 
 def worlds_shown(trace: Trace) -> tuple[Section, ...]:
@@ -133,7 +133,7 @@ def report_html(
             trace=run.trace,
             outcome=tuple(line.strip() for line in object_lines(run.trace)),
             exposures=run.computed.exposures_by_name,
-            findings=tuple(finding_line(each) for each in run.trace.findings),
+            findings=tuple(finding_line(finding) for finding in run.trace.findings),
             assumptions=(*run.trace.assumptions, *run.computed.assumptions),
             hardware=run.hardware,
             figures=run_figures(assessment, run.hardware, run.computed.instances, blocks),
@@ -162,17 +162,17 @@ def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:
     from tracerisk.report.html.report_input import SourceFile
 
     texts = {file: decoded(source) for file, source in sources.items()}
-    found = [
+    pairs = [
         (FunctionRef(file, name), block)
         for file, source in sources.items()
         for name, block in _blocks_in(source, file, texts[file])
     ]
-    names = model_names([ref for ref, _ in found])
+    names = model_names([ref for ref, _ in pairs])
     return tuple(
         SourceFile(
             file,
             text,
-            tuple(_named(block, names[ref]) for ref, block in found if ref.file == file),
+            tuple(_named(block, names[ref]) for ref, block in pairs if ref.file == file),
         )
         for file, text in texts.items()
     )

@@ -71,7 +71,7 @@ def wants_pictures(options: argparse.Namespace) -> list[str]:
 
 def _check_folder(folder: Path) -> None:
     """Raise InputError, before anything runs, where a folder could not be made or written."""
-    there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    there = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
     if not there.is_dir() or not os.access(there, os.W_OK):
         what = "is not a folder" if not there.is_dir() else "cannot be written"
         raise InputError(f"{what}; name another one for the pictures", Location(str(there)))
@@ -109,10 +109,10 @@ def write_report_pictures(
         )
     else:
         with progress_bar(settings.run_duration_s, quiet=options.quiet) as progress:
-            trace, found = run_again(kept.controller, settings, progress)
-        if not trace.is_usable or found is None:
+            trace, recorded_run = run_again(kept.controller, settings, progress)
+        if not trace.is_usable or recorded_run is None:
             return ExitCode(print_failure(trace_as_typed(trace, options.files[0]))), ()
-        recorded = found
+        recorded = recorded_run
     quiet = options.quiet or options.json
     files: tuple[str, ...] = ()
     if options.png is not None:

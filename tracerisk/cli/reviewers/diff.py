@@ -79,26 +79,26 @@ def run(options: argparse.Namespace) -> int:
     options.json = options.json or options.format == "json"
     from tracerisk.pipeline.review.review import review
 
-    found = review(options.words)
+    result = review(options.words)
     exceeded = [
         line
-        for each in found.controllers
+        for controller in result.controllers
         for line in (
-            *_new_accepts(each, options),
-            *_other_outcome(each, options),
-            *_exceeded(each, options.max_increase, options.max_failure_probability),
+            *_new_accepts(controller, options),
+            *_other_outcome(controller, options),
+            *_exceeded(controller, options.max_increase, options.max_failure_probability),
         )
     ]
     code = ExitCode.WOULD_CHANGE if exceeded else ExitCode.FINE
     if options.sarif is not None:
         from tracerisk.pipeline.review.alerts import repository_root, review_alerts
 
-        alerts = review_alerts(found, repository_root(Path.cwd() / "_"))
+        alerts = review_alerts(result, repository_root(Path.cwd() / "_"))
         write_sarif(options.sarif, alerts)
     if options.json:
-        _print_json(found, code, exceeded)
-    elif options.silent_below is None or found.is_worth_telling(options.silent_below):
-        sys.stdout.buffer.write(_rendered(found, options.format).encode(errors="replace"))
+        _print_json(result, code, exceeded)
+    elif options.silent_below is None or result.is_worth_telling(options.silent_below):
+        sys.stdout.buffer.write(_rendered(result, options.format).encode(errors="replace"))
         sys.stdout.flush()
     for line in exceeded:
         note(f"tracerisk: {line}")
@@ -143,8 +143,8 @@ def _new_accepts(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
     if not options.no_new_accepts or diff.verdicts is None:
         return []
     return [
-        f"{diff.name}: newly accepted, and --no-new-accepts: {each}"
-        for each in diff.verdicts.new_acceptances
+        f"{diff.name}: newly accepted, and --no-new-accepts: {acceptance}"
+        for acceptance in diff.verdicts.new_acceptances
     ]
 
 
@@ -189,13 +189,13 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -
 
     if diff.after is None:
         return []
-    found = []
+    texts = []
     risk = diff.after.failure_probability
     bad = _bad_run(diff)
     # Of two runs of unknown verdict, and of two missions, the figures are all there is.
     unknown = diff.verdicts is not None and diff.verdicts == RunVerdicts(None, None)
     if max_increase is not None and bad is not None:
-        found.append(f"{diff.name}: {bad}; --max-increase {max_increase:g}")
+        texts.append(f"{diff.name}: {bad}; --max-increase {max_increase:g}")
     elif (
         max_increase is not None
         and diff.before is not None
@@ -206,15 +206,15 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -
         is_apart = unknown or _is_other_mission(diff)
         if risk > before * (1.0 + max_increase):
             rise = f"{100.0 * (risk / before - 1.0):.3g} %" if before > 0.0 else "from zero"
-            found.append(
+            texts.append(
                 f"{diff.name}: mission failure {'is more' if is_apart else 'rises'} by {rise}, "
                 f"over --max-increase {max_increase:g}"
             )
     if limit is not None and risk > limit:
-        found.append(
+        texts.append(
             f"{diff.name}: mission failure {risk:.4g} is over --max-failure-probability {limit:g}"
         )
-    return found
+    return texts
 
 
 def _is_other_mission(diff: RiskDiff) -> bool:

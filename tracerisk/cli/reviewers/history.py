@@ -54,39 +54,41 @@ def run(options: argparse.Namespace) -> int:
     from tracerisk.pipeline.workspace.project import Projects
     from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
-    files = [Path(each) for each in options.files]
+    files = [Path(file) for file in options.files]
     if not files:
         files = [path for path in all_controllers(Projects()) if path.is_file()]
     if options.badge is not None and len(files) != 1:
         raise InputError(f"--badge is that of one controller, not of {len(files)}; name it")
     walked = histories(files, most=options.most)
-    found = dict(zip(map(str, files), walked, strict=True))
+    history_points = dict(zip(map(str, files), walked, strict=True))
     if is_cut_short(files):
         note(
             "this clone is shallow, and older commits are not in it: `git fetch --unshallow`",
             quiet=options.quiet,
         )
     if options.svg is not None:
-        write_file(options.svg, history_svg(found))
+        write_file(options.svg, history_svg(history_points))
         note(f"{options.svg}: drawn", quiet=options.quiet)
     if options.badge is not None:
-        last = next(iter(found.values()))[-1:]
+        last = next(iter(history_points.values()))[-1:]
         figure = last[0].failure_probability if last else None
         write_file(options.badge, badge_svg(figure, last[0].verdict if last else None))
         note(f"{options.badge}: drawn", quiet=options.quiet)
     above = {
         name: first_above(points, options.above) if options.above is not None else None
-        for name, points in found.items()
+        for name, points in history_points.items()
     }
     code = ExitCode.WOULD_CHANGE if any(above.values()) else ExitCode.FINE
     if options.json:
         print_json(
             "history",
             exit_code=int(code),
-            controllers={name: _data(points, above[name]) for name, points in found.items()},
+            controllers={
+                name: _data(points, above[name]) for name, points in history_points.items()
+            },
         )
         return int(code)
-    for number, (name, points) in enumerate(found.items()):
+    for number, (name, points) in enumerate(history_points.items()):
         if number:
             show("")
         print_text(render_history(name, points, paper()))
@@ -105,7 +107,7 @@ def _answers(points: list[HistoryPoint]) -> list[str]:
 
     rise = largest_rise(points)
     if rise is None:
-        known = sum(each.failure_probability is not None for each in points)
+        known = sum(history_point.failure_probability is not None for history_point in points)
         return ["the figure never rose" if known > 1 else "nothing to compare with yet"]
     point, factor = rise
     return [f"largest rise: x{factor:.3g} by {_text(point)}", f"  {point.change}"]

@@ -44,23 +44,26 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    found = api.overrides(options.files)
+    overrides = api.overrides(options.files)
     limit = options.max_drift
-    beyond = [each for each in found if limit is not None and each.exceeds(limit)]
+    beyond = [override for override in overrides if limit is not None and override.exceeds(limit)]
     code = ExitCode.WOULD_CHANGE if beyond else ExitCode.FINE
     if options.json:
         print_json(
             "overrides",
             exit_code=int(code),
-            overrides=[_data(each, is_beyond=each in beyond) for each in found],
+            overrides=[_data(override, is_beyond=override in beyond) for override in overrides],
         )
         return int(code)
-    for line in _table(found):
+    for line in _table(overrides):
         show(line)
-    for each in beyond:
-        note(f"{each.location}: {each.field} has drifted by {_drift(each)}, above {limit:g} %")
-    without = sum(1 for each in found if each.reason is None)
-    note(f"{len(found)} set by hand, {without} of them without a reason", quiet=options.quiet)
+    for override in beyond:
+        note(
+            f"{override.location}: {override.field} has drifted by {_drift(override)}, above "
+            f"{limit:g} %"
+        )
+    without = sum(1 for override in overrides if override.reason is None)
+    note(f"{len(overrides)} set by hand, {without} of them without a reason", quiet=options.quiet)
     return int(code)
 
 
@@ -88,14 +91,14 @@ def _drift(override: Override) -> str:
 def _table(overrides: Sequence[Override]) -> Iterator[str]:
     """Yield the lines of the table: a heading for each file, reasons below their row."""
     rows = {
-        each: (
-            str(each.location.line or "-"),
-            each.field,
-            each.value,
-            each.computed or "-",
-            _drift(each),
+        override: (
+            str(override.location.line or "-"),
+            override.field,
+            override.value,
+            override.computed or "-",
+            _drift(override),
         )
-        for each in overrides
+        for override in overrides
     }
     if not rows:
         return
@@ -106,15 +109,15 @@ def _table(overrides: Sequence[Override]) -> Iterator[str]:
     widths[2], widths[3] = min(widths[2], _WIDEST_VALUE), min(widths[3], _WIDEST_VALUE)
     taken = sum(widths) - widths[1] + len(_GAP) * len(widths)
     widths[1] = min(widths[1], _WIDTH - taken)
-    for file, group in itertools.groupby(overrides, key=lambda each: each.location.file):
+    for file, group in itertools.groupby(overrides, key=lambda override: override.location.file):
         yield file
         yield from _row(_HEADINGS, widths)
-        for each in group:
-            yield from _row(rows[each], widths)
-            if each.reason is not None:
+        for override in group:
+            yield from _row(rows[override], widths)
+            if override.reason is not None:
                 indent = " " * (len(_GAP) * 2 + widths[0] + 2)
                 yield from textwrap.wrap(
-                    each.reason, _WIDTH, initial_indent=indent, subsequent_indent=indent
+                    override.reason, _WIDTH, initial_indent=indent, subsequent_indent=indent
                 )
 
 

@@ -95,8 +95,8 @@ def _write_page(
     verdicts = sources_verdict(files)
     assert verdicts is not None, "the files are sources"
     lines = list(verdicts.lines)
-    for each in verdicts.by_controller.values():
-        lines += verdict_details(each)
+    for verdict in verdicts.by_controller.values():
+        lines += verdict_details(verdict)
     more = history_shown(options.files[0]) if options.history else ()
     html = report_html(
         assessment,

@@ -87,7 +87,7 @@ def run_faults(options: argparse.Namespace) -> int:
         if keep is not None and options.report is not None:
             recorded = recorded_run(keep)
     nominal, trace = (
-        trace_as_typed(each, options.controller) for each in (done.nominal, done.trace)
+        trace_as_typed(item, options.controller) for item in (done.nominal, done.trace)
     )
     lines = _lines(replace(done, nominal=nominal, trace=trace))
     if options.report is not None:
@@ -108,12 +108,12 @@ def run_faults(options: argparse.Namespace) -> int:
             assumptions=list(trace.assumptions),
             changed=_other(done),
             end={"cause": trace.end.cause, **_end(trace)},
-            faults=[asdict(each) for each in done.faults],
+            faults=[asdict(fault) for fault in done.faults],
             nominal={"verdict_line": verdict_line(done.nominal.verdict), **_end(done.nominal)},
-            objects=[asdict(each) for each in trace.objects],
+            objects=[asdict(object_offset) for object_offset in trace.objects],
             reported=[
-                {"after_s": round(done.after_s(each), 6), "message": each.message}
-                for each in done.reported
+                {"after_s": round(done.after_s(finding), 6), "message": finding.message}
+                for finding in done.reported
             ],
         )
         return 0
@@ -135,7 +135,7 @@ def _lines(done: FaultRun) -> list[str]:
     if done.reported:
         after = f"{done.after_s(done.reported[0]):.2f} s after the fault"
         lines += [f"reported to the controller, first {after}:"]
-        lines += _first([finding_line(each) for each in done.reported])
+        lines += _first([finding_line(finding) for finding in done.reported])
     else:
         lines += ["reported to the controller: no failure beyond those without the fault"]
     other = _other(done)
@@ -147,8 +147,8 @@ def _lines(done: FaultRun) -> list[str]:
 def _other(done: FaultRun) -> list[str]:
     """Return what changed beside the failures reported to the controller."""
     return [
-        *(finding_line(each) for each in done.other_findings),
-        *(str(each) for each in done.other_reasons),
+        *(finding_line(finding) for finding in done.other_findings),
+        *(str(reason) for reason in done.other_reasons),
     ]
 
 

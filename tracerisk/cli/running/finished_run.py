@@ -89,7 +89,7 @@ def finish_run(
             )
         instances = done.annotated.computed.instances
         blocks = [block for _, block in blocks_of(done.sources)]
-        found = FinishedRun(
+        finished_run = FinishedRun(
             done,
             run_figures(done.assessment, done.hardware, instances, blocks),
             uncertainty_of_run(
@@ -104,13 +104,13 @@ def finish_run(
             explained(options, done.annotated, done.hardware, done.settings),
         )
         if not keeps_files(options):
-            found = replace(found, assessed=api.write_blocks(done))
+            finished_run = replace(finished_run, assessed=api.write_blocks(done))
         # With the lines of the source as it is now, blocks and all: as --trace has them.
-        write_record(options, keep, found.assessed.trace)
+        write_record(options, keep, finished_run.assessed.trace)
     if options.report is not None and progress is not None:
         progress("report", done.trace.end.simulated_s or 0.0)
-    _write_files(options, found.assessed, recorded)
-    return found
+    _write_files(options, finished_run.assessed, recorded)
+    return finished_run
 
 
 def _is_same(done: Assessed, known: Assessed) -> bool:

@@ -118,7 +118,7 @@ def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
     """Return what to do next, a line each."""
     name = options.controller
     reasons = () if trace.verdict is None else trace.verdict.open_reasons
-    if any(each.code == "robot-assumed" or each.object == "robot" for each in reasons):
+    if any(reason.code == "robot-assumed" or reason.object == "robot" for reason in reasons):
         return [
             f"Next: name the robot, `tracerisk run {name} --robot NAME`, or in the settings by "
             "`tracerisk init --robot NAME`; `tracerisk robots` lists those that are known, "

@@ -46,8 +46,11 @@ def watch_run(options: argparse.Namespace) -> NoReturn:
             note(_followed(done, known, clock), quiet=options.quiet)
             show_run(options, done)
         last[:] = [done]
-        found = done.assessed
-        return {*files, *watched_files(path, found.controller, found.trace, found.settings)}
+        assessed = done.assessed
+        return {
+            *files,
+            *watched_files(path, assessed.controller, assessed.trace, assessed.settings),
+        }
 
     def show_error(error: TraceRiskError) -> None:
         if isinstance(error, RunFailedError):

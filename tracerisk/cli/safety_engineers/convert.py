@@ -28,7 +28,7 @@ _WRITTEN = (*TREES, *CHAINS, ModelFormat.LINKED)
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options of the verb."""
-    formats = [each.value for each in _WRITTEN]
+    formats = [model_format.value for model_format in _WRITTEN]
     parser.add_argument(
         "files", metavar="FILE", nargs="+", help="a model of any format, or sources with blocks"
     )
@@ -77,7 +77,7 @@ def _target(options: argparse.Namespace) -> ModelFormat:
     if suffix == ".json":
         return ModelFormat.OPENPRA
     if suffix not in SUFFIXES:
-        allowed = one_of(each.value for each in _WRITTEN)
+        allowed = one_of(model_format.value for model_format in _WRITTEN)
         raise InputError(f"--output {options.output}: no format has this ending; --to {allowed}")
     return SUFFIXES[suffix]
 
@@ -195,4 +195,4 @@ def _chain_texts(chain: ExplicitChain, target: ModelFormat, output: str) -> dict
 
 
 def _named(kinds: tuple[ModelFormat, ...]) -> str:
-    return ", ".join(each.value for each in kinds)
+    return ", ".join(kind.value for kind in kinds)

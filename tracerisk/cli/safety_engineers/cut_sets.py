@@ -81,12 +81,12 @@ def run(options: argparse.Namespace) -> int:
 
     asked = _asked(options)
     find = prime_implicants if options.prime else minimal_cut_sets
-    found = find(asked.tree, max_order=options.max_order)
-    by_order = found.count_by_order()
+    cut_sets = find(asked.tree, max_order=options.max_order)
+    by_order = cut_sets.count_by_order()
     values = asked.values
-    total = None if values is None else found.rare_event_sum(values)
+    total = None if values is None else cut_sets.rare_event_sum(values)
     top = None if values is None else asked.tree.probability(values).p
-    listed = list(islice(found.most_probable(values, cut_off=options.cut_off), options.limit))
+    listed = list(islice(cut_sets.most_probable(values, cut_off=options.cut_off), options.limit))
     notes = list(asked.notes)
     if not options.prime and not asked.tree.is_coherent:
         notes.append(
@@ -96,12 +96,12 @@ def run(options: argparse.Namespace) -> int:
     for text in notes:
         note(text, quiet=options.quiet or options.json)
     if options.json:
-        sets = [picked(each, "events", "absent", "order", "probability") for each in listed]
+        sets = [picked(cut_set, "events", "absent", "order", "probability") for cut_set in listed]
         print_json(
             "cut-sets",
             top=asked.tree.top,
             kind="prime implicant" if options.prime else "minimal cut set",
-            count=found.count(),
+            count=cut_sets.count(),
             count_by_order={str(order): count for order, count in by_order.items()},
             max_order=options.max_order,
             rare_event_sum=total,

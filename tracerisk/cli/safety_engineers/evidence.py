@@ -68,22 +68,22 @@ def run(options: argparse.Namespace) -> int:
     if options.show and options.replays is not None:
         raise InputError("--replays runs failures and does not go with --show, which runs nothing")
     if options.show:
-        found = api.evidence(options.controller)
+        evidence = api.evidence(options.controller)
     else:
         reasons: list[str] = []
         with bar_of_cells("failures", "the run without a failure", quiet=options.quiet) as progress:
-            found = api.gather_evidence(
+            evidence = api.gather_evidence(
                 options.controller,
                 shared.run_settings(options),
                 campaign_options(options, progress, reasons.append),
                 cells=options.cells,
                 until=options.until,
             )
-        for each in dict.fromkeys(reasons):
-            note(each, quiet=options.quiet)
-    _print(options, found)
+        for reason in dict.fromkeys(reasons):
+            note(reason, quiet=options.quiet)
+    _print(options, evidence)
     if options.replays is not None:
-        _replay(options, found)
+        _replay(options, evidence)
     return int(ExitCode.FINE)
 
 
@@ -147,12 +147,12 @@ def _merge(options: argparse.Namespace) -> int:
 
     if not options.argv:
         raise InputError("evidence merge: name the files of the shards")
-    merged = merge_evidence([Path(each) for each in options.argv])
+    merged = merge_evidence([Path(item) for item in options.argv])
     target = options.output or EVIDENCE_NAME
     write_file(target, dump_evidence(merged))
-    for name, found in sorted(merged.items()):
-        note(f"{name}: {len(found.cells)} failures in {target}", quiet=options.quiet)
-        if not found.has_digest:
+    for name, evidence in sorted(merged.items()):
+        note(f"{name}: {len(evidence.cells)} failures in {target}", quiet=options.quiet)
+        if not evidence.has_digest:
             note(
                 f"{name}: a file was of an earlier version, without digests, in which edits do not "
                 "show",

@@ -58,21 +58,21 @@ def run(options: argparse.Namespace) -> int:
         check_robot(trace, options.robot, path)
         return trace
 
-    found = gather_field(list(map(read, options.recordings)), options.recordings)
+    field = gather_field(list(map(read, options.recordings)), options.recordings)
     apart: list[Apart] = []
     if options.against is not None:
-        apart = apart_from_twin(found, read(options.against))
+        apart = apart_from_twin(field, read(options.against))
     code = ExitCode.WOULD_CHANGE if apart else ExitCode.FINE
     if options.output is not None:
-        write_file(options.output, dump_field(found))
-        missions = counted(found.missions, "mission")
+        write_file(options.output, dump_field(field))
+        missions = counted(field.missions, "mission")
         note(f"{options.output}: the profile of {missions}", quiet=options.quiet)
     if options.json:
         print_json(
-            "field", exit_code=int(code), field=field_data(found), apart=list(map(str, apart))
+            "field", exit_code=int(code), field=field_data(field), apart=list(map(str, apart))
         )
         return int(code)
-    print_text(render_field(found, paper()))
+    print_text(render_field(field, paper()))
     if options.against is not None:
         show(*(map(str, apart) if apart else ["the twin lies within the field's intervals"]))
     return int(code)

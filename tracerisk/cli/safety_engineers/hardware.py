@@ -161,7 +161,7 @@ def _init(options: argparse.Namespace) -> int:
     )
     kind = named or options.format or "yaml"
     text = (starting_sysml if kind == "sysml" else starting_yaml)(hardware, robot.title)
-    names = [each.name for each in hardware.components]
+    names = [component.name for component in hardware.components]
     deliver(options, text, is_new=True)
     if options.json:
         print_json(
@@ -186,7 +186,10 @@ def _schema(options: argparse.Namespace) -> int:
 def _bound(hardware: Hardware, robot: Robot) -> dict[str, BoundComponent]:
     from tracerisk.common.hardware.binding import bind
 
-    return {each.component.name: each for each in bind(hardware, robot.elements)}
+    return {
+        bound_component.component.name: bound_component
+        for bound_component in bind(hardware, robot.elements)
+    }
 
 
 def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[str, Any]:
@@ -196,10 +199,13 @@ def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[
         "file": hardware.file,
         "hardware": description_data(hardware),
         "warnings": list(hardware.warnings),
-        "assumed": [each.name for each in hardware.components if each.is_assumed],
+        "assumed": [component.name for component in hardware.components if component.is_assumed],
         "units": None
         if bound is None
-        else {name: picked(each, "quantity", "elements") for name, each in bound.items()},
+        else {
+            name: picked(bound_component, "quantity", "elements")
+            for name, bound_component in bound.items()
+        },
     }
 
 
@@ -248,12 +254,12 @@ def _update(options: argparse.Namespace) -> int:
         if name is None:
             raise InputError("the field file names no robot; give --robot", Location(options.field))
         bound = _bound(hardware, named_robot(name))
-        units = {each: bound[each].elements for each in bound}
+        units = {key: bound[key].elements for key in bound}
     rows = read_failures(Path(options.failures))
-    found = updates(hardware, rows, options.failures, field, units)
-    _write_updated(options, found, "the field", updated_yaml)
+    result = updates(hardware, rows, options.failures, field, units)
+    _write_updated(options, result, "the field", updated_yaml)
     if options.json:
-        print_json("hardware", action="update", updates=list(map(_update_data, found)))
+        print_json("hardware", action="update", updates=list(map(_update_data, result)))
     return 0
 
 
@@ -274,10 +280,12 @@ def _take_figures(options: argparse.Namespace, hardware: Hardware) -> int:
 
     from tracerisk.pipeline.failure_data.supplier_table import read_figures, with_figures
 
-    found = read_figures(Path(options.figures), hardware)
-    _write_updated(options, found, options.figures, with_figures)
+    figures = read_figures(Path(options.figures), hardware)
+    _write_updated(options, figures, options.figures, with_figures)
     if options.json:
-        print_json("hardware", action="update", figures=[asdict(each) for each in found])
+        print_json(
+            "hardware", action="update", figures=[asdict(given_figure) for given_figure in figures]
+        )
     return 0
 
 

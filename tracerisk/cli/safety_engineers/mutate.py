@@ -43,37 +43,39 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the verb; 1 if too few changes are noticed, else 0."""
     with bar_of_cells("changes", "the run without a change", quiet=options.quiet) as progress:
-        found = api.mutate(
+        mutate = api.mutate(
             options.controller,
             shared.run_settings(options),
             campaign_options(options, progress),
             most=options.most,
         )
     least = options.min_noticed
-    is_below = least is not None and found.share < least
+    is_below = least is not None and mutate.share < least
     code = ExitCode.WOULD_CHANGE if is_below else ExitCode.FINE
     if options.json:
         print_json(
             "mutate",
             exit_code=int(code),
-            altered=len(found.altered),
-            noticed=found.share,
-            places=found.places,
-            planned=found.planned,
+            altered=len(mutate.altered),
+            noticed=mutate.share,
+            places=mutate.places,
+            planned=mutate.planned,
             runs=[
                 {**asdict(run), "altered": run.is_altered, "noticed_by": run.noticed_by}
-                for run in found.runs
+                for run in mutate.runs
             ],
-            success=list(found.success),
-            tried=len(found.runs),
-            unchanged=found.unchanged,
+            success=list(mutate.success),
+            tried=len(mutate.runs),
+            unchanged=mutate.unchanged,
         )
     else:
-        print_text(report.render_mutants(found, paper()))
-        show(report.summary_line(found))
-    _note(options, found)
+        print_text(report.render_mutants(mutate, paper()))
+        show(report.summary_line(mutate))
+    _note(options, mutate)
     if is_below:
-        note(f"tracerisk: success notices {found.share:.3g} of them, below --min-noticed {least:g}")
+        note(
+            f"tracerisk: success notices {mutate.share:.3g} of them, below --min-noticed {least:g}"
+        )
     return int(code)
 
 

@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     if options.plot is not None:
         write_file(options.plot, report.plot_svg(points))
     if options.json:
-        print_json("sweep", points=[asdict(each) for each in points])
+        print_json("sweep", points=[asdict(point) for point in points])
     else:
         print_text(report.render_points(points, paper()))
     return 0

@@ -67,7 +67,7 @@ class Choices:
     @property
     def has_speed(self) -> bool:
         """Whether the speed can be changed."""
-        return any(each.by_time for each in self.components)
+        return any(component.by_time for component in self.components)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,20 +101,24 @@ def choices_of(known: KnownController, hardware: Hardware | None) -> Choices:
     if known.model is None:
         return Choices((), ())
     blocks = [block for _, block in blocks_of(known.sources)]
-    described = {} if hardware is None else {each.name: each for each in hardware.components}
-    found = []
+    described = (
+        {} if hardware is None else {component.name: component for component in hardware.components}
+    )
+    choices = []
     for name in groups_of(known.model):
         entries = [
-            each for block in blocks for each in block.components if each.name == name
-            and not each.omitted
-        ]  # fmt: skip
+            component
+            for block in blocks
+            for component in block.components
+            if component.name == name and not component.omitted
+        ]
         if not entries:
             continue
-        shapes = {(each.quantity.value, each.redundancy.value) for each in entries}
+        shapes = {(entry.quantity.value, entry.redundancy.value) for entry in entries}
         quantity, redundancy = entries[0].quantity.value, entries[0].redundancy.value
         is_whole = len(shapes) == 1 and quantity <= _MOST_UNITS and not redundancy.has_spares
-        pinned = any(each.probability.pinned or each.added for each in entries)
-        found.append(
+        pinned = any(entry.probability.pinned or entry.added for entry in entries)
+        choices.append(
             Choice(
                 name,
                 value_of(known.model, name),
@@ -124,7 +128,7 @@ def choices_of(known: KnownController, hardware: Hardware | None) -> Choices:
                 by_time=not pinned and name in described and _counts_time(described[name]),
             )
         )
-    return Choices(tuple(found), tuple(_notes(found, hardware)))
+    return Choices(tuple(choices), tuple(_notes(choices, hardware)))
 
 
 def _units(quantity: int) -> tuple[tuple[int, int], ...]:
@@ -134,8 +138,8 @@ def _units(quantity: int) -> tuple[tuple[int, int], ...]:
 
 def _counts_time(component: Component) -> bool:
     return bool(component.figures) and all(
-        each.per.seconds is not None and not each.standby and each.kind != "weibull"
-        for each in component.figures
+        figure.per.seconds is not None and not figure.standby and figure.kind != "weibull"
+        for figure in component.figures
     )
 
 
@@ -146,9 +150,9 @@ def _notes(found: Sequence[Choice], hardware: Hardware | None) -> list[str]:
             "Speed is not offered: the hardware data behind the blocks is not known here; after "
             "`tracerisk run` it is."
         )
-    elif not any(each.by_time for each in found):
+    elif not any(choice.by_time for choice in found):
         notes.append("Speed is not offered: no component has figures by time in use alone.")
-    elif left := [each.name for each in found if not each.by_time]:
+    elif left := [choice.name for choice in found if not choice.by_time]:
         notes.append(
             f"Speed leaves {', '.join(left)} as they are: their figures are not by time in use "
             "alone, or set by hand."
@@ -161,7 +165,7 @@ def read_change(query: Mapping[str, Sequence[str]], choices: Choices) -> Change:
 
     Raises InputError for what is unknown, given twice, or out of range.
     """
-    components = {each.name: each for each in choices.components}
+    components = {choice.name: choice for choice in choices.components}
     rates: dict[str, float] = {}
     units: dict[str, tuple[int, int]] = {}
     speed = 1.0
@@ -218,8 +222,9 @@ def answer(known: KnownController, choices: Choices, change: Change, files: str)
         raise InputError(known.error or "has no figure; `tracerisk run` writes its blocks")
     model = _with_units(known, change.units)
     factors = {
-        each.name: change.rates.get(each.name, 1.0) / (change.speed if each.by_time else 1.0)
-        for each in choices.components
+        component.name: change.rates.get(component.name, 1.0)
+        / (change.speed if component.by_time else 1.0)
+        for component in choices.components
     }
     factors = {name: factor for name, factor in factors.items() if factor != 1.0}
     values = {name: factor * value_of(model, name) for name, factor in factors.items()}
@@ -241,37 +246,39 @@ def _with_units(known: KnownController, units: Mapping[str, tuple[int, int]]) ->
 
 def _block_with(block: RiskBlock, units: Mapping[str, tuple[int, int]]) -> RiskBlock:
     entries = []
-    for each in block.components:
-        if each.name in units and not each.omitted:
-            required, quantity = units[each.name]
-            before = each.redundancy.value or Redundancy(True)
+    for component in block.components:
+        if component.name in units and not component.omitted:
+            required, quantity = units[component.name]
+            before = component.redundancy.value or Redundancy(True)
             after = (
                 ALL_NEEDED
                 if required == quantity
                 else replace(before, is_redundant=True, required=required)
             )
-            each = replace(
-                each,
-                quantity=replace(each.quantity, value=quantity),
-                redundancy=replace(each.redundancy, value=after),
+            component = replace(
+                component,
+                quantity=replace(component.quantity, value=quantity),
+                redundancy=replace(component.redundancy, value=after),
             )
-        entries.append(each)
+        entries.append(component)
     return replace(block, components=tuple(entries))
 
 
 def _assumptions(change: Change) -> list[str]:
-    found = []
+    assumptions = []
     if change.rates:
-        found.append("A figure times a factor is so in every visit, as by `solve --set NAME=xF`.")
+        assumptions.append(
+            "A figure times a factor is so in every visit, as by `solve --set NAME=xF`."
+        )
     if change.speed != 1.0:
-        found.append(
+        assumptions.append(
             "At another speed the times in use are divided by it, and the rates stay: no torque "
             "grows with the speed, and nothing waits longer. A run at that speed knows better."
         )
     if change.units:
-        found.append(
+        assumptions.append(
             "Each unit keeps the figure of its block, and units fail independently but for the "
             "common cause that the block has; a failed one stays hidden until the mission ends "
             "unless the block says otherwise."
         )
-    return found
+    return assumptions

@@ -29,18 +29,18 @@ def what_if_section(choices: Choices, address: str) -> Section:
     """Return the sliders; `address` is where their script asks what comes of them."""
     rows = [
         {
-            "name": each.name,
-            "figure": figures.probability(each.figure),
-            "rate": f"{RATE}{each.name}",
-            "units": f"{UNITS}{each.name}",
-            "now": f"{each.required} of {each.quantity}",
+            "name": component.name,
+            "figure": figures.probability(component.figure),
+            "rate": f"{RATE}{component.name}",
+            "units": f"{UNITS}{component.name}",
+            "now": f"{component.required} of {component.quantity}",
             "choices": [
                 {"value": f"{k}of{n}", "text": f"{k} of {n}"}
-                for k, n in each.units
-                if (k, n) != (each.required, each.quantity)
+                for k, n in component.units
+                if (k, n) != (component.required, component.quantity)
             ],
         }
-        for each in choices.components
+        for component in choices.components
     ]
     html = rendered(
         "what_if.html.j2",

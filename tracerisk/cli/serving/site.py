@@ -108,14 +108,16 @@ class Site:
             self._seen = {}
         known = self._read()
         reports = reports_in(Path(), known)
-        links = report_links([each.name for each in known], reports)
+        links = report_links([known_controller.name for known_controller in known], reports)
         rows = [
             overview_row(
-                each,
-                link=f"/controller/{quote(each.name)}",
-                report=f"/files/{quote(links[each.name])}" if each.name in links else "",
+                known_controller,
+                link=f"/controller/{quote(known_controller.name)}",
+                report=f"/files/{quote(links[known_controller.name])}"
+                if known_controller.name in links
+                else "",
             )
-            for each in known
+            for known_controller in known
         ]
         title = self._root.name
         return _shown(f"Risk of {title}", overview_lead(title, rows), [overview_section(rows)])
@@ -193,7 +195,7 @@ class Site:
         refused = _page(
             "There is no such report", "Reports of this repository are shown, no other file.", 404
         )
-        if "\0" in name or any(each.startswith(".") or not each for each in parts):
+        if "\0" in name or any(part.startswith(".") or not part for part in parts):
             return refused
         path = (self._root / name).resolve()
         if not path.is_relative_to(self._root) or path.suffix != ".html" or not is_report(path):
@@ -223,14 +225,14 @@ class Site:
 
     def _files(self, folders: Sequence[Path], known: Sequence[KnownController]) -> list[Path]:
         names = (LOCK_NAME, "pyproject.toml", EVIDENCE_NAME)
-        found = [folder / name for folder in folders for name in names]
-        found += [Path(".git", "logs", "HEAD")]
-        for each in known:
-            found += [each.path, *map(Path, each.sources)]
-        return list(dict.fromkeys(found))
+        paths = [folder / name for folder in folders for name in names]
+        paths += [Path(".git", "logs", "HEAD")]
+        for known_controller in known:
+            paths += [known_controller.path, *map(Path, known_controller.sources)]
+        return list(dict.fromkeys(paths))
 
     def _named(self, name: str) -> KnownController:
-        known = {each.name: each for each in self._read()}
+        known = {known_controller.name: known_controller for known_controller in self._read()}
         if name not in known:
             raise _UnknownNameError("No lock of this repository knows it.")
         return known[name]
@@ -284,13 +286,15 @@ def _answer_data(found: Answer) -> dict[str, Any]:
         "assumptions": list(found.assumptions),
         "command": found.command,
         "components": [
-            {"name": each.name, "share": each.fussell_vesely} for each in found.after.components
+            {"name": component.name, "share": component.fussell_vesely}
+            for component in found.after.components
         ],
         "before": before.failure_probability,
         "after": after.failure_probability,
         "ratio": ratio,
         "functions": [
-            {"name": each.name, "ends": each.absorption_probability} for each in found.after.states
+            {"name": state.name, "ends": state.absorption_probability}
+            for state in found.after.states
         ],
     }
 

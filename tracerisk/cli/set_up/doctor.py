@@ -40,39 +40,39 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    found: dict[str, str] = {
+    texts: dict[str, str] = {
         "tracerisk": __version__,
         "python": f"{platform.python_version()} ({sys.platform})",
     }
     faults: dict[str, str] = {}
-    _packages(found, faults)
+    _packages(texts, faults)
     missing = missing_extras()
     for extra in missing:
-        found[f"extra {extra}"] = f"not installed: {install_command(extra)}"
+        texts[f"extra {extra}"] = f"not installed: {install_command(extra)}"
     if "sim" not in missing:
-        _look(found, faults, "engine", _engine)
-        _look(found, faults, "physics", _physics)
-    _look(found, faults, "robots", _robots)
-    _look(found, faults, "sandbox", _sandbox)
+        _look(texts, faults, "engine", _engine)
+        _look(texts, faults, "physics", _physics)
+    _look(texts, faults, "robots", _robots)
+    _look(texts, faults, "sandbox", _sandbox)
     settings: dict[str, dict[str, Any]] = {}
     if options.controller is None:
-        found["installed ROS"] = _of_environment()
+        texts["installed ROS"] = _of_environment()
     else:
         given = {"robot": options.robot, "sandbox": options.sandbox}
         controller = api.load_controller(options.controller)
         in_use = api.load_settings(controller, given)
-        found.update(_of_controller(controller, in_use))
+        texts.update(_of_controller(controller, in_use))
         settings = _settings(controller, in_use, given)
     code = ExitCode.INTERNAL_FAULT if faults else ExitCode.FINE
     if options.json:
-        print_json("doctor", exit_code=int(code), found=found, settings=settings, faults=faults)
+        print_json("doctor", exit_code=int(code), found=texts, settings=settings, faults=faults)
         return int(code)
-    for name, text in found.items():
+    for name, text in texts.items():
         show(*_wrapped(f"{name}: {text}"))
     if settings:
         show("settings:")
     # A terminal gets what was set, a pipe every setting.
-    plain = [name for name, each in settings.items() if each["from"] == "default"]
+    plain = [name for name, fields in settings.items() if fields["from"] == "default"]
     brief = plain if sys.stdout.isatty() else []
     for name, setting in settings.items():
         if name not in brief:
@@ -170,7 +170,7 @@ def _of_environment() -> str:
 
     here = Project(Path.cwd())
     of_both = (here.prefixes(1, Settings()), here.prefixes(2, Settings()))
-    return _installed(tuple(dict.fromkeys(prefix for found in of_both for prefix in found)))
+    return _installed(tuple(dict.fromkeys(prefix for prefixes in of_both for prefix in prefixes)))
 
 
 def _installed(prefixes: Sequence[Prefix]) -> str:
@@ -197,19 +197,19 @@ def _settings(
     controller: Controller, settings: Settings, given: Mapping[str, str | None]
 ) -> dict[str, dict[str, Any]]:
     """Return each setting of a controller: its value, where it comes from, and the place there."""
-    found = {}
+    fieldses = {}
     for name, origin in controller.project.setting_origins(controller.file).items():
         place = origin.location
         source = "default" if place is None else "controller" if origin.is_own else "all"
         if given.get(name) is not None:
             source, place = "command line", None
-        found[name] = {
+        fieldses[name] = {
             "value": getattr(settings, name),
             "from": source,
             "file": None if place is None else os.path.relpath(place.file),
             "line": None if place is None else place.line,
         }
-    return found
+    return fieldses
 
 
 def _shown(value: Any) -> str:
@@ -239,45 +239,47 @@ def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]
     from tracerisk.pipeline.workspace.ros_distro import choose_distro
     from tracerisk.pipeline.workspace.workspace import prefixes_of
 
-    found = {"controller": controller.file, "root": str(controller.root)}
+    of_controller = {"controller": controller.file, "root": str(controller.root)}
     if controller.is_python:
         distro = choose_distro(controller, settings)
         assumed = "assumed: " if distro.is_assumed else ""
-        found["ros_distro"] = f"{distro.name} ({assumed}{distro.found_in})"
-        found["installed ROS"] = _installed(prefixes_of(controller, settings))
+        of_controller["ros_distro"] = f"{distro.name} ({assumed}{distro.found_in})"
+        of_controller["installed ROS"] = _installed(prefixes_of(controller, settings))
         absent = [name for name in settings.ros_prefixes if not Path(name).is_dir()]
         if absent:
-            found["ros_prefixes that are not there"] = ", ".join(absent)
+            of_controller["ros_prefixes that are not there"] = ", ".join(absent)
     launch = LaunchChoice()
     try:
         launch = choose_launch(controller, settings)
         text = "; ".join(note.removeprefix("launch: ") for note in launch.notes)
-        found["launch"] = text or "nothing from a launch file"
+        of_controller["launch"] = text or "nothing from a launch file"
     except LimitError:
         raise
     except TraceRiskError as error:
-        found["launch"] = f"not known: {error}"
+        of_controller["launch"] = f"not known: {error}"
     try:
         choice = choose_launched_robot(controller, settings, launch)
         robot = choice.robot
         doubt = "; some figures are assumed" if robot.approximate else ""
-        found["robot"] = f"{robot.name} ({robot.chosen_by}{doubt})"
+        of_controller["robot"] = f"{robot.name} ({robot.chosen_by}{doubt})"
         if robot.doubt:
-            found["robot assumed"] = robot.doubt
+            of_controller["robot assumed"] = robot.doubt
         if choice.evidence:
-            found["what speaks for robots"] = "; ".join(map(str, choice.evidence[:_MOST_EVIDENCE]))
-        found.update(_parts(robot))
+            of_controller["what speaks for robots"] = "; ".join(
+                map(str, choice.evidence[:_MOST_EVIDENCE])
+            )
+        of_controller.update(_parts(robot))
         if choice.files:
-            found["robot files read"] = ", ".join(map(str, choice.files))
+            of_controller["robot files read"] = ", ".join(map(str, choice.files))
         if choice.skipped:
-            found["robot files not taken"] = "; ".join(choice.skipped)
-        found["scene"] = settings.scene or robot.default_scene or "none; give --scene"
-        found["hardware"] = api.load_hardware(settings, robot.name).file
+            of_controller["robot files not taken"] = "; ".join(choice.skipped)
+        of_controller["scene"] = settings.scene or robot.default_scene or "none; give --scene"
+        of_controller["hardware"] = api.load_hardware(settings, robot.name).file
     except LimitError:
         raise
     except TraceRiskError as error:
-        found["robot"] = f"not known: {error}"
-    return found
+        of_controller["robot"] = f"not known: {error}"
+    return of_controller
 
 
 def _parts(robot: Robot) -> dict[str, str]:

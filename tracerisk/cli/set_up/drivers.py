@@ -48,19 +48,24 @@ def run(options: argparse.Namespace) -> int:
 
         drivers = tuple(check_driver(Path(name)) for name in options.files)
     if options.json:
-        print_json("drivers", action=options.action, drivers=[_as_json(each) for each in drivers])
+        print_json("drivers", action=options.action, drivers=[_as_json(item) for item in drivers])
         return 0
     for driver in drivers:
         show(f"{driver.name} ({driver.file}): {_counted(driver)}")
         if options.action == "check":
-            for each in driver.interfaces:
-                show(f"  {each.kind.rstrip('s').replace('_', ' ')} {each.name} ({each.types[0]})")
+            for interface in driver.interfaces:
+                show(
+                    f"  {interface.kind.rstrip('s').replace('_', ' ')} {interface.name} "
+                    f"({interface.types[0]})"
+                )
     return 0
 
 
 def _counted(driver: Driver) -> str:
     kinds = ("services", "actions", "subscribed_topics", "published_topics")
-    counts = {kind: sum(each.kind == kind for each in driver.interfaces) for kind in kinds}
+    counts = {
+        kind: sum(interface.kind == kind for interface in driver.interfaces) for kind in kinds
+    }
     lines = [
         f"{count} {kind.replace('_', ' ') if count != 1 else kind[:-1].replace('_', ' ')}"
         for kind, count in counts.items()
@@ -72,6 +77,8 @@ def _counted(driver: Driver) -> str:
 def _as_json(driver: Driver) -> dict[str, Any]:
     return {
         **picked(driver, "name", "file", "origin"),
-        "interfaces": [picked(each, "kind", "name", "types") for each in driver.interfaces],
+        "interfaces": [
+            picked(interface, "kind", "name", "types") for interface in driver.interfaces
+        ],
         "parameters": sorted(driver.parameters),
     }

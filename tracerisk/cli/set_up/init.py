@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
             controllers=list(start.controllers),
             robots={name: list(files) for name, files in start.robots.items()},
             asked={name: list(told) for name, told in start.asked.items()},
-            files=[each.path for each in start.files],
+            files=[file.path for file in start.files],
             written=is_written,
         )
         return 0
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
 def _show(start: ProjectStart) -> None:
     count = len(start.controllers)
     show(f"{count} controller{'' if count == 1 else 's'} found")
-    show(*(f"  {each}" for each in start.controllers[:_MOST_SHOWN]))
+    show(*(f"  {controller}" for controller in start.controllers[:_MOST_SHOWN]))
     if count > _MOST_SHOWN:
         show(f"  and {count - _MOST_SHOWN} more")
     for robot, files in start.robots.items():
@@ -88,9 +88,9 @@ def _show(start: ProjectStart) -> None:
         show("Everything is there already.")
         return
     show("To write:")
-    for each in start.files:
-        kind = "" if each.is_new else ", a table more"
-        show(f"  {each.path}{kind}: {each.why}")
+    for file in start.files:
+        kind = "" if file.is_new else ", a table more"
+        show(f"  {file.path}{kind}: {file.why}")
 
 
 def _agreed(options: argparse.Namespace) -> bool:
@@ -103,13 +103,13 @@ def _write(start: ProjectStart) -> tuple[str, ...]:
     from tracerisk.pipeline.history.merge_driver import install_merge_driver
 
     writes = []
-    for each in start.files:
-        path = start.root / each.path
+    for file in start.files:
+        path = start.root / file.path
         path.parent.mkdir(parents=True, exist_ok=True)
         before = path.read_bytes() if path.exists() else None
-        writes.append(FileWrite(path, each.content, expected=before))
+        writes.append(FileWrite(path, file.content, expected=before))
     write_all(writes)
-    done = tuple(f"{each.path}: written" for each in start.files)
+    done = tuple(f"{file.path}: written" for file in start.files)
     try:
         return (*done, *install_merge_driver(start.root))
     except InputError:

@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
 
     names = shipped_names()
     if options.json:
-        print_json("robots", robots=[_listed_as_json(each) for each in names])
+        print_json("robots", robots=[_listed_as_json(name) for name in names])
     else:
         show(*_listed(names))
     return 0
@@ -72,13 +72,13 @@ def interfaces(robot: Robot) -> list[dict[str, str]]:
 
     Each has its `kind` (action, topic or service), `name` and `type`.
     """
-    found = [
+    rows = [
         (kind, f"{controller.name}{suffix}", message)
         for controller in robot.controllers
         for kind, suffix, message in _BY_CONTROLLER[controller.type]
     ]
     return [
-        {"kind": kind, "name": name, "type": message} for kind, name, message in (*found, *_ALWAYS)
+        {"kind": kind, "name": name, "type": message} for kind, name, message in (*rows, *_ALWAYS)
     ]
 
 
@@ -96,14 +96,14 @@ def _listed_as_json(names: RobotNames) -> dict[str, Any]:
 def _listed(robots: Iterable[RobotNames]) -> list[str]:
     rows = [
         (
-            each.name,
-            each.title,
-            str(len(each.arm_joints)),
-            ", ".join(each.grippers) or "-",
-            "-" if each.payload is None else f"{each.payload:g} kg",
-            _public_source(each.source),
+            robot.name,
+            robot.title,
+            str(len(robot.arm_joints)),
+            ", ".join(robot.grippers) or "-",
+            "-" if robot.payload is None else f"{robot.payload:g} kg",
+            _public_source(robot.source),
         )
-        for each in robots
+        for robot in robots
     ]
     heads = ("name", "robot", "joints", "gripper", "payload", "figures from")
     return [*_table(_fitting((heads, *rows))), "", "`tracerisk robots NAME` shows one of them."]
@@ -146,10 +146,12 @@ def _as_json(robot: Robot) -> dict[str, Any]:
             }
             for gripper in robot.grippers
         ],
-        "controllers": [picked(each, "name", "type", "joints") for each in robot.controllers],
+        "controllers": [
+            picked(controller, "name", "type", "joints") for controller in robot.controllers
+        ],
         "interfaces": interfaces(robot),
         "actuators": dict(robot.actuators),
-        "sensors": [picked(each, "name", "kind", "part", "topics") for each in robot.sensors],
+        "sensors": [picked(sensor, "name", "kind", "part", "topics") for sensor in robot.sensors],
         "measured": _measured(robot),
     }
 
@@ -211,10 +213,15 @@ def _described(robot: Robot) -> list[str]:
     lines += [f"  {group}: {', '.join(states)}" for group, states in robot.named_states.items()]
     if not robot.named_states:
         lines.append("  none")
-    served = [(each["kind"], each["name"], each["type"]) for each in interfaces(robot)]
+    served = [
+        (interface["kind"], interface["name"], interface["type"]) for interface in interfaces(robot)
+    ]
     lines += ["", "served, under these and other names:", *_indented(_table(served))]
     touch = ", ".join(pad for gripper in robot.grippers for pad in gripper.pads)
-    rows = [(each.name, each.kind, each.part, ", ".join(each.topics)) for each in robot.sensors]
+    rows = [
+        (sensor.name, sensor.kind, sensor.part, ", ".join(sensor.topics))
+        for sensor in robot.sensors
+    ]
     lines += ["", "sensors:", *_indented(_table(rows) if rows else ["none"])]
     lines += ["", "measured by the twin:", "  position, velocity and torque of every joint"]
     if touch:
@@ -228,7 +235,7 @@ def _joint_rows(robot: Robot) -> list[tuple[str, str, str, str, str, str, str]]:
         limits = (joint.velocity_limit, joint.acceleration_limit, joint.torque_limit)
         lower, upper = f"{joint.lower:.4g}", f"{joint.upper:.4g}"
         ends = ("-", "-") if joint.type == "continuous" else (lower, upper)
-        speed, acceleration, torque = (f"{each:.4g}" for each in limits)
+        speed, acceleration, torque = (f"{limit:.4g}" for limit in limits)
         rows.append((joint.name, joint.type, *ends, speed, acceleration, torque))
     return rows
 

@@ -67,9 +67,9 @@ def detected(data: bytes, name: str) -> ModelFormat | None:
         return _json_format(text)
     start = _SKIPPED.match(text, 0, _HEAD)
     place = start.end() if start else 0
-    for start_of, found in _TEXTS:
+    for start_of, model_format in _TEXTS:
         if start_of.match(text, place, place + _HEAD):
-            return found
+            return model_format
     return SUFFIXES.get(os.path.splitext(name)[1].lower())  # noqa: PTH122 - no start needs pathlib
 
 

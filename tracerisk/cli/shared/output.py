@@ -123,12 +123,12 @@ def note_without_controllers(options: argparse.Namespace, projects: Projects) ->
     """Print a line for each named file without risk blocks on which no controller depends."""
     from tracerisk.pipeline.freshness.known_controllers import without_controllers
 
-    found = without_controllers(options.files, projects)
-    for name in found[:_MOST_NAMED]:
+    controllers = without_controllers(options.files, projects)
+    for name in controllers[:_MOST_NAMED]:
         message = "no risk blocks, and no controller depends on it"
         note(f"{name}: {message}; `tracerisk run {name}` writes blocks", quiet=options.quiet)
-    if len(found) > _MOST_NAMED:
-        note(f"and {len(found) - _MOST_NAMED} more files without blocks", quiet=options.quiet)
+    if len(controllers) > _MOST_NAMED:
+        note(f"and {len(controllers) - _MOST_NAMED} more files without blocks", quiet=options.quiet)
 
 
 def place_data(place: Location | None) -> dict[str, object]:

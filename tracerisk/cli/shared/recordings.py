@@ -91,9 +91,9 @@ def _declared(
 
     settings, file, root = Settings(), "", Path()
     if controller is not None:
-        found = api.load_controller(controller)
-        settings = api.load_settings(found, shared.run_settings(options))
-        file, root = found.file, found.root
+        result = api.load_controller(controller)
+        settings = api.load_settings(result, shared.run_settings(options))
+        file, root = result.file, result.root
     name = options.robot or settings.robot
     with open_recording(path):
         # A file that is no recording is reported first, before what is missing beside it.
@@ -105,7 +105,7 @@ def _declared(
         raise SettingsError(f"--encoder-step: {step:g} is not allowed; give 0 to 1 rad (m)")
     unit = options.effort_unit or robot.effort_unit
     commands, functions = (
-        None if each is None else Path(each) for each in (options.commands, options.functions)
+        None if item is None else Path(item) for item in (options.commands, options.functions)
     )
     return robot, Declared(
         effort_unit=parse_effort_unit(unit) if unit else None,

@@ -54,21 +54,25 @@ def object_lines(trace: Trace) -> list[str]:
 
 
 def _goal_lines(trace: Trace) -> list[str]:
-    with_goal = [each for each in trace.objects if each.goal is not None]
+    with_goal = [object_offset for object_offset in trace.objects if object_offset.goal is not None]
     if not with_goal:
         return []
-    at_goal = [each for each in with_goal if each.upright and each.offset_m < _AT_GOAL_M]
+    at_goal = [
+        object_offset
+        for object_offset in with_goal
+        if object_offset.upright and object_offset.offset_m < _AT_GOAL_M
+    ]
     if not at_goal:
         return [f"objects: none of {len(with_goal)} stands at its goal"]
     lines = [f"objects: {len(at_goal)} of {len(with_goal)} stand at their goal"]
     if at_goal:
-        largest = max(each.offset_m for each in at_goal)
+        largest = max(object_offset.offset_m for object_offset in at_goal)
         lines[0] += f", at most {1000.0 * largest:.2f} mm off"
     lines += [
-        f"  {each.name}: {1000.0 * each.offset_m:.1f} mm from {each.goal}"
-        + ("" if each.upright else ", not upright")
-        for each in with_goal
-        if each not in at_goal
+        f"  {object_offset.name}: {1000.0 * object_offset.offset_m:.1f} mm from "
+        f"{object_offset.goal}" + ("" if object_offset.upright else ", not upright")
+        for object_offset in with_goal
+        if object_offset not in at_goal
     ]
     return lines
 
@@ -86,8 +90,9 @@ def finding_lines(trace: Trace) -> list[str]:
     """Return the findings of a run, and the functions of which it shows nothing."""
     lines = [finding_line(finding) for finding in trace.findings]
     lines += [
-        f"{each.ref.file}:{each.line}: {each.ref.name} can move the arm and never ran: no risk data"
-        for each in trace.uncovered
+        f"{uncovered.ref.file}:{uncovered.line}: {uncovered.ref.name} can move the arm and never "
+        "ran: no risk data"
+        for uncovered in trace.uncovered
     ]
     return lines
 
@@ -111,7 +116,7 @@ def trace_lines(trace: Trace) -> list[str]:
     """Return what the trace holds of each relevant function, a line each."""
     lines = []
     names = model_names([function.ref for function in trace.functions])
-    sensors = {each.name: each for each in trace.elements if each.kind == "sensor"}
+    sensors = {element.name: element for element in trace.elements if element.kind == "sensor"}
     for function in trace.functions:
         visits = [visit for visit in trace.visits if visit.function == function.ref]
         seconds: dict[str, float] = {}
@@ -146,12 +151,12 @@ def _by_kind(
     read: Mapping[str, float], sensors: Mapping[str, Element]
 ) -> Iterable[tuple[str, float]]:
     """Return for how long sensors were read, those in joints together: the longest of a kind."""
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for name, seconds in read.items():
         kind = sensors[name].sensor
         shown = _TOGETHER.get(kind or "", name)
-        found[shown] = max(found.get(shown, 0.0), seconds)
-    return [(name, seconds) for name, seconds in found.items() if seconds >= _SHOWN_S]
+        values[shown] = max(values.get(shown, 0.0), seconds)
+    return [(name, seconds) for name, seconds in values.items() if seconds >= _SHOWN_S]
 
 
 def print_failure(trace: Trace) -> int:
@@ -193,7 +198,7 @@ def write_outputs(options: argparse.Namespace, computed: ComputedBlocks) -> None
     """Write the log where one was asked for."""
     if options.log is not None:
         names = computed.names
-        log = {QualifiedName(names[ref]): found for ref, found in computed.observed.items()}
+        log = {QualifiedName(names[ref]): item for ref, item in computed.observed.items()}
         write_file(options.log, write_log(log))
 
 

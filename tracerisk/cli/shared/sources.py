@@ -53,13 +53,13 @@ def model_of_sources(files: Sequence[str], profile: ProfileText) -> HybridModel:
     if len(set(files)) != len(files):
         raise InputError("a file is named twice; name each once")
     sources = {name: read_file(name) for name in files}
-    name = "+".join(Path(each).name for each in files)
+    name = "+".join(Path(file).name for file in files)
     if any(_HAS_EVIDENCE.search(source) for source in sources.values()):
         from tracerisk.config import controller_root
         from tracerisk.pipeline.freshness.used_evidence import edited_evidence
 
         note("blocks take evidence: they count only failures that ended the mission on the twin")
-        for root in dict.fromkeys(controller_root(Path(each)) for each in files):
+        for root in dict.fromkeys(controller_root(Path(file)) for file in files):
             for edited in edited_evidence(root):
                 note(f"warning: {edited}")
     return build(sources, name=name, profile=_profile_fractions(profile))
@@ -115,10 +115,10 @@ def read_profile(options: argparse.Namespace) -> ProfileText:
 
             from tracerisk.common.field.file import read_field
 
-            found = read_field(Path(text)).shares()
-            if twice := sorted(found.keys() & profile.keys()):
+            shares = read_field(Path(text)).shares()
+            if twice := sorted(shares.keys() & profile.keys()):
                 raise InputError(f"--profile names '{twice[0]}' twice; give each function once")
-            profile |= found
+            profile |= shares
             continue
         # Two colons are part of a name in C++.
         function, *rest = _COLON.split(text, maxsplit=1)

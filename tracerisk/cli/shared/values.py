@@ -63,7 +63,7 @@ def shard(text: str) -> tuple[int, int]:
     """Read which part of a campaign to run, as in 1/4."""
     index, slash, of = text.partition("/")
     if slash and index.isdecimal() and of.isdecimal() and len(of) <= 5:
-        found = int(index), int(of)
-        if 1 <= found[0] <= found[1] <= 10_000:
-            return found
+        pair = int(index), int(of)
+        if 1 <= pair[0] <= pair[1] <= 10_000:
+            return pair
     raise _refused(f"'{text}': expected I/N such as 1/4, I from 1 to N")

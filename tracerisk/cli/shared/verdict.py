@@ -44,10 +44,15 @@ def verdict_details(verdict: Verdict | None) -> list[str]:
         return []
     opened = verdict.open_reasons
     # The first reason is in the line, unless it is a function that never ran.
-    first = next((each for each in opened if each.code != NEVER_RAN), None)
-    lines = [str(each) for each in opened if each is not first]
-    lines += [f"accepted: {each}: {each.accepted}" for each in verdict.reasons if each.accepted]
-    lines += [f"accepted, and did not occur: {each}" for each in verdict.unused_acceptances]
+    first = next((reason for reason in opened if reason.code != NEVER_RAN), None)
+    lines = [str(reason) for reason in opened if reason is not first]
+    lines += [
+        f"accepted: {reason}: {reason.accepted}" for reason in verdict.reasons if reason.accepted
+    ]
+    lines += [
+        f"accepted, and did not occur: {unused_acceptance}"
+        for unused_acceptance in verdict.unused_acceptances
+    ]
     return lines
 
 
@@ -64,8 +69,8 @@ def sources_verdict(files: Sequence[str]) -> SourcesVerdict | None:
     sources = {name: read_file(name) for name in files}
     if any(text.lstrip().startswith(b"{") for text in sources.values()):
         return None
-    found = source_verdicts(sources)
-    return SourcesVerdict(tuple(source_verdict_lines(found)), found)
+    table = source_verdicts(sources)
+    return SourcesVerdict(tuple(source_verdict_lines(table)), table)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +85,7 @@ class SourcesVerdict:
     def data(self) -> dict[str, Any]:
         """Return what `--json` says of them."""
         plain = [
-            {"controller": name, **verdict_json(each)} for name, each in self.by_controller.items()
+            {"controller": name, **verdict_json(verdict)}
+            for name, verdict in self.by_controller.items()
         ]
         return {"verdict_line": "; ".join(self.lines), "verdicts": plain}

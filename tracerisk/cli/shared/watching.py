@@ -94,12 +94,12 @@ def state_of(files: Collection[Path]) -> State:
 
 def _look(file: Path) -> object:
     try:
-        found = file.stat()
+        stat = file.stat()
         if file.is_dir():
-            return frozenset(each.name for each in file.iterdir() if each.suffix in _ENDINGS)
+            return frozenset(path.name for path in file.iterdir() if path.suffix in _ENDINGS)
     except OSError:
         return None
-    return found.st_mtime_ns, found.st_size, found.st_ino
+    return stat.st_mtime_ns, stat.st_size, stat.st_ino
 
 
 def note_error(error: TraceRiskError) -> None:
@@ -137,7 +137,7 @@ def watch(
             place = [] if error.location is None else [Path(error.location.file)]
             beside = [] if sources is None else sources.glob("*.py")
             watched.follow({*watched.files, *place, *beside})
-        count = sum(1 for each in watched.files if each.is_file())
+        count = sum(1 for file in watched.files if file.is_file())
         text = f"watching {count} file{'' if count == 1 else 's'}; Ctrl-C ends"
         note(text, quiet=quiet)
         note(f"{_named(watched.wait())} changed", quiet=quiet)
@@ -149,7 +149,7 @@ def _settle(watched: Watch) -> None:
 
 
 def _named(files: Collection[Path]) -> str:
-    names = [each.name or str(each) for each in files if not each.is_dir()]
-    names = names or [f"{each.resolve().name}/" for each in files]
+    names = [file.name or str(file) for file in files if not file.is_dir()]
+    names = names or [f"{file.resolve().name}/" for file in files]
     more = f" and {len(names) - 2} more" if len(names) > 2 else ""
     return ", ".join(names[:2]) + more if names else "a file"

@@ -117,15 +117,15 @@ class ChainFile:
             assert isinstance(read, ExplicitChain)
             chain, notes = read, read.notes
         answers = ask(chain, questions, own)
-        names = [each.question.name or each.question.text for each in answers]
-        figures = {name: each.greatest for name, each in zip(names, answers, strict=True)}
+        names = [answer.question.name or answer.question.text for answer in answers]
+        figures = {name: answer.greatest for name, answer in zip(names, answers, strict=True)}
         data = [
             {
-                "name": each.question.name,
-                "property": each.question.text,
-                **picked(each, "least", "greatest", "holds"),
+                "name": answer.question.name,
+                "property": answer.question.text,
+                **picked(answer, "least", "greatest", "holds"),
             }
-            for each in answers
+            for answer in answers
         ]
         return Solved(
             {name: figures[name] for name in chosen(tuple(figures), figure, self.name)},
@@ -133,7 +133,7 @@ class ChainFile:
             ((render_answers, (self.name, answers)),),
             notes,
             broken=tuple(
-                name for name, each in zip(names, answers, strict=True) if each.holds is False
+                name for name, answer in zip(names, answers, strict=True) if answer.holds is False
             ),
         )
 
@@ -162,8 +162,8 @@ class ChainFile:
             shares = continuous.steady_state()
             names = chosen(tuple(shares), figure, self.name)
             shown = (render_states, (self.name, "share of the time in the long run", shares))
-            found = {name: shares[name] for name in names}
-            return Solved(found, {"steady_state": shares}, (shown,), chain.notes)
+            values = {name: shares[name] for name in names}
+            return Solved(values, {"steady_state": shares}, (shown,), chain.notes)
         solution = continuous.solve(chain.entry)
         visits = solution.expected_visits()
         time = solution.expected_time()
@@ -196,12 +196,12 @@ class ChainFile:
     def _at_time(self, chain: ExplicitChain, time: float, figure: str | None) -> Solved:
         if chain.kind is ChainKind.DTMC:
             raise InputError("--mission-time goes with a ctmc; a dtmc has steps, and no time")
-        found = chain.continuous_chain().transient(chain.entry, time)
-        names = chosen(tuple(found), figure, self.name)
+        transient = chain.continuous_chain().transient(chain.entry, time)
+        names = chosen(tuple(transient), figure, self.name)
         heading = f"probability after {time:g}"
         return Solved(
-            {name: found[name] for name in names},
-            {"entry": chain.entry, "distribution": found},
-            ((render_states, (self.name, heading, found)),),
+            {name: transient[name] for name in names},
+            {"entry": chain.entry, "distribution": transient},
+            ((render_states, (self.name, heading, transient)),),
             chain.notes,
         )

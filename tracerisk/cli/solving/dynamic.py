@@ -52,8 +52,10 @@ class DynamicFile:
             if value < 0.0:
                 raise InputError(f"event '{name}': the rate {value!r} is below zero")
         events = tuple(
-            _changed(each, values[each.name]) if each.name in values else each
-            for each in self.tree.events
+            _changed(dynamic_event, values[dynamic_event.name])
+            if dynamic_event.name in values
+            else dynamic_event
+            for dynamic_event in self.tree.events
         )
         changes = {**self.changes, **values}
         return replace(self, tree=replace(self.tree, events=events), changes=changes)
@@ -68,7 +70,7 @@ class DynamicFile:
     def solve(self, figure: str | None, *, importance: bool) -> Solved:
         """Solve the tree."""
         chosen((self.tree.top,), figure, self.name)
-        fixed = all(isinstance(each.model, Constant | PerDemand) for each in self.tree.events)
+        fixed = all(isinstance(event.model, Constant | PerDemand) for event in self.tree.events)
         if self.mission_time_h is None and not fixed:
             raise no_mission_time(self.name)
         solution = self.tree.solve(mission_time_h=self.mission_time_h or 0.0)
@@ -79,7 +81,7 @@ class DynamicFile:
         ]
         if importance:
             rows = tuple(solution.importance())
-            top["importance"] = [asdict(each) for each in rows]
+            top["importance"] = [asdict(row) for row in rows]
             shown.append((render_top_importance, (self.name, rows)))
         return Solved({self.name: pair.p}, {"tops": [top]}, tuple(shown), (), (self.name,))
 
@@ -95,7 +97,7 @@ class DynamicFile:
         )
 
     def _event(self, name: str) -> DynamicEvent:
-        events = {each.name: each for each in self.tree.events}
+        events = {dynamic_event.name: dynamic_event for dynamic_event in self.tree.events}
         if name not in events:
             raise InputError(f"there is no event '{name}'; {one_of(events, name)}")
         event = events[name]

@@ -171,7 +171,9 @@ def _own_rate(name: str, where: str, description: str | None) -> float:
 
     if description is None:
         raise InputError(f"{where}: say with --hardware FILE which rate it takes the place of")
-    components = {each.name: each for each in read_description(Path(description)).components}
+    components = {
+        component.name: component for component in read_description(Path(description)).components
+    }
     if name not in components:
         raise InputError(f"{where}: no component '{name}'; {one_of(components, name)}")
     figures = components[name].figures
@@ -212,7 +214,7 @@ def parse_sweeps(
     options: argparse.Namespace, read: Callable[[str, str], float]
 ) -> list[tuple[str, float, float, int]]:
     """Return the name, the ends and the number of values of each `--sweep`."""
-    found = []
+    sweeps = []
     for text in options.sweeps:
         form = "NAME=LOW:HIGH[:N], such as motor=1e-9:1e-5:9"
         name, scale = _named(text, "--sweep", form)
@@ -226,8 +228,8 @@ def parse_sweeps(
         is_count = points.isascii() and points.isdigit() and len(points) < 9
         if not is_count or not 2 <= int(points) <= MOST_POINTS:
             raise InputError(f"--sweep {text}: '{points}' points; allowed: 2 to {MOST_POINTS}")
-        found.append((name, low, high, int(points)))
-    return found
+        sweeps.append((name, low, high, int(points)))
+    return sweeps
 
 
 def uncertainty_of(
@@ -289,12 +291,12 @@ def parse_error_factors(
                 f"--error-factor {text}: expected [NAME=]F, such as 3 or gripper=3"
             ) from None
         into = own if equals else general
-        for each in (known(name),) if equals else everything:
-            if each in into:
+        for key in (known(name),) if equals else everything:
+            if key in into:
                 raise InputError(
                     f"--error-factor {text}: {name or 'every component'} has one; give it once"
                 )
-            into[each] = Lognormal(factor)
+            into[key] = Lognormal(factor)
     return general | own
 
 
@@ -315,9 +317,9 @@ def what_if_data(
     """Return what was asked as plain data for `--json`, only what was asked for."""
     data: dict[str, Any] = {}
     if changes:
-        data["set"] = [asdict(each) for each in changes]
+        data["set"] = [asdict(change) for change in changes]
     if sweeps:
-        data["sweeps"] = [asdict(each) for each in sweeps]
+        data["sweeps"] = [asdict(sweep) for sweep in sweeps]
     if found is not None:
         data["uncertainty"] = asdict(found)
     return data

@@ -140,14 +140,14 @@ def _checked(
     from tracerisk.pipeline.failure_data.figure_spreads import hardware_spreads
 
     load_factor = _load_factor(robot) if robot else 1.0
-    found = hardware_spreads(model, hardware, instances, by_hand=by_hand, load_factor=load_factor)
-    if is_needed and not found.figures:
+    spreads = hardware_spreads(model, hardware, instances, by_hand=by_hand, load_factor=load_factor)
+    if is_needed and not spreads.figures:
         raise InputError(
             "has no error factor for a component of the model; give its figures one, as "
             "{value: 1e-7, per: hour, error_factor: 3}, or say --error-factor 3 to `solve`",
             Location(hardware.file),
         )
-    return found
+    return spreads
 
 
 def _load_factor(robot: str) -> float:

@@ -52,7 +52,7 @@ def solve_linked(options: argparse.Namespace) -> int:
         data: dict[str, Any] = {"model": model.name, "figures": solution.figures}
         data |= {"parameters": solution.parameters, "figure": figure}
         if options.importance:
-            data["importance"] = finite([asdict(each) for each in ranked])
+            data["importance"] = finite([asdict(importance) for importance in ranked])
         data |= asked.what_if_data(changes, sweeps, spread)
         print_json("solve", exit_code=int(code), **data)
         return int(code)
@@ -69,7 +69,7 @@ def solve_linked(options: argparse.Namespace) -> int:
 
 def _figure(model: LinkedModel, options: argparse.Namespace) -> str:
     """Return the figure that is asked for, else the model's first."""
-    names = [each.name for each in model.figures]
+    names = [figure.name for figure in model.figures]
     if not names:
         raise InputError(f"'{model.name}' has no figures; state one in the model")
     return chosen(names, options.figure, model.name)[0]
@@ -79,9 +79,9 @@ def _spread(model: LinkedModel, figure: str, options: argparse.Namespace) -> Unc
     if not asked.wants_uncertainty(options):
         return None
     plain = [
-        each.name
-        for each in model.parameters
-        if isinstance(each.value, Number) and distribution_of(each) is None
+        parameter.name
+        for parameter in model.parameters
+        if isinstance(parameter.value, Number) and distribution_of(parameter) is None
     ]
     given: dict[str, Distribution] = asked.parse_error_factors(
         options.error_factors, plain, lambda name: model.parameter(name).name

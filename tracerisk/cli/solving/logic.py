@@ -51,7 +51,9 @@ class LogicFile:
     def solve(self, figure: str | None, *, importance: bool) -> Solved:
         """Solve all tops and event trees, or one top."""
         model, time = self.model, self._time()
-        begun = [each for each in model.event_trees if each.tree.initiating is not None]
+        begun = [
+            event_tree for event_tree in model.event_trees if event_tree.tree.initiating is not None
+        ]
         if not model.tops and not begun:
             raise InputError(f"'{self.name}' has no gates and no event tree; there is no figure")
         tops: dict[str, tuple[float, float]] = {}
@@ -66,13 +68,15 @@ class LogicFile:
             if importance:
                 importances[top] = tuple(solution.importance())
         data["tops"] = _tops_data(tops)
-        for each in data["tops"] if importance else ():
-            each["importance"] = [asdict(one) for one in importances[each["name"]]]
+        for item in data["tops"] if importance else ():
+            item["importance"] = [asdict(one) for one in importances[item["name"]]]
         figures = {top: p for top, (p, _) in tops.items()}
         shown: list[tuple[Render, tuple[Any, ...]]] = []
         if tops:
             shown.append((render_tops, (self.name, tops)))
-        shown += [(render_top_importance, (top, found)) for top, found in importances.items()]
+        shown += [
+            (render_top_importance, (top, event_trees)) for top, event_trees in importances.items()
+        ]
         notes = list(model.findings)
         if wanted and model.alignments:
             data["phases"] = phases = self._phases(wanted, time)
@@ -91,16 +95,17 @@ class LogicFile:
                 notes.append("importance is that of the tops, not of the event trees")
             from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
 
-            found = solved_event_trees(model, time)
+            event_trees = solved_event_trees(model, time)
             data["event_trees"] = [
-                {**asdict(each), "outcomes": each.outcomes, "total": each.total} for each in found
+                {**asdict(item), "outcomes": item.outcomes, "total": item.total}
+                for item in event_trees
             ]
-            for each in found:
-                notes += each.findings
-                shown.append((render_event_tree, (each,)))
+            for item in event_trees:
+                notes += item.findings
+                shown.append((render_event_tree, (item,)))
                 figures |= {
-                    name if name not in figures else f"{each.event_tree}.{name}": p
-                    for name, p in each.outcomes.items()
+                    name if name not in figures else f"{item.event_tree}.{name}": p
+                    for name, p in item.outcomes.items()
                 }
             if figure is not None:
                 figures = {name: figures[name] for name in chosen(figures, figure, self.name)}
@@ -108,7 +113,7 @@ class LogicFile:
 
     def _phases(self, wanted: tuple[str, ...], time: float) -> list[dict[str, Any]]:
         """Solve the tops in each phase of each alignment, for its share of the mission."""
-        found: list[dict[str, Any]] = []
+        phases: list[dict[str, Any]] = []
         for alignment in self.model.alignments:
             for phase in alignment.phases:
                 model = self.model.in_phase(alignment.name, phase.name)
@@ -118,8 +123,8 @@ class LogicFile:
                     tree = model.fault_tree(top, mission_time_h=spent)
                     tops[top] = tuple(tree.probability(tree.values_at(spent)))
                 name = f"{alignment.name}, {phase.name}"
-                found.append({"name": name, "fraction": phase.fraction, "tops": tops})
-        return found
+                phases.append({"name": name, "fraction": phase.fraction, "tops": tops})
+        return phases
 
     def at(self, mission_time_h: float) -> LogicFile:
         """Return the model with another mission time."""

@@ -180,7 +180,7 @@ def _questions(options: argparse.Namespace) -> PropertyFile | None:
     if options.property_file is not None:
         parts.insert(0, parse_properties(read_text(options.property_file), options.property_file))
     return PropertyFile(
-        properties=tuple(each for part in parts for each in part.properties),
+        properties=tuple(item for part in parts for item in part.properties),
         constants={name: value for part in parts for name, value in part.constants.items()},
         formulas={name: value for part in parts for name, value in part.formulas.items()},
         labels={name: value for part in parts for name, value in part.labels.items()},

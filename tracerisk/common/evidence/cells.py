@@ -139,7 +139,7 @@ class Evidence:
     @property
     def drawn(self) -> int:
         """How many cells were drawn."""
-        return sum(1 for each in self.cells if each.drawn)
+        return sum(1 for cell in self.cells if cell.drawn)
 
     @property
     def is_complete(self) -> bool:
@@ -158,19 +158,19 @@ class Evidence:
         these cells, so that a new campaign alone moves no figure.
         """
         counts: dict[Stratum, list[int]] = {}
-        for each in self.cells:
-            if each.drawn:
-                count = counts.setdefault(each.stratum, [0, 0])
-                count[0] += each.fails
+        for cell in self.cells:
+            if cell.drawn:
+                count = counts.setdefault(cell.stratum, [0, 0])
+                count[0] += cell.fails
                 count[1] += 1
-        found = {}
+        values = {}
         for stratum, (failed, tried) in counts.items():
             kept = self.before.get(stratum)
             if kept is not None:
                 low, high = clopper_pearson(failed, tried)
                 kept = kept if low <= kept <= high else None
-            found[stratum] = failed / tried if kept is None else kept
-        return found
+            values[stratum] = failed / tried if kept is None else kept
+        return values
 
 
 _OUTCOME = (

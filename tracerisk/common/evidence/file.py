@@ -72,7 +72,7 @@ def dump_evidence(found: Mapping[str, Evidence]) -> str:
             for key in sorted(data)
             if key != _CELLS
         ]
-        cells = [f"    {json.dumps(each)}" for each in data[_CELLS]]
+        cells = [f"    {json.dumps(item)}" for item in data[_CELLS]]
         lines += ['   "cells": [', ",\n".join(cells), "   ]"] if cells else ['   "cells": []']
         lines += ["  }" if number == len(found) - 1 else "  },"]
     return "\n".join([*lines, " }", "}"]) + "\n"
@@ -91,7 +91,7 @@ def _entry_data(name: str, entry: Evidence) -> dict[str, Any]:
         "robot": entry.robot,
         "seed": entry.seed,
         "success": list(entry.success),
-        _CELLS: [_cell_data(each) for each in sorted(entry.cells, key=lambda cell: cell.key)],
+        _CELLS: [_cell_data(item) for item in sorted(entry.cells, key=lambda cell: cell.key)],
     }
     return {**data, _DIGEST: _digest_of_entry(name, data)}
 
@@ -99,7 +99,7 @@ def _entry_data(name: str, entry: Evidence) -> dict[str, Any]:
 def _digest_of_entry(name: str, data: Mapping[str, Any]) -> str:
     """Return the digest of an entry: of its heading, and of the digests that its cells have."""
     head = {key: value for key, value in data.items() if key not in (_DIGEST, _CELLS)}
-    cells = [each.get(_DIGEST) if isinstance(each, dict) else None for each in data[_CELLS]]
+    cells = [fields.get(_DIGEST) if isinstance(fields, dict) else None for fields in data[_CELLS]]
     return _digest([name, head, cells])
 
 
@@ -117,18 +117,18 @@ def merge_evidence(files: Sequence[Path]) -> dict[str, Evidence]:
     for path in files:
         if not path.exists():
             raise InputError("does not exist", Location(str(path)))
-        for name, found in read_evidence(path).items():
-            if found.edited is not None:
+        for name, evidence in read_evidence(path).items():
+            if evidence.edited is not None:
                 raise InputError(
-                    f"the evidence of {name} was edited: {found.edited.words}; rerun `tracerisk "
+                    f"the evidence of {name} was edited: {evidence.edited.words}; rerun `tracerisk "
                     f"evidence {name}` with the options of that campaign",
                     Location(str(path)),
                 )
             ours = merged.get(name)
             if ours is None:
-                merged[name] = found
+                merged[name] = evidence
                 continue
-            if replace(found, cells=(), has_digest=True) != replace(
+            if replace(evidence, cells=(), has_digest=True) != replace(
                 ours, cells=(), has_digest=True
             ):
                 raise InputError(
@@ -136,9 +136,9 @@ def merge_evidence(files: Sequence[Path]) -> dict[str, Evidence]:
                     "sources, robot, seed, success criterion or number of cells differ",
                     Location(str(path)),
                 )
-            cells = {each.key: each for each in (*ours.cells, *found.cells)}
+            cells = {cell.key: cell for cell in (*ours.cells, *evidence.cells)}
             ordered = tuple(cells[key] for key in sorted(cells))
-            has_digest = ours.has_digest and found.has_digest
+            has_digest = ours.has_digest and evidence.has_digest
             merged[name] = replace(ours, cells=ordered, has_digest=has_digest)
     return merged
 
@@ -164,8 +164,8 @@ def _cell_data(cell: Cell) -> dict[str, Any]:
     data = asdict(cell)
     stretch = {key: value for key, value in data["stretch"].items() if value != _AT_REST[key]}
     data["stretch"] = stretch or None
-    found = {key: data[key] for key in data if data[key] != _DEFAULTS.get(key, _NONE)}
-    return {**found, _DIGEST: _digest(found)}
+    table = {key: data[key] for key in data if data[key] != _DEFAULTS.get(key, _NONE)}
+    return {**table, _DIGEST: _digest(table)}
 
 
 def _is_as_written(data: Mapping[str, Any]) -> bool:
@@ -207,7 +207,7 @@ class _Reader:
                 f"has version {data.get('version')!r}; this tracerisk reads version {_VERSION}"
             )
         self._has_digest = data["version"] == _VERSION
-        return {name: self._entry(name, each) for name, each in data["controllers"].items()}
+        return {name: self._entry(name, item) for name, item in data["controllers"].items()}
 
     def _error(self, message: str) -> InputError:
         return InputError(message, self._where)
@@ -226,12 +226,12 @@ class _Reader:
         for key in ("declared", "seed"):
             if not isinstance(data[key], int) or isinstance(data[key], bool) or data[key] < 0:
                 raise self._error(f"{name}: {key}: expected a whole number, 0 or more")
-        read = tuple(_cell(each, self._where) for each in cells)
-        if len({each.key for each in read}) != len(read):
+        read = tuple(_cell(cell, self._where) for cell in cells)
+        if len({cell.key for cell in read}) != len(read):
             raise self._error(
                 f"{name}: duplicate cells; `tracerisk evidence --fresh` recreates the file"
             )
-        found = Evidence(
+        evidence = Evidence(
             fingerprint=str(data["fingerprint"]),
             robot=str(data["robot"]),
             seed=data["seed"],
@@ -241,7 +241,7 @@ class _Reader:
             before=self._before(name, data.get("before", [])),
             has_digest=self._has_digest,
         )
-        return self._as_written(name, found, data) if self._has_digest else found
+        return self._as_written(name, evidence, data) if self._has_digest else evidence
 
     def _as_written(self, name: str, found: Evidence, data: Mapping[str, Any]) -> Evidence:
         """Return what of an entry fits its digests."""
@@ -249,37 +249,37 @@ class _Reader:
             what = "its heading was changed, or failures were added, removed or reordered"
             return replace(found, cells=(), before={}, edited=Edited(what, data))
         pairs = list(zip(found.cells, data[_CELLS], strict=True))
-        edited = [cell for cell, each in pairs if not _is_as_written(each)]
+        edited = [cell for cell, pair in pairs if not _is_as_written(pair)]
         if not edited:
             return found
         one = edited[0]
         what = f"the failure of {one.unit} ({one.mode}) at {one.time_s:g} s was changed"
         if len(edited) > 1:
             what += f", and {len(edited) - 1} more"
-        kept = tuple(cell for cell, each in pairs if _is_as_written(each))
+        kept = tuple(cell for cell, pair in pairs if _is_as_written(pair))
         return replace(found, cells=kept, edited=Edited(what, data))
 
     def _before(self, name: str, data: Any) -> dict[Stratum, float]:
-        found = {}
+        before = {}
         rows = data if isinstance(data, list) else [data]
         for row in rows:
             match row:
                 case [str(unit), str(mode), "idle" | "in use" as use, int() | float() as share] if (
                     0.0 <= share <= 1.0 and not isinstance(share, bool)
                 ):
-                    found[unit, mode, _IDLE[use]] = float(share)
+                    before[unit, mode, _IDLE[use]] = float(share)
                 case _:
                     raise self._error(
                         f"{name}: before: expected rows of a unit, a mode, 'idle' or 'in use', and "
                         f"a share from 0 to 1, not {row!r:.60}"
                     )
-        return found
+        return before
 
 
 def _cell(data: Any, where: Location) -> Cell:
     if not isinstance(data, dict):
         raise InputError("a cell: expected an object", where)
-    known = [each.name for each in fields(Cell)]
+    known = [entry.name for entry in fields(Cell)]
     unknown = sorted(set(data) - {*known, _DIGEST})
     if unknown:
         raise InputError(f"a cell: unknown key '{unknown[0]}'; {one_of(known, unknown[0])}", where)
@@ -294,7 +294,7 @@ def _cell(data: Any, where: Location) -> Cell:
         if not isinstance(given[key], bool):
             raise InputError(f"a cell: {key}: expected true or false", where)
     lost = given["lost"]
-    if not isinstance(lost, list | tuple) or not all(isinstance(each, str) for each in lost):
+    if not isinstance(lost, list | tuple) or not all(isinstance(item, str) for item in lost):
         raise InputError(f"a cell: lost: expected a list of strings, not {lost!r:.60}", where)
     for key in _TEXTS:
         if not isinstance(given[key], str):
@@ -330,7 +330,7 @@ def _exposure(data: Any, where: Location) -> Exposure:
         if key == "wear":
             if not isinstance(value, list) or len(value) not in (0, len(WEAR_EXPONENTS)):
                 raise InputError(f"wear: expected {len(WEAR_EXPONENTS)} numbers", where)
-            given[key] = tuple(_seconds(each, key, where) for each in value)
+            given[key] = tuple(_seconds(item, key, where) for item in value)
         elif isinstance(_AT_REST[key], bool):
             given[key] = bool(value)
         elif isinstance(_AT_REST[key], int):
@@ -350,5 +350,5 @@ def _seconds(value: Any, name: str, where: Location) -> float:
 def _three(value: Any, where: Location) -> tuple[float, float, float]:
     if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
         raise InputError("states_s: expected three times in seconds", where)
-    moving, holding, grasping = (_seconds(each, "states_s", where) for each in value)
+    moving, holding, grasping = (_seconds(item, "states_s", where) for item in value)
     return moving, holding, grasping

@@ -31,15 +31,15 @@ def field_data(found: FieldProfile) -> dict[str, Any]:
                 "duration_s": None if step.duration_s is None else _estimate_data(step.duration_s),
                 "next": {
                     target: {
-                        "count": each.count,
-                        "share": str(each.share),
-                        "low": each.low,
-                        "high": each.high,
+                        "count": following.count,
+                        "share": str(following.share),
+                        "low": following.low,
+                        "high": following.high,
                     }
-                    for target, each in step.following.items()
+                    for target, following in step.following.items()
                 },
                 "uses": {
-                    element: {name: _estimate_data(each) for name, each in row.items()}
+                    element: {name: _estimate_data(estimate) for name, estimate in row.items()}
                     for element, row in step.uses.items()
                 },
             }
@@ -96,10 +96,10 @@ def _profile(data: Mapping[str, Any]) -> FieldProfile:
 
 
 def _step(name: str, row: Mapping[str, Any]) -> FieldStep:
-    counts = {str(target): _count(each["count"]) for target, each in row["next"].items()}
-    found = following(counts) if any(counts.values()) else {}
-    for target, each in found.items():
-        if Fraction(row["next"][target]["share"]) != each.share:
+    counts = {str(target): _count(item["count"]) for target, item in row["next"].items()}
+    followings = following(counts) if any(counts.values()) else {}
+    for target, item in followings.items():
+        if Fraction(row["next"][target]["share"]) != item.share:
             raise ValueError(f"next {target} of {name}: its share does not match its count")
     duration = row["duration_s"]
     return FieldStep(
@@ -108,10 +108,10 @@ def _step(name: str, row: Mapping[str, Any]) -> FieldStep:
         per_mission=_estimate(row["per_mission"]),
         duration_s=None if duration is None else _estimate(duration),
         uses={
-            str(element): {key: _estimate(each) for key, each in uses.items() if key in QUANTITIES}
+            str(element): {key: _estimate(use) for key, use in uses.items() if key in QUANTITIES}
             for element, uses in row["uses"].items()
         },
-        following=found,
+        following=followings,
     )
 
 

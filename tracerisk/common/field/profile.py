@@ -88,7 +88,9 @@ class FieldProfile:
     def shares(self) -> dict[str, dict[str, str]]:
         """Return the operational profile as fractions in words, as `--profile` takes them."""
         return {
-            step.name: {target: str(each.share) for target, each in step.following.items()}
+            step.name: {
+                target: str(following.share) for target, following in step.following.items()
+            }
             for step in self.steps
             if step.following
         }

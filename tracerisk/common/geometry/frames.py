@@ -13,7 +13,7 @@ Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 def triple(values: Iterable[float]) -> Triple:
     """Return three numbers of any kind as floats."""
-    x, y, z = (float(each) for each in values)
+    x, y, z = (float(value) for value in values)
     return x, y, z
 
 

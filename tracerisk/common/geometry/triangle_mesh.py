@@ -45,10 +45,10 @@ def _stl_corners(data: bytes, path: Path) -> list[Vertex]:
                 corners += [facet[3:6], facet[6:9], facet[9:12]]
             return corners
     lines = (line.split() for line in data.decode("utf-8", "replace").splitlines())
-    found = [_vertex(words[1:4]) for words in lines if words[:1] == ["vertex"]]
-    if len(found) % 3:
+    stl_corners = [_vertex(words[1:4]) for words in lines if words[:1] == ["vertex"]]
+    if len(stl_corners) % 3:
         raise ValueError(f"{path}: the STL file is truncated")
-    return found
+    return stl_corners
 
 
 def _read_obj(text: str) -> tuple[list[Vertex], list[Triangle]]:

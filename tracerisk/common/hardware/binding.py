@@ -52,8 +52,8 @@ def bind(hardware: Hardware, elements: Sequence[Element]) -> tuple[BoundComponen
         elif logged:
             if component.name in logged:
                 bound.append(BoundComponent(component, component.quantity or 1, (component.name,)))
-        elif (found := _bind_to_robot(component, elements)) is not None:
-            bound.append(found)
+        elif (bound_component := _bind_to_robot(component, elements)) is not None:
+            bound.append(bound_component)
     return tuple(bound)
 
 
@@ -170,35 +170,35 @@ def _actuators(component: Component, twin: TwinBinding, elements: Sequence[Eleme
 def _grippers(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:
     if not twin.gripper:
         return []
-    found = [element.name for element in elements if element.kind == "gripper"]
-    if not found and not twin.optional:
+    grippers = [element.name for element in elements if element.kind == "gripper"]
+    if not grippers and not twin.optional:
         _fail(
             component,
             "is bound to the gripper, but the robot has none; remove the component, or write "
             "'optional: true' in its 'twin' for robots that may have none",
         )
-    return found
+    return grippers
 
 
 def _sensors(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:
     sensors = [element for element in elements if element.kind == "sensor"]
     if isinstance(twin.sensors, str):
-        found = [element.name for element in sensors if element.sensor == twin.sensors]
-        if not found and not twin.optional:
+        texts = [element.name for element in sensors if element.sensor == twin.sensors]
+        if not texts and not twin.optional:
             kinds = {element.sensor for element in sensors if element.sensor is not None}
             _fail(
                 component,
                 f"is bound to the sensors of kind '{twin.sensors}', but the robot has none; "
                 f"{one_of(kinds, twin.sensors)}, or write 'optional: true' in its 'twin'",
             )
-        return found
+        return texts
     names = [element.name for element in sensors]
-    found = [name for name in twin.sensors if name in names]
+    texts = [name for name in twin.sensors if name in names]
     if not twin.optional:
         for name in twin.sensors:
             if name not in names:
                 _fail_lacking(component, "sensor", name, names)
-    return found
+    return texts
 
 
 def _contacts(component: Component, twin: TwinBinding, elements: Sequence[Element]) -> list[str]:

@@ -252,14 +252,14 @@ def _faults_of(component: Component) -> tuple[FaultMode, ...]:
     twin = component.twin
     if twin is None:
         return ()
-    found: list[FaultMode] = []
+    faults: list[FaultMode] = []
     if twin.joints or twin.actuators:
-        found += FAULTS["joint"]
+        faults += FAULTS["joint"]
     if twin.gripper or twin.actuators:
-        found += FAULTS["gripper"]
+        faults += FAULTS["gripper"]
     if twin.sensors:
-        found += FAULTS["sensor"]
-    return tuple(found)
+        faults += FAULTS["sensor"]
+    return tuple(faults)
 
 
 def _check_mode(component: Component, mode: FailureMode, fail: _Fail) -> None:

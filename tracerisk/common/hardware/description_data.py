@@ -24,7 +24,7 @@ def description_data(hardware: Hardware) -> dict[str, Any]:
 
     The keys are in the order in which they are written.
     """
-    components = {each.name: component_data(each) for each in hardware.components}
+    components = {component.name: component_data(component) for component in hardware.components}
     return {**head_data(hardware), "components": components}
 
 
@@ -87,7 +87,7 @@ def _figures(figures: tuple[FailureFigure, ...]) -> dict[str, Any]:
     for figure in figures:
         key: str = "standby_rate" if figure.standby else figure.kind
         by_key.setdefault(key, []).append(figure_data(figure))
-    return {key: found[0] if len(found) == 1 else found for key, found in by_key.items()}
+    return {key: item[0] if len(item) == 1 else item for key, item in by_key.items()}
 
 
 def figure_data(figure: FailureFigure) -> dict[str, Any]:

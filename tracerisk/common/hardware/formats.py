@@ -21,9 +21,9 @@ def format_of_name(name: str) -> HardwareFormat:
     """Return the format that a file of this name holds; raise HardwareError for another suffix."""
     suffix = PurePath(name).suffix.lower()
     if suffix not in _SUFFIXES:
-        found = f"its name ends in '{suffix}'" if suffix else "its name has no ending"
+        text = f"its name ends in '{suffix}'" if suffix else "its name has no ending"
         raise HardwareError(
-            f"{found}, which is not a supported format; {one_of(_SUFFIXES)}", Location(name)
+            f"{text}, which is not a supported format; {one_of(_SUFFIXES)}", Location(name)
         )
     return _SUFFIXES[suffix]
 

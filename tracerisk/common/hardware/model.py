@@ -196,7 +196,7 @@ class Component:
 
         Modes that say nothing of uses move no figure: they share out what evidence gives.
         """
-        return self.modes if any(each.when for each in self.modes) else ()
+        return self.modes if any(mode.when for mode in self.modes) else ()
 
     @property
     def is_assumed(self) -> bool:
@@ -207,16 +207,16 @@ class Component:
     def law_sources(self) -> list[str | None]:
         """The sources of its load law and of the failure modes that count for uses of their own."""
         law = [] if self.load_law is None else [self.load_law.source]
-        return [*law, *(each.source for each in self.modes_by_use)]
+        return [*law, *(mode.source for mode in self.modes_by_use)]
 
     def sources(self, default: str | None = None) -> tuple[str, ...]:
         """Return where its figures, load law and modes come from, each source once.
 
         What has none of its own has that of the component, and where that has none the `default`.
         """
-        own = [*(each.source for each in self.figures), *self.law_sources]
-        found = (each or self.source or default for each in own or [None])
-        return tuple(dict.fromkeys(each for each in found if each))
+        own = [*(figure.source for figure in self.figures), *self.law_sources]
+        generator = (name or self.source or default for name in own or [None])
+        return tuple(dict.fromkeys(name for name in generator if name))
 
 
 def is_assumed(source: str) -> bool:

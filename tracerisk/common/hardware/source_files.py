@@ -21,18 +21,18 @@ def source_files(path: Path) -> tuple[Path, ...]:
         return (path,)
     own = path.resolve()
     beside = {
-        each: _read(each)
-        for each in sorted(path.parent.glob("*.sysml"))
-        if each.is_file() and each.resolve() != own
+        item: _read(item)
+        for item in sorted(path.parent.glob("*.sysml"))
+        if item.is_file() and item.resolve() != own
     }
     reached: list[Path] = []
     texts = [_read(path)] if beside else []
     while texts:
         text = texts.pop()
-        for each, data in beside.items():
+        for item, data in beside.items():
             names = (quoted or plain for quoted, plain in _PACKAGE.findall(data))
-            if each not in reached and any(name in text for name in names):
-                reached.append(each)
+            if item not in reached and any(name in text for name in names):
+                reached.append(item)
                 texts.append(data)
     return (path, *sorted(reached))
 

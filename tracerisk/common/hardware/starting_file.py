@@ -91,18 +91,18 @@ def starting_description(
     """
     base = fitted_to(base, elements)
     bound = bind(base, elements)
-    parts = _joint_groups([each.name for each in elements if each.kind == "joint"], groups)
-    by_name = {each.component.name: each for each in bound}
-    found: list[Component] = []
+    parts = _joint_groups([element.name for element in elements if element.kind == "joint"], groups)
+    by_name = {bound_component.component.name: bound_component for bound_component in bound}
+    components: list[Component] = []
     for component in base.components:
         # What is optional and not there stays so: a controller may bring a gripper along.
         placed = by_name.get(component.name)
-        found += [component] if placed is None else _named(placed, parts)
-    seen = {name for each in bound for name in each.elements}
+        components += [component] if placed is None else _named(placed, parts)
+    seen = {name for bound_component in bound for name in bound_component.elements}
     for kind, name in _SENSOR_NAMES.items():
-        of_kind = [each.name for each in elements if each.sensor == kind]
+        of_kind = [element.name for element in elements if element.sensor == kind]
         if of_kind and not seen.intersection(of_kind):
-            found.append(
+            components.append(
                 Component(
                     name,
                     (_SENSOR_FIGURE,),
@@ -111,7 +111,7 @@ def starting_description(
                     source=_SENSOR_SOURCE,
                 )
             )
-    return Hardware(base.file, tuple(found), robot=robot, source=base.source)
+    return Hardware(base.file, tuple(components), robot=robot, source=base.source)
 
 
 def starting_yaml(hardware: Hardware, title: str) -> str:
@@ -187,19 +187,19 @@ def _joint_groups(
             for other in own.values()
         )
     }
-    found: dict[str, tuple[str, ...]] = {}
+    joint_groups: dict[str, tuple[str, ...]] = {}
     left = list(joints)
     for name, held in single.items():
         whole = not any(held < other for other in single.values())
         if whole and held <= set(left):
             key = re.sub(r"[^A-Za-z0-9_\-]", "_", name)
-            found[key if key[0].isalpha() else f"_{key}"] = tuple(
+            joint_groups[key if key[0].isalpha() else f"_{key}"] = tuple(
                 joint for joint in left if joint in held
             )
             left = [joint for joint in left if joint not in held]
     if left:
-        found["other"] = tuple(left)
-    return found
+        joint_groups["other"] = tuple(left)
+    return joint_groups
 
 
 def _examples(component: Component) -> Iterator[str]:
@@ -212,7 +212,11 @@ def _examples(component: Component) -> Iterator[str]:
             break
     if component.redundancy and not component.redundancy.common_cause:
         yield "common_cause: {beta: 0.1}"
-    per_time = [each for each in component.figures if each.per.seconds and not each.standby]
+    per_time = [
+        failure_figure
+        for failure_figure in component.figures
+        if failure_figure.per.seconds and not failure_figure.standby
+    ]
     if component.twin is None or not component.twin.moves or len(per_time) < len(component.figures):
         return
     if component.load_law is None:

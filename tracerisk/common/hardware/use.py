@@ -84,7 +84,7 @@ def time_in_use(states: tuple[State, ...] | None, modes: Iterable[FailureMode]) 
     """
     if states is None:
         return _active
-    named = {each for mode in modes for each in mode.when}
+    named = {literal for mode in modes for literal in mode.when}
     return seconds_in(state for state in STATES if state in states or state in named)
 
 

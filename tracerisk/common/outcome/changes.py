@@ -147,17 +147,17 @@ class _Comparison:
 
     def _other_postures(self) -> Iterator[str]:
         """Yield rests at which the tool is where it was, and the arm is not."""
-        found = []
+        pairs = []
         for i, j in self._pairs:
             old, new = self._before[i], self._after[j]
             if isinstance(old, Rest) and isinstance(new, Rest):
                 turned = [abs(a - b) for a, b in zip(old.joints, new.joints, strict=True)]
                 if max(turned) > self._tolerances.joint * ROUNDING:
-                    found.append((old, turned))
-        if len(found) >= _IN_A_ROW:
-            yield f"{len(found)} rests are reached in another posture of the arm"
+                    pairs.append((old, turned))
+        if len(pairs) >= _IN_A_ROW:
+            yield f"{len(pairs)} rests are reached in another posture of the arm"
             return
-        for old, turned in found:
+        for old, turned in pairs:
             worst = turned.index(max(turned))
             joint = self._old.arms[old.arm].joints[worst]
             yield (
@@ -273,13 +273,13 @@ class _Comparison:
         return f"with the tool turned by {turned:.0f} deg from"
 
     def _rest_name(self, rest: Rest) -> str:
-        total = sum(found.arm == rest.arm for found in self._old.rests)
+        total = sum(result.arm == rest.arm for result in self._old.rests)
         of = "" if self._old.left_out else f" of {total}"
         return f"rest {self._number(rest)}{of} at {_place(rest.tool_m)}"
 
     def _number(self, rest: Rest) -> int:
-        rests = [found for found in self._old.rests if found.arm == rest.arm]
-        return 1 + sum(found.order < rest.order for found in rests)
+        rests = [result for result in self._old.rests if result.arm == rest.arm]
+        return 1 + sum(result.order < rest.order for result in rests)
 
 
 def _grip_changes(gone: Sequence[Step], come: Sequence[Step], added: list[str]) -> Iterator[str]:
@@ -312,12 +312,12 @@ def _whole_steps(outcome: Outcome) -> int:
 
 def _rests_before(outcome: Outcome) -> dict[int, Rest | None]:
     """Return the rest of the same arm before each rest, by the order of this."""
-    found: dict[int, Rest | None] = {}
+    rests: dict[int, Rest | None] = {}
     last: dict[int, Rest] = {}
     for rest in outcome.rests:
-        found[rest.order] = last.get(rest.arm)
+        rests[rest.order] = last.get(rest.arm)
         last[rest.arm] = rest
-    return found
+    return rests
 
 
 def _number_of_rests(steps: Sequence[Step], place: int) -> int:

@@ -122,7 +122,7 @@ def _data(outcome: Outcome) -> dict[str, Any]:
     data: dict[str, Any] = {
         "arms": [_arm_text(arm) for arm in outcome.arms],
         "grippers": _grippers(outcome),
-        "objects": [_object_text(found) for found in outcome.objects],
+        "objects": [_object_text(object_outcome) for object_outcome in outcome.objects],
         "way": list(_way_lines(outcome)),
     }
     if outcome.streams:

@@ -176,29 +176,30 @@ class Outcome:
     @property
     def steps(self) -> tuple[Step, ...]:
         """The rests, grips and uses of the cell, in order."""
-        found: list[Step] = [*self.rests, *self.grips, *self.cell]
-        return tuple(sorted(found, key=lambda step: step.order))
+        rests: list[Step] = [*self.rests, *self.grips, *self.cell]
+        return tuple(sorted(rests, key=lambda step: step.order))
 
     @property
     def cell_counts(self) -> tuple[CellCount, ...]:
         """How often each interface of the cell was used, by name."""
         if self.left_out:
             return self.counts
-        found: dict[str, list[CellUse]] = {}
+        cell_uses: dict[str, list[CellUse]] = {}
         for use in self.cell:
-            found.setdefault(use.interface, []).append(use)
+            cell_uses.setdefault(use.interface, []).append(use)
         return tuple(
             CellCount(name, uses[0].kind, len(uses), sum(use.succeeded for use in uses))
-            for name, uses in sorted(found.items())
+            for name, uses in sorted(cell_uses.items())
         )
 
     @property
     def moved(self) -> tuple[ObjectOutcome, ...]:
         """The objects that ended elsewhere than they began, or are held."""
         return tuple(
-            found
-            for found in self.objects
-            if found.held_in or math.dist(found.begin_m, found.end_m) > MOVED_M
+            object_outcome
+            for object_outcome in self.objects
+            if object_outcome.held_in
+            or math.dist(object_outcome.begin_m, object_outcome.end_m) > MOVED_M
         )
 
 
@@ -214,7 +215,7 @@ def moved_line(outcome: Outcome | None) -> str:
     if not moved:
         number = len(outcome.objects)
         return f"none of {number} object{'' if number == 1 else 's'} moved"
-    parts = [_moved_words(found) for found in moved[:_LISTED]]
+    parts = [_moved_words(object_outcome) for object_outcome in moved[:_LISTED]]
     more = f", and {len(moved) - _LISTED} more" if len(moved) > _LISTED else ""
     plural = "object" if len(moved) == 1 else "objects"
     return f"{len(moved)} {plural} moved: {', '.join(parts)}{more}"

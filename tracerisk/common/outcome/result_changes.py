@@ -14,8 +14,8 @@ VERBS = {"call": "is called", "message": "gets a message", "goal": "gets a goal"
 
 def object_changes(old: Outcome, new: Outcome, limits: Tolerances) -> list[str]:
     """Return what of the objects ends otherwise."""
-    before = {found.name: found for found in old.objects}
-    after = {found.name: found for found in new.objects}
+    before = {object_outcome.name: object_outcome for object_outcome in old.objects}
+    after = {object_outcome.name: object_outcome for object_outcome in new.objects}
     lines: list[str] = []
     for name in sorted({*before, *after}):
         if name not in after:

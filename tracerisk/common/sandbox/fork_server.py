@@ -221,7 +221,7 @@ def forked(
     """
     if sys.platform != "linux" or not hasattr(os, "pidfd_open"):
         return None
-    read_once = sorted(each for each in environment.items() if each[0].startswith(READ_ONCE))
+    read_once = sorted(item for item in environment.items() if item[0].startswith(READ_ONCE))
     of_server = {"package": plan["package"], "paths": plan["paths"], "owner": os.getpid()}
     with _KEPT.lock:
         try:
@@ -244,9 +244,9 @@ def forked(
 def _inherited() -> list[str]:
     """Return what a process that starts here inherits, in words of the system."""
     status = Path("/proc/thread-self/status").read_text(encoding="ascii", errors="replace")
-    lines = [each for each in status.splitlines() if each.partition(":")[0] in _INHERITED]
+    lines = [line for line in status.splitlines() if line.partition(":")[0] in _INHERITED]
     files = [f"/proc/self/{name}" for name in ("limits", "cgroup", "oom_score_adj")]
-    texts = [Path(each).read_text(encoding="utf-8", errors="replace") for each in files]
+    texts = [Path(file).read_text(encoding="utf-8", errors="replace") for file in files]
     return [*lines, *texts, str(os.getpriority(os.PRIO_PROCESS, 0))]
 
 
@@ -271,8 +271,8 @@ def serve(module: str, plan: Mapping[str, Any]) -> dict[str, Any]:
     if parent:
         vars(sys.modules[parent]).pop(name, None)
     _end_threads()
-    found = _Jobs(plan["requests"], plan["owner"]).next_forked()
-    return _begun(module, found, me)
+    numbers = _Jobs(plan["requests"], plan["owner"]).next_forked()
+    return _begun(module, numbers, me)
 
 
 def _end_threads() -> None:
@@ -323,9 +323,9 @@ class _Jobs:
                 elif asker in ready:
                     self._abandoned(process)
             if self._requests.fileno() in ready:
-                found = self._asked()
-                if found is not None:
-                    return found
+                numbers = self._asked()
+                if numbers is not None:
+                    return numbers
         os._exit(0)
 
     def _asked(self) -> list[int] | None:
@@ -333,13 +333,13 @@ class _Jobs:
         import socket
 
         try:
-            data, found, _, _ = socket.recv_fds(self._requests, 1, _MOST_DESCRIPTORS)
+            data, numbers, _, _ = socket.recv_fds(self._requests, 1, _MOST_DESCRIPTORS)
         except OSError:
-            data, found = b"", []
+            data, numbers = b"", []
         if not data:
             self._is_open = False
             return None
-        asker = found[1]
+        asker = numbers[1]
         try:
             child = os.fork()
         except OSError:
@@ -348,15 +348,15 @@ class _Jobs:
         if child == 0:
             # Its number may soon be that of another file.
             self._requests.detach()
-            return found
+            return numbers
         if child > 0:
             process = os.pidfd_open(child)
             self._running[process] = (child, asker)
             with socket.socket(fileno=os.dup(asker)) as replies, contextlib.suppress(OSError):
                 socket.send_fds(replies, [_NUMBER.pack(child)], [process])
-        for each in found:
-            if each != asker or child < 0:
-                os.close(each)
+        for number in numbers:
+            if number != asker or child < 0:
+                os.close(number)
         return None
 
     def _ended(self, process: int) -> None:
@@ -401,10 +401,10 @@ def _keep_only(given: Mapping[int, int]) -> None:
 
     free = max(given) + 1
     moved = {
-        number: fcntl.fcntl(each, fcntl.F_DUPFD_CLOEXEC, free) for number, each in given.items()
+        number: fcntl.fcntl(item, fcntl.F_DUPFD_CLOEXEC, free) for number, item in given.items()
     }
-    for number, each in moved.items():
-        os.dup2(each, number, inheritable=True)
+    for number, item in moved.items():
+        os.dup2(item, number, inheritable=True)
     for path in list(Path("/proc/self/fd").iterdir()):
         if int(path.name) not in given:
             with contextlib.suppress(OSError):

@@ -29,7 +29,7 @@ class NotForkableError(Exception):
 
 def open_descriptors() -> frozenset[int]:
     """Return the descriptors that are open."""
-    return frozenset(each for each in range(_HIGHEST) if _status(each) is not None)
+    return frozenset(index for index in range(_HIGHEST) if _status(index) is not None)
 
 
 def fork_apart(moved: Mapping[str, str], known: frozenset[int]) -> int:
@@ -50,9 +50,9 @@ def fork_apart(moved: Mapping[str, str], known: frozenset[int]) -> int:
     reopened: dict[int, int] = {}
     try:
         for descriptor in sorted(open_descriptors() - {0, 1, 2}):
-            found = _reopened(descriptor, moved, known)
-            if found is not None:
-                reopened[descriptor] = found
+            number = _reopened(descriptor, moved, known)
+            if number is not None:
+                reopened[descriptor] = number
         silent = reopened[1] = os.open(os.devnull, os.O_RDWR)
         child = _fork()
         if child == 0:

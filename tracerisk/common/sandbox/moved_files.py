@@ -61,10 +61,10 @@ class MovedFiles:
 
     def _is_there(self, path: str, *, as_file: bool = False) -> bool:
         try:
-            found = self._stat(path) if as_file else self._lstat(path)
+            row = self._stat(path) if as_file else self._lstat(path)
         except (OSError, ValueError):
             return False
-        return not as_file or stat.S_ISREG(found.st_mode)
+        return not as_file or stat.S_ISREG(row.st_mode)
 
     def place(self, path: Any) -> Any:
         """Return where to read a file: at its path, if it is there or nothing here is like it."""
@@ -101,10 +101,10 @@ class MovedFiles:
 
     def _beside(self, relative: str) -> str | None:
         places = (f"{folder}/{relative}" for folder in self._starts)
-        return next((each for each in places if self._is_there(each, as_file=True)), None)
+        return next((place for place in places if self._is_there(place, as_file=True)), None)
 
     def _here(self, text: str) -> str | None:
-        parts = [each for each in text.split("/") if each]
+        parts = [part for part in text.split("/") if part]
         # `share/arm/config` lies below another folder `arm` of an installation.
         for index in range(len(parts) - 1, 0, -1):
             folder = self._folders.get(parts[index])
@@ -152,4 +152,4 @@ def _passes_on(file: str) -> bool:
 def _writes(how: object) -> bool:
     if isinstance(how, int):
         return bool(how & (os.O_WRONLY | os.O_RDWR | os.O_CREAT))
-    return isinstance(how, str) and any(each in how for each in "wax+")
+    return isinstance(how, str) and any(name in how for name in "wax+")

@@ -43,7 +43,7 @@ class Overlay:
         self._folder = folder
         self._on_absent_home = on_absent_home
         self._assumed: set[str] = set()
-        self._writable = tuple(os.path.realpath(each) for each in writable)
+        self._writable = tuple(os.path.realpath(text) for text in writable)
         self._denied = denied
         self._is_used = False
         self._gone: set[str] = set()
@@ -64,7 +64,7 @@ class Overlay:
         replacements = (
             *((owner, "open", functions["io.open"]) for owner in (builtins, io)),
             *((os, name, functions[name]) for name in _OS_NAMES),
-            *((accessor, name, staticmethod(each)) for name, each in bound.items()
+            *((accessor, name, staticmethod(item)) for name, item in bound.items()
               if name in vars(accessor)),
             *_kept_by_numpy(functions["io.open"]),
         )  # fmt: skip
@@ -82,7 +82,7 @@ class Overlay:
         sys.addaudithook(watch)
 
     def _functions(self) -> dict[str, Callable[..., Any]]:
-        found: dict[str, Callable[..., Any]] = {
+        callables: dict[str, Callable[..., Any]] = {
             "io.open": self._io_open,
             "open": self._os_open,
             "rename": functools.partial(self._move, "rename"),
@@ -93,16 +93,16 @@ class Overlay:
             "scandir": self._scandir,
         }
         for name in ("stat", "lstat", "access", "readlink", "chdir"):
-            found[name] = functools.partial(self._reading, name)
+            callables[name] = functools.partial(self._reading, name)
         for name in ("mkdir", "mkfifo"):
-            found[name] = functools.partial(self._within, self._making, name)
+            callables[name] = functools.partial(self._within, self._making, name)
         for name in ("remove", "unlink", "rmdir"):
-            found[name] = functools.partial(self._within, self._removing, name)
+            callables[name] = functools.partial(self._within, self._removing, name)
         for name in ("truncate", "utime", "chmod"):
-            found[name] = functools.partial(self._within, self._changing, name)
+            callables[name] = functools.partial(self._within, self._changing, name)
         return {
             name: _named_as(self._real.get(name, self._open), function, self._by_the_given_path)
-            for name, function in found.items()
+            for name, function in callables.items()
         }
 
     def _by_the_given_path(self, error: OSError, given: tuple[Any, ...]) -> None:
@@ -111,12 +111,14 @@ class Overlay:
             named = getattr(error, field)
             if isinstance(named, str) and named.startswith(self._folder + os.sep):
                 full = named.removeprefix(self._folder)
-                same = (each for each in given[:2] if self._full(each, {}) == full)
+                same = (item for item in given[:2] if self._full(item, {}) == full)
                 setattr(error, field, os.fsdecode(next(same, full)))
 
     def _full(self, path: Any, more: dict[str, Any]) -> str | None:
         """Return the full path of what is the overlay's business, `None` for what is not."""
-        if isinstance(path, int) or any(more.get(each) is not None for each in _DESCRIPTORS):
+        if isinstance(path, int) or any(
+            more.get(descriptor) is not None for descriptor in _DESCRIPTORS
+        ):
             return None
         try:
             text = os.fsdecode(path)
@@ -125,7 +127,7 @@ class Overlay:
             return None
         full = os.path.join(os.path.realpath(folder), name)
         if full.startswith(_SYSTEM) or any(
-            full == each or full.startswith(each + os.sep) for each in self._writable
+            full == word or full.startswith(word + os.sep) for word in self._writable
         ):
             return None
         return full
@@ -150,7 +152,7 @@ class Overlay:
 
     def _is_gone(self, full: str) -> bool:
         return bool(self._gone) and any(
-            full == each or full.startswith(each + os.sep) for each in self._gone
+            full == name or full.startswith(name + os.sep) for name in self._gone
         )
 
     def _target(self, full: str) -> str:
@@ -183,8 +185,8 @@ class Overlay:
         while not self._exists(folder):
             missing.append(folder)
             folder = os.path.dirname(folder)
-        for each in reversed(missing):
-            self._real["mkdir"](each)
+        for name in reversed(missing):
+            self._real["mkdir"](name)
 
     def _copied(self, full: str) -> str:
         """Return where to change a file: a copy of it, if there is one."""
@@ -200,7 +202,7 @@ class Overlay:
         full = self._full(file, {})
         if full is None:
             return self._open(file, mode, *args, **more)
-        if isinstance(mode, str) and any(each in mode for each in "wax+"):
+        if isinstance(mode, str) and any(name in mode for name in "wax+"):
             if "x" in mode and self._exists(self._seen(full)):
                 raise FileExistsError(17, "File exists", os.fsdecode(file))
             place = self._target(full) if "w" in mode or "x" in mode else self._copied(full)
@@ -311,18 +313,18 @@ class Overlay:
         full = os.path.realpath(full)
         with self._noting(full):
             names = self._names(full)
-        return [os.fsencode(each) for each in names] if isinstance(path, bytes) else names
+        return [os.fsencode(name) for name in names] if isinstance(path, bytes) else names
 
     def _names(self, full: str) -> list[str]:
-        found: dict[str, None] = {}
+        table: dict[str, None] = {}
         if not self._is_gone(full) and (self._exists(full) or not self._has(full)):
-            found.update(dict.fromkeys(self._real["listdir"](full)))
+            table.update(dict.fromkeys(self._real["listdir"](full)))
         if self._has(full):
-            found.update(dict.fromkeys(self._real["listdir"](self._over(full))))
+            table.update(dict.fromkeys(self._real["listdir"](self._over(full))))
         return [
-            each
-            for each in found
-            if not self._is_gone(os.path.join(full, each)) or self._has(os.path.join(full, each))
+            name
+            for name in table
+            if not self._is_gone(os.path.join(full, name)) or self._has(os.path.join(full, name))
         ]
 
     def _scandir(self, path: Any = ".") -> Any:
@@ -331,14 +333,14 @@ class Overlay:
             return self._real["scandir"](path)
         full = os.path.realpath(full)
         entries = []
-        places = [each for each in (self._over(full), full) if self._exists(each)]
+        places = [name for name in (self._over(full), full) if self._exists(name)]
         left = set(self._names(full))
         for place in places:
-            with self._real["scandir"](place) as found:
-                for each in found:
-                    if each.name in left:
-                        left.discard(each.name)
-                        entries.append(each)
+            with self._real["scandir"](place) as result:
+                for item in result:
+                    if item.name in left:
+                        left.discard(item.name)
+                        entries.append(item)
         return _Entries(entries)
 
 

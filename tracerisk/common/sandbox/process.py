@@ -144,17 +144,17 @@ def start(
     if sandbox is not None and is_contained(sandbox):
         _compile_own()
         given = [*reads, *map(Path, sandbox.readable)]
-        ours = [_PACKAGE, *_interpreter(), *(Path(each) for each in paths)]
-        kept = [each for folder in (*ours, *given) for each in _within(folder)]
+        ours = [_PACKAGE, *_interpreter(), *(Path(name) for name in paths)]
+        kept = [pair for folder in (*ours, *given) for pair in _within(folder)]
         plan |= {
             "readable": [*_SYSTEM, *(path for path, is_whole in kept if is_whole)],
             "listable": [path for path, is_whole in kept if not is_whole],
-            "writable": [str(each) for each in writes],
+            "writable": [str(write) for write in writes],
         }
     begin = partial(_popen, module, options)
     common = {**_without_python(environment), "PYTHONHASHSEED": "0"}
     if is_repeated and more == OF_FORKED:
-        found = forked(
+        result = forked(
             (module, *options),
             arguments,
             plan=plan,
@@ -162,8 +162,8 @@ def start(
             pass_fds=pass_fds,
             start=begin,
         )
-        if found is not None:
-            return found
+        if result is not None:
+            return result
     return begin(plan, *arguments, environment=common, pass_fds=pass_fds, **more)
 
 
@@ -211,24 +211,24 @@ def read_regular(path: Path, most: int) -> bytes:
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     with os.fdopen(descriptor, "rb") as stream:
-        found = os.fstat(descriptor)
-        if not stat.S_ISREG(found.st_mode):
+        fstat = os.fstat(descriptor)
+        if not stat.S_ISREG(fstat.st_mode):
             raise OSError(errno.EINVAL, "is not a regular file")
-        if found.st_size > most:
-            raise OSError(errno.EFBIG, f"has {found.st_size} bytes; at most {most} are read")
+        if fstat.st_size > most:
+            raise OSError(errno.EFBIG, f"has {fstat.st_size} bytes; at most {most} are read")
         return stream.read(most)
 
 
 def regular_within(names: Iterable[str], folders: Iterable[Path]) -> tuple[Path, ...]:
     """Return those files that a child has named which are regular and lie within the folders."""
     tops = [folder.resolve() for folder in folders]
-    found = []
+    paths = []
     for name in names:
         with contextlib.suppress(OSError, ValueError, RuntimeError):
             path = Path(name).resolve()
             if any(path.is_relative_to(top) for top in tops) and path.is_file():
-                found.append(Path(name))
-    return tuple(dict.fromkeys(found))
+                paths.append(Path(name))
+    return tuple(dict.fromkeys(paths))
 
 
 def _import_paths() -> list[str]:
@@ -236,14 +236,14 @@ def _import_paths() -> list[str]:
 
     Those of an isolated process come before them.
     """
-    scripts = [Path(each).parent for each in sys.argv[:1] if each]
+    scripts = [Path(name).parent for name in sys.argv[:1] if name]
     # The script of a notebook's kernel lies among the packages that are installed.
-    apart = [each for each in scripts if each.name not in _INSTALLED]
-    left_out = {os.path.realpath(each) for each in (os.curdir, *map(str, apart))}
+    apart = [script for script in scripts if script.name not in _INSTALLED]
+    left_out = {os.path.realpath(text) for text in (os.curdir, *map(str, apart))}
     own = [
-        each
-        for each in sys.path
-        if Path(each).is_absolute() and os.path.realpath(each) not in left_out
+        name
+        for name in sys.path
+        if Path(name).is_absolute() and os.path.realpath(name) not in left_out
     ]
     # What a sourced ROS has put there is for real nodes: stand-ins and our own libraries win.
     return without_ros(own)
@@ -253,8 +253,8 @@ def _interpreter() -> list[Path]:
     paths = sysconfig.get_paths()
     named = [paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")]
     program = Path(sys.executable)
-    found = [sys.prefix, sys.base_prefix, sys.exec_prefix, *named]
-    return list(dict.fromkeys([*map(Path, found), program.parent, program.resolve().parent]))
+    texts = [sys.prefix, sys.base_prefix, sys.exec_prefix, *named]
+    return list(dict.fromkeys([*map(Path, texts), program.parent, program.resolve().parent]))
 
 
 def _within(place: Path) -> list[tuple[str, bool]]:
@@ -274,19 +274,19 @@ def _within(place: Path) -> list[tuple[str, bool]]:
         return []
     if path in homes:
         # The folder of everything is not a folder of sources, though sources may lie in it.
-        inside = (path / each for each in names)
-        parts = [each for each in inside if each.is_file() and each.suffix in _SOURCE_ENDINGS]
+        inside = (path / name for name in names)
+        parts = [item for item in inside if item.is_file() and item.suffix in _SOURCE_ENDINGS]
     elif any(map(is_secret, names)):
-        parts = [path / each for each in names if not is_secret(each)]
+        parts = [path / name for name in names if not is_secret(name)]
     else:
         return [(str(path), True)]
-    return [(str(path), False), *((str(each), True) for each in parts)]
+    return [(str(path), False), *((str(part), True) for part in parts)]
 
 
 @lru_cache(maxsize=2)
 def _homes(_: str | None) -> tuple[Path, ...]:
     """Return the home folders of this user: what HOME says, and what the system knows."""
-    return tuple(Path(each).expanduser().resolve() for each in ("~", _home_on_record()))
+    return tuple(Path(name).expanduser().resolve() for name in ("~", _home_on_record()))
 
 
 def _home_on_record() -> str:
@@ -302,17 +302,17 @@ def _home_on_record() -> str:
 @lru_cache(maxsize=1)
 def _compile_own() -> None:
     """Compile our modules: a contained process cannot keep what it compiles."""
-    if any(each.endswith("-packages") for each in _PACKAGE.parts):
+    if any(part.endswith("-packages") for part in _PACKAGE.parts):
         return
     with contextlib.suppress(OSError):
         waiting = [str(_PACKAGE)]
         while waiting:
             folder = waiting.pop()
-            with os.scandir(folder) as found:
-                entries = list(found)
-            folders = (each for each in entries if each.is_dir(follow_symlinks=False))
-            waiting += [each.path for each in folders if each.name != "__pycache__"]
-            sources = [each for each in entries if each.name.endswith(".py")]
+            with os.scandir(folder) as scandir_iterator:
+                entries = list(scandir_iterator)
+            folders = (entry for entry in entries if entry.is_dir(follow_symlinks=False))
+            waiting += [dir_entry.path for dir_entry in folders if dir_entry.name != "__pycache__"]
+            sources = [entry for entry in entries if entry.name.endswith(".py")]
             if sources and not _is_compiled(sources):
                 import compileall
 
@@ -321,7 +321,7 @@ def _compile_own() -> None:
 
 def _is_compiled(sources: Sequence[os.DirEntry[str]]) -> bool:
     """Return whether the modules of one folder were compiled after the last was written."""
-    written = max(each.stat().st_mtime for each in sources)
+    written = max(source.stat().st_mtime for source in sources)
     compiled = cache_from_source(sources[0].path)
     with contextlib.suppress(FileNotFoundError):
         os.stat(compiled)  # noqa: PTH116 - a hundred folders, whose paths take as long as all else

@@ -65,17 +65,17 @@ def readable_folders(packages: Iterable[Path]) -> tuple[Path, ...]:
     Of an installed package it is its prefix: there are hundreds in one. A workspace installs links
     into its own `src` and `build`.
     """
-    found: dict[Path, None] = {}
+    table: dict[Path, None] = {}
     for folder in packages:
         if folder.parent.name != SHARE:
-            found.setdefault(folder)
+            table.setdefault(folder)
             continue
-        found.update(dict.fromkeys(prefix_folders(folder.parent.parent)))
-    return tuple(found)
+        table.update(dict.fromkeys(prefix_folders(folder.parent.parent)))
+    return tuple(table)
 
 
 def prefix_folders(prefix: Path) -> tuple[Path, ...]:
     """Return a prefix and the folders of its workspace to which it may link."""
-    spaces = [each for each in (prefix, prefix.parent) if each.name in _SPACES]
+    spaces = [path for path in (prefix, prefix.parent) if path.name in _SPACES]
     beside = (space.parent / name for space in spaces[:1] for name in _BESIDE_SPACES)
-    return (prefix, *(each for each in beside if each.is_dir()))
+    return (prefix, *(path for path in beside if path.is_dir()))

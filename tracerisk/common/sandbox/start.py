@@ -132,17 +132,17 @@ def _stay_behind(plan: dict[str, Any]) -> None:
 
 def _close_all() -> None:
     """Close every file: whoever waits for their end waits for that of the module alone."""
-    for each in (0, 1, 2):
+    for number in (0, 1, 2):
         with contextlib.suppress(OSError):
-            os.close(each)
+            os.close(number)
     os.closerange(3, 1024)
 
 
 def _end_of(child: int) -> int:
     """Return the status with which a process ended; others that end meanwhile are reaped."""
     while True:
-        found, status = os.waitpid(-1, 0)
-        if found == child:
+        result, status = os.waitpid(-1, 0)
+        if result == child:
             return status
 
 
@@ -157,9 +157,9 @@ def _end_descendants(me: int, *, all_at_once: bool) -> None:
                 os.kill(-1, signal.SIGKILL)
         else:
             for number in (signal.SIGSTOP, signal.SIGKILL):
-                for each in _descendants(me):
+                for descendant in _descendants(me):
                     with contextlib.suppress(ProcessLookupError, PermissionError):
-                        os.kill(each, number)
+                        os.kill(descendant, number)
         try:
             while os.waitpid(-1, 0 if all_at_once else os.WNOHANG)[0]:
                 pass
@@ -173,13 +173,13 @@ def _descendants(top: int) -> list[int]:
         with contextlib.suppress(OSError, ValueError, IndexError):
             fields = (folder / "stat").read_bytes().rpartition(b")")[2].split()
             parents[int(folder.name)] = int(fields[1])
-    found = {top}
+    numbers = {top}
     is_more = True
     while is_more:
-        more = {child for child, parent in parents.items() if parent in found} - found
-        found |= more
+        more = {child for child, parent in parents.items() if parent in numbers} - numbers
+        numbers |= more
         is_more = bool(more)
-    return sorted(found - {top})
+    return sorted(numbers - {top})
 
 
 def _end_as(status: int) -> NoReturn:

@@ -120,15 +120,17 @@ def rules(*, landlock: int, process: int) -> Iterator[Rule]:
     yield from (Rule(call, _DONE) for call in _METADATA)
     yield from (Rule(call, errno.ENOTSUP) for call in _ATTRIBUTES)
     yield from (Rule(call, errno.ENOSYS) for call in _ABSENT)
-    yield from (Rule("clone", errno.EPERM, ((0, each, each),)) for each in _NAMESPACES)
-    yield from (Rule("ioctl", errno.EPERM, ((1, -1, each),)) for each in _PUSH_INTO_TERMINAL)
+    yield from (
+        Rule("clone", errno.EPERM, ((0, namespace, namespace),)) for namespace in _NAMESPACES
+    )
+    yield from (Rule("ioctl", errno.EPERM, ((1, -1, number),)) for number in _PUSH_INTO_TERMINAL)
     for call in ("prlimit64", "sched_setaffinity"):
-        yield from (Rule(call, None, ((0, -1, each),)) for each in (0, process))
+        yield from (Rule(call, None, ((0, -1, number),)) for number in (0, process))
         yield Rule(call, errno.EPERM)
     yield from _network()
     if landlock < 6:  # From there on Landlock itself keeps signals within.
         own = (process, 0, -process)
-        yield from (Rule("kill", None, ((0, -1, each),)) for each in own)
+        yield from (Rule("kill", None, ((0, -1, number),)) for number in own)
         yield Rule("tgkill", None, ((0, -1, process),))
         yield Rule("tkill", None, ((0, -1, process),))
         yield from (Rule(call, errno.EPERM) for call in ("kill", "tgkill", "tkill"))

@@ -17,10 +17,10 @@ def _own(names: tuple[str, ...], function: str) -> Callable[..., Any]:
     """Return a function of Python's own modules; that of `hashlib` where it was built without."""
     for name in (*names, "hashlib"):
         try:
-            found: Callable[..., Any] = getattr(import_module(name), function)
+            result: Callable[..., Any] = getattr(import_module(name), function)
         except (ImportError, AttributeError):
             continue
-        return found
+        return result
     raise ImportError(f"this Python has no {function}")
 
 

@@ -61,7 +61,7 @@ def _read(kind: Any, value: Any, path: str) -> Any:
     if origin in (typing.Union, types.UnionType):
         if value is None and type(None) in arguments:
             return None
-        inner = [each for each in arguments if each is not type(None)]
+        inner = [argument for argument in arguments if argument is not type(None)]
         return _read(inner[0], value, path)
     if origin is typing.Literal:
         if value not in arguments:
@@ -70,11 +70,11 @@ def _read(kind: Any, value: Any, path: str) -> Any:
     if origin is tuple:
         if not isinstance(value, list):
             raise MismatchError(path, "expected a list")
-        return tuple(_read(arguments[0], each, f"{path}[{i}]") for i, each in enumerate(value))
+        return tuple(_read(arguments[0], item, f"{path}[{i}]") for i, item in enumerate(value))
     if origin is Mapping:
         if not isinstance(value, dict):
             raise MismatchError(path, "expected an object")
-        return {name: _read(arguments[1], each, f"{path}.{name}") for name, each in value.items()}
+        return {name: _read(arguments[1], item, f"{path}.{name}") for name, item in value.items()}
     return _read_leaf(getattr(kind, "__supertype__", kind), value, path)
 
 
@@ -91,7 +91,7 @@ def _read_dataclass(kind: type, value: Any, path: str) -> Any:
         if name not in value and not has_default:
             raise MismatchError(path, f"key '{name}' is missing")
     prefix = f"{path}." if path else ""
-    return kind(**{key: _read(hints[key], each, prefix + key) for key, each in value.items()})
+    return kind(**{key: _read(hints[key], item, prefix + key) for key, item in value.items()})
 
 
 def _read_leaf(kind: type, value: Any, path: str) -> Any:

@@ -28,15 +28,17 @@ def _read(kind: Any, data: Any) -> Any:
         return data
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if origin in (typing.Union, types.UnionType):
-        return _read(next(each for each in arguments if each is not types.NoneType), data)
+        return _read(
+            next(argument for argument in arguments if argument is not types.NoneType), data
+        )
     if is_dataclass(kind):
         hints = _hints(cast(type, kind))
-        return kind(**{name: _read(hints.get(name), each) for name, each in data.items()})  # type: ignore[operator]
+        return kind(**{name: _read(hints.get(name), item) for name, item in data.items()})  # type: ignore[operator]
     if origin is tuple:
         kinds = arguments[:1] * len(data) if arguments[-1] is Ellipsis else arguments
-        return tuple(_read(each, value) for each, value in zip(kinds, data, strict=True))
+        return tuple(_read(item, value) for item, value in zip(kinds, data, strict=True))
     if origin is frozenset:
-        return frozenset(_read(arguments[0], each) for each in data)
+        return frozenset(_read(arguments[0], item) for item in data)
     if origin is Mapping:
         return types.MappingProxyType({key: _read(arguments[1], data[key]) for key in data})
     return data

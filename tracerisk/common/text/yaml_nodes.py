@@ -153,7 +153,7 @@ class _Document:
         return built
 
     def _map(self, event: Any) -> PlacedMap:
-        found = PlacedMap(_start(event))
+        result = PlacedMap(_start(event))
         merged: list[PlacedMap] = []
         while not isinstance(key_event := self._next(), events.MappingEndEvent):
             position = _start(key_event)
@@ -163,21 +163,21 @@ class _Document:
                 merged += _merged(self._value(self._next()), position)
                 continue
             key = self._value(key_event)
-            if key in found:
+            if key in result:
                 raise PlacedYamlError(f"holds the key '{key}' twice", position)
-            found[key] = self._value(self._next())
-            found.lc.data[key] = position
-        for each in merged:
-            for key, value in each.items():
-                found.setdefault(key, value)
-        return found
+            result[key] = self._value(self._next())
+            result.lc.data[key] = position
+        for placed_map in merged:
+            for key, value in placed_map.items():
+                result.setdefault(key, value)
+        return result
 
     def _list(self, event: Any) -> PlacedList:
-        found = PlacedList(_start(event))
+        placed_list = PlacedList(_start(event))
         while not isinstance(entry := self._next(), events.SequenceEndEvent):
-            found.lc.data[len(found)] = _start(entry)
-            found.append(self._value(entry))
-        return found
+            placed_list.lc.data[len(placed_list)] = _start(entry)
+            placed_list.append(self._value(entry))
+        return placed_list
 
 
 def _start(event: Any) -> Position:
@@ -186,7 +186,7 @@ def _start(event: Any) -> Position:
 
 def _merged(value: Any, position: Position) -> list[PlacedMap]:
     maps = value if isinstance(value, PlacedList) else [value]
-    if not all(isinstance(each, PlacedMap) for each in maps):
+    if not all(isinstance(item, PlacedMap) for item in maps):
         raise PlacedYamlError("'<<' must refer to a mapping", position)
     return list(maps)
 

@@ -137,12 +137,14 @@ class YamlMap:
     def maps(self, key: str) -> list[YamlMap]:
         """Return the list of mappings at `key`; empty where the key is absent."""
         value = self._list(key)
-        found = []
+        yaml_maps = []
         for index, entry in enumerate(value):
             if not _is_map(entry):
                 self._fail_entry(key, index, f"expected a mapping, found {_kind(entry)}")
-            found.append(YamlMap(entry, self._file, f"{self.name_of(key)}[{index}]", self._error))
-        return found
+            yaml_maps.append(
+                YamlMap(entry, self._file, f"{self.name_of(key)}[{index}]", self._error)
+            )
+        return yaml_maps
 
     def string(self, key: str, *, default: str | None = None) -> str:
         """Return the string at `key`; without a default the key must be there."""

@@ -188,19 +188,19 @@ def worlds_named(names: str) -> tuple[World, ...]:
     Raises InputError for a name that there is not, and for none.
     """
     asked = [name.strip() for name in names.split(",") if name.strip()]
-    found = set()
+    texts = set()
     heads = Counter(world.name.split("-")[0] for world in WORLDS)
     groups = [head for head, number in heads.items() if number > 1]
     for name in asked:
         if name == ALL:
-            found |= {world.name for world in WORLDS}
+            texts |= {world.name for world in WORLDS}
         elif name in groups:
-            found |= {world.name for world in WORLDS if world.name.startswith(f"{name}-")}
+            texts |= {world.name for world in WORLDS if world.name.startswith(f"{name}-")}
         elif name in _BY_NAME and name != NOMINAL.name:
-            found.add(name)
+            texts.add(name)
         else:
             known = [ALL, *groups, *(world.name for world in WORLDS)]
             raise InputError(f"unknown world '{name}'; {one_of(known, name)}")
-    if not found:
-        raise InputError(f"names no world; {one_of([ALL, *(each.name for each in WORLDS)])}")
-    return tuple(world for world in WORLDS if world.name in found)
+    if not texts:
+        raise InputError(f"names no world; {one_of([ALL, *(item.name for item in WORLDS)])}")
+    return tuple(world for world in WORLDS if world.name in texts)

@@ -39,8 +39,8 @@ class WorldRun:
     @property
     def words(self) -> str:
         """What depends on the world, in one sentence; empty where nothing does."""
-        found = self.differs[0] if self.differs else f"{self.verdict}: {self.reason}"
-        return found if self.depends else ""
+        differ = self.differs[0] if self.differs else f"{self.verdict}: {self.reason}"
+        return differ if self.depends else ""
 
     @property
     def changed(self) -> str:
@@ -71,8 +71,8 @@ def dependence_line(run: WorldRun) -> str:
 
 def joined_worlds(before: Iterable[WorldRun], now: Iterable[WorldRun]) -> tuple[WorldRun, ...]:
     """Return the runs of now, and those before in other worlds, by name of the world."""
-    found = {run.world: run for run in (*before, *now)}
-    return tuple(run for _, run in sorted(found.items()))
+    world_runs = {run.world: run for run in (*before, *now)}
+    return tuple(run for _, run in sorted(world_runs.items()))
 
 
 def worlds_summary(runs: Iterable[WorldRun]) -> dict[str, Any]:
@@ -93,7 +93,7 @@ def worlds_summary(runs: Iterable[WorldRun]) -> dict[str, Any]:
 def kept_worlds(summary: Mapping[str, Any]) -> tuple[WorldRun, ...]:
     """Return the runs in worlds that a lock keeps, by name; what is malformed is left out."""
     data = summary.get(WORLDS_KEPT)
-    found = []
+    world_runs = []
     for name, entry in sorted(data.items()) if isinstance(data, dict) else ():
         match entry:
             case {"verdict": str(verdict), **more}:
@@ -105,5 +105,5 @@ def kept_worlds(summary: Mapping[str, Any]) -> tuple[WorldRun, ...]:
                         place = None
                 if isinstance(words, str) and isinstance(cause, str):
                     differs = (words,) if words else ()
-                    found.append(WorldRun(name, verdict, "", differs, cause, place))
-    return tuple(found)
+                    world_runs.append(WorldRun(name, verdict, "", differs, cause, place))
+    return tuple(world_runs)

@@ -138,14 +138,14 @@ class CallLog:
 
     def data(self, files: Mapping[str, str]) -> dict[str, Any]:
         """Return all that was noted, as JSON data; `files` are the names of code objects' files."""
-        found = [
+        rows = [
             (_key_of(code, key[1], files), record.ref, key[3])
             for key, (code, record) in self._turns.items()
         ]
         turns = sorted(
             {
                 (key, function.file, str(function.name), tuple(sorted(executed)))
-                for key, function, executed in (*found, *self._ended)
+                for key, function, executed in (*rows, *self._ended)
                 if key
             }
         )

@@ -120,5 +120,5 @@ def _is_over(test: ast.expr) -> bool:
 
 def _names(node: ast.expr | None) -> set[str]:
     if isinstance(node, ast.Tuple):
-        return {name for each in node.elts for name in _names(each)}
+        return {name for elt in node.elts for name in _names(elt)}
     return {last_name(node)}

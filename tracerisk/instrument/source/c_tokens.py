@@ -37,18 +37,18 @@ class Token(NamedTuple):
 def tokens(source: bytes, *, is_java: bool = False) -> Iterator[Token]:
     """Yield comments and literals in the order of the source; of Java text blocks too."""
     at, size = 0, len(source)
-    while (found := _TOKEN.search(source, at)) is not None:
-        start, at = found.span()
-        if found["comment"] is not None:
+    while (matched := _TOKEN.search(source, at)) is not None:
+        start, at = matched.span()
+        if matched["comment"] is not None:
             end = source.find(b"*/", at)
             at = size if end < 0 else end + 2
             yield Token(start, at, is_comment=True, is_closed=end >= 0)
             continue
-        if found["mark"] is not None:
-            close = b")" + found["mark"] + b'"'
+        if matched["mark"] is not None:
+            close = b")" + matched["mark"] + b'"'
             end = source.find(close, at)
             at = size if end < 0 else end + len(close)
-        elif found["block"] is not None:
+        elif matched["block"] is not None:
             at = _text_block_end(source, at) if is_java else start + 2
         yield Token(start, at, is_comment=source.startswith(b"//", start))
 
@@ -78,5 +78,5 @@ def _squeezed(text: bytes) -> bytes:
     first, *rest = _SPACES.sub(b" ", text).split(b"\n")
     if not rest:
         return first
-    inner = [line for each in rest[:-1] if (line := each.strip(b" "))]
+    inner = [line for chunk in rest[:-1] if (line := chunk.strip(b" "))]
     return b"\n".join([first.rstrip(b" "), *inner, rest[-1].lstrip(b" ")])

@@ -86,12 +86,12 @@ class CallGraph:
         seen = {file: _imported_files(file, imports) for file in imports}
 
         def linked(ref: FunctionRef, each: CalledBy) -> CalledBy:
-            found = set(each.functions)
+            function_refs = set(each.functions)
             for file, functions in named.items():
                 names = each.others if file in seen.get(ref.file, ()) else each.unknown
                 for name in names & functions.keys():
-                    found |= functions[name]
-            return replace(each, functions=frozenset(found))
+                    function_refs |= functions[name]
+            return replace(each, functions=frozenset(function_refs))
 
         return cls(
             {ref: linked(ref, each) for ref, each in calls.items()},
@@ -123,17 +123,17 @@ def call_graph(source: bytes, file: str) -> CallGraph:
 def _imported_files(file: str, imports: Mapping[str, frozenset[str]]) -> frozenset[str]:
     """Return the files that a file imports, at first hand or not; not itself."""
     by_name: dict[str, set[str]] = {}
-    for each in imports:
-        path = PurePosixPath(each)
+    for text in imports:
+        path = PurePosixPath(text)
         name = path.parent.name if path.stem == "__init__" else path.stem
-        by_name.setdefault(name, set()).add(each)
-    found: set[str] = set()
+        by_name.setdefault(name, set()).add(text)
+    names: set[str] = set()
     pending = [file]
     while pending:
-        new = {each for name in imports[pending.pop()] for each in by_name.get(name, ())} - found
-        found |= new
+        new = {text for name in imports[pending.pop()] for text in by_name.get(name, ())} - names
+        names |= new
         pending += new
-    return frozenset(found - {file})
+    return frozenset(names - {file})
 
 
 def motion_reaching(graph: CallGraph, motion_names: Collection[str]) -> tuple[FunctionSite, ...]:
@@ -236,9 +236,9 @@ class _Reader(cst.CSTVisitor):
 
     def visit_FunctionDef(self, node: cst.FunctionDef) -> bool:  # noqa: N802
         site = next(self._remaining)
-        for each in (*node.decorators, node.params, node.returns):
-            if each is not None:
-                each.visit(self)
+        for decorator in (*node.decorators, node.params, node.returns):
+            if decorator is not None:
+                decorator.visit(self)
         outer = self._scope
         outer.functions.setdefault(node.name.value, []).append(site.ref)
         self._uses.setdefault(site.ref, _Uses(site.line))
@@ -260,8 +260,8 @@ class _Reader(cst.CSTVisitor):
 
     def visit_ClassDef(self, node: cst.ClassDef) -> bool:  # noqa: N802
         outer = self._scope
-        for each in (*node.decorators, *node.bases, *node.keywords):
-            each.visit(self)
+        for decorator in (*node.decorators, *node.bases, *node.keywords):
+            decorator.visit(self)
         name = outer.prefix() + node.name.value
         scope = Scope("class", name, outer, outer.owner)
         body = ClassBody(name, scope, [base.value for base in node.bases])
@@ -317,8 +317,8 @@ class _Reader(cst.CSTVisitor):
                     table = body.annotations if is_annotation else body.attributes
                     table.setdefault(attribute.value, []).append((value, scope))
             case cst.Tuple(elements=targets) if isinstance(value, cst.Tuple):
-                for each, part in zip(targets, value.elements, strict=False):
-                    self._bind(each.value, part.value)
+                for node, part in zip(targets, value.elements, strict=False):
+                    self._bind(node.value, part.value)
 
     # --- uses
 
@@ -370,7 +370,7 @@ class _Reader(cst.CSTVisitor):
             for meaning in meanings:
                 functions |= names.run_by_calling(meaning)
             name = external_name(expression)
-            is_ours = any(each.kind != "external" for each in meanings)
+            is_ours = any(item.kind != "external" for item in meanings)
             if name is not None and not is_ours:
                 others |= {name, written_name(expression) or name}
                 if not meanings and isinstance(expression, cst.Attribute):
@@ -380,7 +380,7 @@ class _Reader(cst.CSTVisitor):
             name = external_name(expression)
             if isinstance(expression, cst.Attribute) and name is not None:
                 meanings = names.evaluate(expression, scope)
-                if all(each.kind == "external" for each in meanings):
+                if all(item.kind == "external" for item in meanings):
                     others |= {name, written_name(expression) or name}
         for expression, scope in uses.read:
             for meaning in names.evaluate(expression, scope):
@@ -393,7 +393,7 @@ class _Reader(cst.CSTVisitor):
 
 
 def _bind_first_parameter(scope: Scope, outer: Scope, node: cst.FunctionDef, name: str) -> None:
-    decorators = {external_name(each.decorator) for each in node.decorators}
+    decorators = {external_name(decorator.decorator) for decorator in node.decorators}
     if "staticmethod" in decorators:
         return
     scope.klass = outer.klass

@@ -43,14 +43,14 @@ def code_digest(source: bytes, file: str) -> str:
     # A line begins here too, so that blank ones above the first say nothing.
     plain = [b"\n"]
     at = 0
-    for found in _PART.finditer(text):
-        plain.append(text[at : found.start()])
-        at = found.end()
-        if found["string"] is not None:
-            parts += [_squeezed(b"".join(plain)), found["string"]]
+    for match_ in _PART.finditer(text):
+        plain.append(text[at : match_.start()])
+        at = match_.end()
+        if match_["string"] is not None:
+            parts += [_squeezed(b"".join(plain)), match_["string"]]
             plain = []
-        elif _F_STRING.search(text, text.rfind(b"\n", 0, found.start()) + 1, found.start()):
-            plain.append(found["comment"])
+        elif _F_STRING.search(text, text.rfind(b"\n", 0, match_.start()) + 1, match_.start()):
+            plain.append(match_["comment"])
     parts.append(_squeezed(b"".join([*plain, text[at:], b"\n"])))
     return sha256(b"".join(parts))
 

@@ -26,25 +26,27 @@ def last_name(node: ast.AST | None) -> str:
 
 def imports_in(tree: ast.AST | None) -> tuple[tuple[int, tuple[str, ...]], ...]:
     """Return what a source imports: the level of a relative import, and the parts of a name."""
-    found: list[tuple[int, tuple[str, ...]]] = []
+    imports: list[tuple[int, tuple[str, ...]]] = []
     for node in ast.walk(tree) if tree is not None else ():
         if isinstance(node, ast.Import):
-            found += ((0, tuple(alias.name.split("."))) for alias in node.names)
+            imports += ((0, tuple(alias.name.split("."))) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             start = tuple(node.module.split(".")) if node.module else ()
-            found.append((node.level, start))
+            imports.append((node.level, start))
             # A submodule may be named as what is imported: `from control_msgs import action`.
-            found += ((node.level, (*start, alias.name)) for alias in node.names)
-    return tuple(found)
+            imports += ((node.level, (*start, alias.name)) for alias in node.names)
+    return tuple(imports)
 
 
 def imported_names(tree: ast.AST, file: Path) -> Iterator[tuple[str, str, Path]]:
     """Yield what a source imports by name from files near it: its name here and there, the file."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module and node.level <= _UPWARDS:
-            found = _module_file(node.module, node.level, file)
-            if found is not None:
-                yield from ((alias.asname or alias.name, alias.name, found) for alias in node.names)
+            module_file = _module_file(node.module, node.level, file)
+            if module_file is not None:
+                yield from (
+                    (alias.asname or alias.name, alias.name, module_file) for alias in node.names
+                )
 
 
 def _module_file(module: str, level: int, file: Path) -> Path | None:

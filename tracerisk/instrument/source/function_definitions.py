@@ -66,15 +66,15 @@ def _inner(node: ast.AST) -> list[ast.AST]:
     """Return what stands directly within a node and can hold statements."""
     children: list[ast.AST] = []
     for part in ("body", "handlers", "orelse", "finalbody", "cases"):
-        found = getattr(node, part, None)
-        if isinstance(found, list):
-            children += found
+        result = getattr(node, part, None)
+        if isinstance(result, list):
+            children += result
     return [child for child in children if type(child) not in _LEAVES]
 
 
 def function_at(tree: ast.Module, line: int) -> QualifiedName:
     """Return the innermost function around a line; the module's pseudo-function outside all."""
-    found, prefix = MODULE, ""
+    function, prefix = MODULE, ""
     around: list[ast.AST] = [tree]
     while around:
         node = around.pop()
@@ -83,7 +83,7 @@ def function_at(tree: ast.Module, line: int) -> QualifiedName:
             if isinstance(node, ast.ClassDef):
                 prefix += "."
             else:
-                found = QualifiedName(prefix)
+                function = QualifiedName(prefix)
                 prefix += ".<locals>."
             around.clear()
         # The cases of a `match` have no lines.
@@ -92,4 +92,4 @@ def function_at(tree: ast.Module, line: int) -> QualifiedName:
             for child in reversed(_inner(node))
             if getattr(child, "lineno", line) <= line <= (getattr(child, "end_lineno", 0) or line)
         ]
-    return found
+    return function

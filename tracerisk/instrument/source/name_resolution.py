@@ -112,9 +112,9 @@ class NameResolver:
     def __init__(self, classes: Sequence[ClassBody]) -> None:
         self._known: dict[tuple[int, str], Meanings] = {}
         self._asked: set[tuple[int, str]] = set()
-        for each in classes:
-            for base in self._bases(each):
-                base.subclasses.append(each)
+        for class_ in classes:
+            for base in self._bases(class_):
+                base.subclasses.append(class_)
         # A name may have been asked for before the subclasses were known.
         self._known.clear()
 
@@ -129,7 +129,7 @@ class NameResolver:
             case cst.Call(func=cst.Name(value="super"), args=[]) if klass := _class_of(scope):
                 return frozenset({Meaning("super", klass=klass)})
             case cst.Call(func=function):
-                return _union(_called(each) for each in self.evaluate(function, scope))
+                return _union(_called(meaning) for meaning in self.evaluate(function, scope))
             case cst.IfExp(body=left, orelse=right) | cst.BooleanOperation(left=left, right=right):
                 return self.evaluate(left, scope) | self.evaluate(right, scope)
             case cst.NamedExpr(value=value):
@@ -138,10 +138,10 @@ class NameResolver:
 
     def methods(self, klass: ClassBody, name: str) -> frozenset[FunctionRef]:
         """Return the methods that `name` may call on an instance: own, inherited, overriding."""
-        found = set(self._inherited(klass, name))
-        for each in _below(klass):
-            found.update(each.scope.functions.get(name, ()))
-        return frozenset(found)
+        function_refs = set(self._inherited(klass, name))
+        for class_body in _below(klass):
+            function_refs.update(class_body.scope.functions.get(name, ()))
+        return frozenset(function_refs)
 
     def run_by_calling(self, meaning: Meaning) -> frozenset[FunctionRef]:
         """Return the functions that run when something is called."""
@@ -168,33 +168,33 @@ class NameResolver:
         return self._known[key]
 
     def _name(self, name: str, scope: Scope) -> Meanings:
-        for each in scope.visible():
-            if name in (each.self_name, each.cls_name) and each.klass is not None:
-                kind: MeaningKind = "instance" if name == each.self_name else "class"
-                return frozenset({Meaning(kind, klass=each.klass)})
-            if each.binds(name):
-                return self._bound(each, name)
+        for item in scope.visible():
+            if name in (item.self_name, item.cls_name) and item.klass is not None:
+                kind: MeaningKind = "instance" if name == item.self_name else "class"
+                return frozenset({Meaning(kind, klass=item.klass)})
+            if item.binds(name):
+                return self._bound(item, name)
         return _UNKNOWN
 
     def _bound(self, scope: Scope, name: str) -> Meanings:
         """Return what a name is in the scope that binds it."""
-        found = {Meaning("function", ref) for ref in scope.functions.get(name, ())}
+        bound = {Meaning("function", ref) for ref in scope.functions.get(name, ())}
         if name in scope.classes:
-            found.add(Meaning("class", klass=scope.classes[name]))
+            bound.add(Meaning("class", klass=scope.classes[name]))
         if name in scope.imported:
-            found.add(EXTERNAL)
+            bound.add(EXTERNAL)
         for value in scope.assigned.get(name, ()):
-            found |= self.evaluate(value, scope)
+            bound |= self.evaluate(value, scope)
         for annotation in scope.annotated.get(name, ()):
-            found |= self._annotated(annotation, scope)
-        return frozenset(found)
+            bound |= self._annotated(annotation, scope)
+        return frozenset(bound)
 
     def _annotated(self, annotation: cst.BaseExpression, scope: Scope) -> Meanings:
         if isinstance(annotation, cst.SimpleString):
             name = annotation.evaluated_value
             if isinstance(name, str) and name.isidentifier():
                 annotation = cst.Name(name)
-        return _union(_called(each) for each in self.evaluate(annotation, scope))
+        return _union(_called(meaning) for meaning in self.evaluate(annotation, scope))
 
     def _member(self, meaning: Meaning, name: str) -> Meanings:
         klass = meaning.klass
@@ -207,30 +207,30 @@ class NameResolver:
 
     def _attribute(self, klass: ClassBody, name: str) -> Meanings:
         members = {Meaning("function", ref) for ref in self.methods(klass, name)}
-        for each in (*self._above(klass), *_below(klass)):
-            if name in each.scope.classes:
-                members.add(Meaning("class", klass=each.scope.classes[name]))
-            for value in each.scope.assigned.get(name, ()):
-                members |= self.evaluate(value, each.scope)
-            for value, scope in each.attributes.get(name, ()):
+        for class_body in (*self._above(klass), *_below(klass)):
+            if name in class_body.scope.classes:
+                members.add(Meaning("class", klass=class_body.scope.classes[name]))
+            for value in class_body.scope.assigned.get(name, ()):
+                members |= self.evaluate(value, class_body.scope)
+            for value, scope in class_body.attributes.get(name, ()):
                 members |= self.evaluate(value, scope)
-            for annotation, scope in each.annotations.get(name, ()):
+            for annotation, scope in class_body.annotations.get(name, ()):
                 members |= self._annotated(annotation, scope)
         return frozenset(members)
 
     def _inherited(self, klass: ClassBody, name: str) -> list[FunctionRef]:
         """Return the methods of the nearest class upwards that has some."""
-        for each in self._above(klass):
-            if name in each.scope.functions:
-                return each.scope.functions[name]
+        for class_body in self._above(klass):
+            if name in class_body.scope.functions:
+                return class_body.scope.functions[name]
         return []
 
     def _above(self, klass: ClassBody) -> list[ClassBody]:
         """Return a class and its bases, each once, nearer ones first."""
-        found = [klass]
-        for each in found:
-            found += [base for base in self._bases(each) if base not in found]
-        return found
+        above = [klass]
+        for class_body in above:
+            above += [base for base in self._bases(class_body) if base not in above]
+        return above
 
     def _bases(self, klass: ClassBody) -> list[ClassBody]:
         scope = klass.scope.parent
@@ -238,17 +238,17 @@ class NameResolver:
         bases: list[ClassBody] = []
         for base in klass.bases:
             meanings = self.evaluate(base, scope)
-            found = {m.klass for m in meanings if m.klass is not None and m.kind == "class"}
-            bases += sorted(found, key=lambda each: each.name)
+            klasses = {m.klass for m in meanings if m.klass is not None and m.kind == "class"}
+            bases += sorted(klasses, key=lambda class_body: class_body.name)
         return bases
 
 
 def _below(klass: ClassBody) -> list[ClassBody]:
     """Return the subclasses of a class, each once."""
-    found = list(klass.subclasses)
-    for each in found:
-        found += [below for below in each.subclasses if below not in found]
-    return found
+    subclasses = list(klass.subclasses)
+    for class_body in subclasses:
+        subclasses += [below for below in class_body.subclasses if below not in subclasses]
+    return subclasses
 
 
 def _union(parts: Iterator[Meanings]) -> Meanings:
@@ -257,7 +257,7 @@ def _union(parts: Iterator[Meanings]) -> Meanings:
 
 def _class_of(scope: Scope) -> ClassBody | None:
     """Return the class whose method encloses a scope."""
-    return next((each.klass for each in scope.visible() if each.klass is not None), None)
+    return next((item.klass for item in scope.visible() if item.klass is not None), None)
 
 
 def _called(meaning: Meaning) -> Meanings:

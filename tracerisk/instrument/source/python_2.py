@@ -36,14 +36,14 @@ def python_2_hint(source: bytes, file: str) -> str | None:
     if tree is None:
         return None
     given = _given(tree)
-    found: dict[str, int] = {}
+    numbers: dict[str, int] = {}
     for node, is_guarded in walk_with_guards(tree):
         for sign in () if is_guarded else _signs(node, given):
-            found.setdefault(sign, getattr(node, "lineno", 1))
-    if not found:
+            numbers.setdefault(sign, getattr(node, "lineno", 1))
+    if not numbers:
         return None
-    shown = sorted(found, key=lambda sign: (found[sign], sign))
-    text = ", ".join(f"`{sign}` (line {found[sign]})" for sign in shown[:_MOST])
+    shown = sorted(numbers, key=lambda sign: (numbers[sign], sign))
+    text = ", ".join(f"`{sign}` (line {numbers[sign]})" for sign in shown[:_MOST])
     more = f" and {len(shown) - _MOST} more" if len(shown) > _MOST else ""
     return (
         f"{file} is Python 2: {text}{more}; convert it first, e.g. with `2to3 -w {file}` or "
@@ -53,11 +53,11 @@ def python_2_hint(source: bytes, file: str) -> str | None:
 
 def walk_with_guards(tree: ast.AST) -> list[tuple[ast.AST, bool]]:
     """Return the nodes of a tree, and whether what fails there is expected to."""
-    found: list[tuple[ast.AST, bool]] = []
+    pairs: list[tuple[ast.AST, bool]] = []
     waiting: list[tuple[ast.AST, bool]] = [(tree, False)]
     while waiting:
         node, is_guarded = waiting.pop()
-        found.append((node, is_guarded))
+        pairs.append((node, is_guarded))
         if isinstance(node, ast.Try):
             is_tried = is_guarded or any(map(_catches, node.handlers))
             waiting += [(child, is_tried) for child in node.body]
@@ -72,7 +72,7 @@ def walk_with_guards(tree: ast.AST) -> list[tuple[ast.AST, bool]]:
             waiting.append((node.test, is_guarded))
             continue
         waiting += [(child, is_guarded) for child in ast.iter_child_nodes(node)]
-    return found
+    return pairs
 
 
 def _catches(handler: ast.ExceptHandler) -> bool:

@@ -86,7 +86,10 @@ def parse_source(source: bytes, file: str) -> ParsedSource:
 
 
 def _functions(tree: ast.Module, file: str) -> tuple[FunctionSite, ...]:
-    sites = [FunctionSite(FunctionRef(file, found.name), found.line) for found in definitions(tree)]
+    sites = [
+        FunctionSite(FunctionRef(file, definition.name), definition.line)
+        for definition in definitions(tree)
+    ]
     return tuple(sorted(sites, key=lambda site: site.line))
 
 

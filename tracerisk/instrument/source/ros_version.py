@@ -51,10 +51,10 @@ def ros_version(script: Path, root: Path) -> RosVersion:
         if any(_ACTIONS.fullmatch(name) for name in names):
             return 2
         for name in names:
-            for found in _own(name, path.parent, root):
-                if found not in seen:
-                    seen.add(found)
-                    waiting.append(found)
+            for result in _own(name, path.parent, root):
+                if result not in seen:
+                    seen.add(result)
+                    waiting.append(result)
     return 2 if _is_built_by_ament(root) else 1
 
 

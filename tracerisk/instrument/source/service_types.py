@@ -25,7 +25,9 @@ def lines_of_function(place: Location) -> tuple[int, int]:
         for node in (() if tree is None else ast.walk(tree))
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
     )
-    return max((each for each in functions if each[0] <= line <= each[1]), default=(0, -1))
+    return max(
+        (function for function in functions if function[0] <= line <= function[1]), default=(0, -1)
+    )
 
 
 def service_type(name: str, waited_at: Location | None) -> str:
@@ -53,9 +55,9 @@ def service_type(name: str, waited_at: Location | None) -> str:
             continue
         is_text = isinstance(named, ast.Constant) and isinstance(named.value, str)
         if ast.dump(named) in waited or (is_text and _is_called(name, ast.literal_eval(named))):
-            found = _type(kind, imported)
-            if found:
-                return found
+            text = _type(kind, imported)
+            if text:
+                return text
     return ""
 
 

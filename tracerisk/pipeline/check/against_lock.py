@@ -52,27 +52,27 @@ def blocks_against_lock(
     evidence: SourceEvidence,
 ) -> Iterable[CheckFinding]:
     """Yield what the sources do not hold as it was written: blocks renamed, edited, lost, gone."""
-    for each in sources:
-        for old, new in each.renamed.items():
-            line = next(b.first_line for b in each.placed if b.function == new)
+    for source in sources:
+        for old, new in source.renamed.items():
+            line = next(b.first_line for b in source.placed if b.function == new)
             yield CheckFinding(
                 "orphaned",
                 f"the function of the block `{old}` is called `{new}` now",
-                Location(each.shown, line),
+                Location(source.shown, line),
                 old,
             )
-        current = {block.function: block for block in each.placed}
-        bases = [base_with_names(base, each.renamed) for base in bases_of(each.file, entry)]
+        current = {block.function: block for block in source.placed}
+        bases = [base_with_names(base, source.renamed) for base in bases_of(source.file, entry)]
         reported = set()
         for name, placed in current.items():
             written = bases[0].get(name)
-            lost = () if written is None else tuple(_lost_lines(written, each, placed))
+            lost = () if written is None else tuple(_lost_lines(written, source, placed))
             yield from lost
             if lost:
                 reported.add(name)
-        yield from _edits(bases, each, current, evidence, reported)
-        yield from _missing(entry, each, current)
-    gone = set(entry.blocks) - {each.file for each in sources}
+        yield from _edits(bases, source, current, evidence, reported)
+        yield from _missing(entry, source, current)
+    gone = set(entry.blocks) - {source.file for source in sources}
     for file in sorted(file for file in gone if entry.blocks[file]):
         shown = str(controller.path_of(file))
         names = ", ".join(sorted(entry.blocks[file]))
@@ -190,6 +190,6 @@ def _missing(
         return
     lines = functions_in(source.source, source.shown)
     for name in lost:
-        if found := places(name, lines):
-            place = Location(source.shown, found[-1])
+        if numbers := places(name, lines):
+            place = Location(source.shown, numbers[-1])
             yield CheckFinding("missing", f"the risk block of {name} is gone", place, name)

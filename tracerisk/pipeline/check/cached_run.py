@@ -68,7 +68,7 @@ def last_duration_s(path: Path | str) -> float | None:
         controller = load_controller(path)
         lock = controller.project.lock
         functions = lock.controllers[lock_key(controller.path, controller.root)].trace["functions"]
-        total = math.fsum(float(each["duration_s"]) for each in functions.values())
+        total = math.fsum(float(function["duration_s"]) for function in functions.values())
     except (InputError, LookupError, TypeError, ValueError, AttributeError):
         return None
     return total if total > 0.0 else None

@@ -56,13 +56,13 @@ def check_controller(
 
     Raises BlockError, SourceError or InputError where a block, a source or the lock is malformed.
     """
-    found = _check_once(path, projects, limits)
-    if not any(map(_sets_source_against_lock, found.findings)):
-        return found
+    check_once = _check_once(path, projects, limits)
+    if not any(map(_sets_source_against_lock, check_once.findings)):
+        return check_once
     from tracerisk.pipeline.history.file_lock import one_writer
 
     # Another run may have written between our looks at lock and source; it may not now.
-    with one_writer(controller_root(found.path)):
+    with one_writer(controller_root(check_once.path)):
         return _check_once(path, projects, limits)
 
 
@@ -117,7 +117,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     if was is not None:
         message = f"{LOCK_NAME} knows this controller as {was}; `tracerisk refresh {place.file}`"
         findings.append(CheckFinding("gone", message, place))
-    is_whole = all(each.kind not in ("missing", "orphaned") for each in findings)
+    is_whole = all(finding.kind not in ("missing", "orphaned") for finding in findings)
     if is_whole:
         is_limited = settings.max_failure_probability is not None and not findings
         findings += _of_model(
@@ -172,7 +172,7 @@ def given_options(recorded: RunInputs, controller: Controller) -> dict[str, obje
     A setting that only another version of tracerisk knows is left out.
     """
     root = controller.root.resolve()
-    known = {each.name for each in fields(Settings)}
+    known = {entry.name for entry in fields(Settings)}
     options: dict[str, object] = {}
     for name, value in recorded.given.items():
         if name not in known:
@@ -189,24 +189,24 @@ def given_options(recorded: RunInputs, controller: Controller) -> dict[str, obje
 
 
 def _sources(controller: Controller, entry: ControllerLock) -> list[CheckedSource]:
-    found = []
+    sources = []
     for file in (controller.file, *sorted(set(entry.blocks) - {controller.file})):
         if file != controller.file and not controller.path_of(file).is_file():
             continue
         source, shown = controller.source_of(file), str(controller.path_of(file))
         known = {QualifiedName(name) for base in bases_of(file, entry) for name in base}
         followed = follow_renames(source, shown, known)
-        found.append(CheckedSource(file, shown, source, followed.placed, followed.renamed))
-    return found
+        sources.append(CheckedSource(file, shown, source, followed.placed, followed.renamed))
+    return sources
 
 
 def _check_steps(
     controller: Controller, entry: ControllerLock, sources: Sequence[CheckedSource]
 ) -> None:
     placed = [
-        (block.block, base_with_names(entry.blocks.get(each.file, {}), each.renamed))
-        for each in sources
-        for block in each.placed
+        (block.block, base_with_names(entry.blocks.get(source.file, {}), source.renamed))
+        for source in sources
+        for block in source.placed
     ]
     others = {name for base in entry.blocks.values() for name in base}
     check_steps(controller, placed, others, before_run=False)
@@ -225,12 +225,12 @@ def _stale(
     elif entry.others or entry.is_mixed:
         message = f"{LOCK_NAME} holds the last runs of several branches; `tracerisk refresh`"
         yield CheckFinding("stale", message, place)
-    found = kept_evidence(controller)
-    if found is not None and found.edited is not None:
+    evidence = kept_evidence(controller)
+    if evidence is not None and evidence.edited is not None:
         from tracerisk.common.evidence import EVIDENCE_NAME
 
         message = (
-            f"{found.edited.words}; `tracerisk evidence {controller.file}` tries it again, or "
+            f"{evidence.edited.words}; `tracerisk evidence {controller.file}` tries it again, or "
             "restore the file from git"
         )
         yield CheckFinding("edited", message, Location(str(controller.root / EVIDENCE_NAME)))
@@ -245,8 +245,8 @@ def _stale(
 def _unjustified(settings: Settings, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:
     if not settings.require_reason:
         return
-    for each in sources:
-        yield from without_reason(each.placed, each.shown)
+    for source in sources:
+        yield from without_reason(source.placed, source.shown)
 
 
 def without_reason(blocks: Iterable[PlacedBlock], shown: str) -> Iterable[CheckFinding]:
@@ -274,21 +274,25 @@ def _values_without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | N
 
 def _unequal(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:
     """Yield the redundancies set by hand over units that differed when it was last run."""
-    if not any(has_pins(placed.block) for each in sources for placed in each.placed):
+    if not any(has_pins(placed.block) for source in sources for placed in source.placed):
         return
     from tracerisk.adder.figures.instance_values import kept_values
     from tracerisk.adder.figures.pinned_redundancy import unfounded_redundancies
 
     names = model_names(
-        [FunctionRef(each.file, placed.function) for each in sources for placed in each.placed]
+        [
+            FunctionRef(source.file, placed.function)
+            for source in sources
+            for placed in source.placed
+        ]
     )
-    for each in sources:
-        for placed in each.placed:
-            name = names[FunctionRef(each.file, placed.function)]
+    for source in sources:
+        for placed in source.placed:
+            name = names[FunctionRef(source.file, placed.function)]
             instances = kept_values(entry.trace, name)
-            for found in unfounded_redundancies(placed.block, instances):
-                place = found.location or Location(each.shown, placed.first_line)
-                yield CheckFinding("unequal", found.message, place, found.path)
+            for redundancy in unfounded_redundancies(placed.block, instances):
+                place = redundancy.location or Location(source.shown, placed.first_line)
+                yield CheckFinding("unequal", redundancy.message, place, redundancy.path)
 
 
 def _verdict(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Verdict | None:
@@ -326,7 +330,9 @@ def _of_model(
     solving again.
     """
     placed = {
-        FunctionRef(each.file, one.function): one.block for each in sources for one in each.placed
+        FunctionRef(source.file, one.function): one.block
+        for source in sources
+        for one in source.placed
     }
     if not placed or (max_failure_probability is None and _are_as_written(entry, placed)):
         return

@@ -43,12 +43,14 @@ def overrides_in(
     Raises InputError for a file that cannot be read, BlockError for a malformed block.
     """
     projects = Projects()
-    found: dict[Path, list[Override]] = {}
-    for each in files:
-        path = Path(each)
-        if path.resolve() not in found:
-            found[path.resolve()] = list(_of_file(path, (contents or {}).get(str(each)), projects))
-    listed = [override for of_one in found.values() for override in of_one]
+    overrides: dict[Path, list[Override]] = {}
+    for file in files:
+        path = Path(file)
+        if path.resolve() not in overrides:
+            overrides[path.resolve()] = list(
+                _of_file(path, (contents or {}).get(str(file)), projects)
+            )
+    listed = [override for of_one in overrides.values() for override in of_one]
     return tuple(sorted(listed, key=_order))
 
 
@@ -63,10 +65,10 @@ def files_of_locks(root: Path) -> tuple[Path, ...]:
         for controller, entry in lock.controllers.items()
         for file in (controller, *(name for name, blocks in entry.blocks.items() if blocks))
     }
-    found = tuple(path for path in sorted(names) if path.is_file())
-    if not found:
+    files = tuple(path for path in sorted(names) if path.is_file())
+    if not files:
         raise InputError(f"no {LOCK_NAME} in or below this folder knows a controller; name a FILE")
-    return found
+    return files
 
 
 def _of_file(path: Path, content: bytes | None, projects: Projects) -> Iterator[Override]:
@@ -201,22 +203,22 @@ def hand_set(controller: Controller) -> tuple[str, ...]:
 
     Raises BlockError when a block cannot be read.
     """
-    found = []
+    texts = []
     for placed in read_blocks(controller.source, str(controller.path)):
         block = placed.block
         if block.added:
-            found.append(f"{block.location}: the block of {block.name}")
+            texts.append(f"{block.location}: the block of {block.name}")
         fields = [("callSequence", block.call_sequence), ("next", block.next)]
         for component in block.components:
             if component.added or component.omitted:
-                found.append(f"{component.location}: {block.name}.{component.name}")
+                texts.append(f"{component.location}: {block.name}.{component.name}")
             fields += [
                 (f"{component.name}.{kind.key}", value)
                 for kind, value in component_fields(component)
             ]
-        found += [
+        texts += [
             f"{value.location}: {block.name}.{key}"
             for key, value in fields
             if value is not None and value.pinned
         ]
-    return tuple(found)
+    return tuple(texts)

@@ -86,8 +86,8 @@ def refresh_controller(
         # A published log names no robot: there was no run to judge.
         is_judged = kept_verdict(entry) is not None or entry.trace.get("robot") == ""
         is_settled = entry.is_settled and not wants_fresh and is_judged
-        found = {finding.kind for finding in check_controller(path, projects).findings}
-        if is_settled and not found & _MENDED:
+        kinds = {finding.kind for finding in check_controller(path, projects).findings}
+        if is_settled and not kinds & _MENDED:
             text = "nothing that it depends on has changed"
             return Refreshed("fresh", text, verdict=kept_verdict(entry))
         reasons = stale_reasons(recorded, controller, settings)

@@ -39,24 +39,26 @@ def contact_findings(controller: Controller, entry: ControllerLock) -> Iterable[
     """Yield what touched in the last run, in the functions that are there."""
     from tracerisk.pipeline.trace.last_run import kept_contacts
 
-    for each in kept_contacts(entry.trace):
-        place = function_place(controller, each.function)
+    for contact in kept_contacts(entry.trace):
+        place = function_place(controller, contact.function)
         if place is not None:
-            yield CheckFinding("contact", str(each), place, each.function.name)
+            yield CheckFinding("contact", str(contact), place, contact.function.name)
 
 
 def verdict_findings(controller: Controller, verdict: Verdict) -> Iterable[CheckFinding]:
     """Yield the reasons for which a run does not pass: not what never ran."""
-    for each in verdict.open_reasons:
-        if each.code in GAPS:
+    for open_reason in verdict.open_reasons:
+        if open_reason.code in GAPS:
             continue
-        place = _place(controller, each)
-        where = f" (in {each.function})" if each.function else ""
+        place = _place(controller, open_reason)
+        where = f" (in {open_reason.function})" if open_reason.function else ""
         advice = (
-            "" if each.verdict == "stuck" else f"; mend it, or accept {each.code} in the settings"
+            ""
+            if open_reason.verdict == "stuck"
+            else f"; mend it, or accept {open_reason.code} in the settings"
         )
-        message = f"{each.words}{where}{advice}"
-        yield CheckFinding(_OF_VERDICT[each.verdict], message, place, each.function)
+        message = f"{open_reason.words}{where}{advice}"
+        yield CheckFinding(_OF_VERDICT[open_reason.verdict], message, place, open_reason.function)
 
 
 def _place(controller: Controller, reason: Reason) -> Location:
@@ -77,7 +79,7 @@ def coverage_findings(
     if coverage.never_ran:
         first = coverage.never_ran[0]
         place = Location(str(controller.path_of(first.ref.file)), first.line)
-        names = ", ".join(str(each.ref.name) for each in coverage.never_ran)
+        names = ", ".join(str(uncovered.ref.name) for uncovered in coverage.never_ran)
         text += f", not {names}"
     if least is not None and ran < least * number:
         message = f"{text}; the min_coverage is {least:g}"
@@ -88,13 +90,15 @@ def coverage_findings(
     if ran * before.all < before.ran * number:
         message = f"{text}; before the change {before.ran} of {before.all} did"
         yield CheckFinding("coverage", message, place)
-    known = Counter(each.key for each in base.reasons)
-    for each in verdict.open_reasons:
-        known[each.key] -= 1
-        if each.code in GAPS - {NEVER_RAN} and known[each.key] < 0:
-            where = f" (in {each.function})" if each.function else ""
-            message = f"{each.words}{where}; before the change that was not so"
-            yield CheckFinding("coverage", message, _place(controller, each), each.function)
+    known = Counter(reason.key for reason in base.reasons)
+    for open_reason in verdict.open_reasons:
+        known[open_reason.key] -= 1
+        if open_reason.code in GAPS - {NEVER_RAN} and known[open_reason.key] < 0:
+            where = f" (in {open_reason.function})" if open_reason.function else ""
+            message = f"{open_reason.words}{where}; before the change that was not so"
+            yield CheckFinding(
+                "coverage", message, _place(controller, open_reason), open_reason.function
+            )
 
 
 def world_findings(
@@ -132,5 +136,5 @@ def function_place(controller: Controller, function: FunctionRef) -> Location | 
         lines = functions_in(controller.source_of(function.file), shown)
     except TraceRiskError:
         return None
-    found = places(function.name, lines)
-    return Location(shown, found[-1]) if found else None
+    numbers = places(function.name, lines)
+    return Location(shown, numbers[-1]) if numbers else None

@@ -94,8 +94,8 @@ class Plan:
             robot=self.nominal.trace.robot,
             seed=self.settings.seed,
             declared=self.declared,
-            success=tuple(each.words for each in self.nominal.success),
-            cells=tuple(sorted(cells, key=lambda each: each.key)),
+            success=tuple(condition.words for condition in self.nominal.success),
+            cells=tuple(sorted(cells, key=lambda cell: cell.key)),
             before=before or {},
         )
 
@@ -127,7 +127,7 @@ def plan_campaign(
     hardware = load_hardware(nominal.settings, trace.robot)
     targets = targets_of(trace, robot, hardware, nominal.settings)
     uses = unit_uses(nominal.folder, trace, robot, nominal.settings, (POWER, CONTROL))
-    targets = tuple(each for each in targets if each.unit in uses)
+    targets = tuple(target for target in targets if target.unit in uses)
     if not targets:
         raise InputError(
             "the hardware description has no unit that the twin can fail; `tracerisk run --fault` "
@@ -156,13 +156,13 @@ def gather(
         plan = plan_campaign(controller, settings, cells=cells)
         left = None if most_s is None else most_s - (time.monotonic() - began)
         options = replace(options, most_s=left)
-        found = run_campaign(plan, options)
-        low, high = mission_factor(plan, found)[1]
-        if until is None or high - low <= until or not found.is_complete:
-            return found
+        evidence = run_campaign(plan, options)
+        low, high = mission_factor(plan, evidence)[1]
+        if until is None or high - low <= until or not evidence.is_complete:
+            return evidence
         cells, options = min(2 * plan.declared, _MOST_CELLS), replace(options, fresh=False)
         if cells == plan.declared:
-            return found
+            return evidence
 
 
 def _check_cells(cells: int) -> None:
@@ -183,9 +183,9 @@ def run_campaign(plan: Plan, options: CampaignOptions) -> Evidence:
     known = {} if options.fresh else _known(plan, last)
     before = {} if last is None else _shares_before(plan, last)
     todo = [
-        each
-        for number, each in enumerate(plan.cells)
-        if options.has(number) and each.key not in known
+        cell
+        for number, cell in enumerate(plan.cells)
+        if options.has(number) and cell.key not in known
     ]
     if options.fresh:
         plan.journal.unlink(missing_ok=True)
@@ -193,20 +193,20 @@ def run_campaign(plan: Plan, options: CampaignOptions) -> Evidence:
     try:
         with journal(plan.journal) as keep:
             for done in _batches_done(plan, todo, Workers.of(options)):
-                known.update((each.key, each) for each in done.cells)
+                known.update((cell.key, cell) for cell in done.cells)
                 keep(map(cell_line, done.cells))
                 if options.progress is not None and done.cells:
-                    number = sum(1 for each in todo if each.key in known)
+                    number = sum(1 for cell in todo if cell.key in known)
                     spent_s = time.monotonic() - began
                     options.progress(number, len(todo), spent_s / number * (len(todo) - number))
                 if done.whole_runs:
                     noted(f"not branched off one run, but run whole: {done.whole_runs[0]}")
     finally:
-        cells = [known[each.key] for each in plan.cells if each.key in known]
-        found = plan.evidence(cells, before)
-        write_evidence(plan.evidence_path, plan.nominal.controller.file, found)
+        cells = [known[cell.key] for cell in plan.cells if cell.key in known]
+        evidence = plan.evidence(cells, before)
+        write_evidence(plan.evidence_path, plan.nominal.controller.file, evidence)
     plan.journal.unlink(missing_ok=True)
-    return found
+    return evidence
 
 
 def write_evidence(path: Path, controller: str, found: Evidence) -> None:
@@ -223,15 +223,15 @@ def mission_factor(plan: Plan, found: Evidence) -> tuple[float, tuple[float, flo
     """Return the share of the hazard in use that ends the mission, with its 90 % interval."""
     return weighted_interval(
         [
-            (target.hazard, sum(1 for each in cells if each.fails), len(cells))
+            (target.hazard, sum(1 for cell in cells if cell.fails), len(cells))
             for target in plan.targets
             if (
                 cells := [
-                    each
-                    for each in found.cells
-                    if each.drawn
-                    and not each.is_idle
-                    and (each.unit, each.mode) == (target.unit, target.mode)
+                    cell
+                    for cell in found.cells
+                    if cell.drawn
+                    and not cell.is_idle
+                    and (cell.unit, cell.mode) == (target.unit, target.mode)
                 ]
             )
         ]
@@ -259,7 +259,7 @@ def _batches_done(plan: Plan, todo: Sequence[Cell], workers: Workers) -> Iterato
     cell that nobody has, so that all end at the same time. What a worker had that died is run once
     more.
     """
-    left = {each.key: each for each in todo}
+    left = {cell.key: cell for cell in todo}
     began = time.monotonic()
     jobs = workers.jobs or os.cpu_count() or 1
     batch = partial(CellBatch, plan.controller, plan.options, plan.nominal.digest)
@@ -269,7 +269,7 @@ def _batches_done(plan: Plan, todo: Sequence[Cell], workers: Workers) -> Iterato
                 batch(cells, str(plan.nominal.folder), tempfile.mkdtemp(dir=plan.nominal.folder))
                 for cells in _split(todo, shared_sizes(len(todo), jobs))
             ]
-            parts = [each for each in parts for _ in range(min(jobs, len(each.cells)))]
+            parts = [part for part in parts for _ in range(min(jobs, len(part.cells)))]
         else:
             # Workers of an executor may be on other machines.
             folder = str(plan.nominal.folder) if workers.executor is None else ""
@@ -281,8 +281,8 @@ def _batches_done(plan: Plan, todo: Sequence[Cell], workers: Workers) -> Iterato
         left_s = None if workers.most_s is None else workers.most_s - spent_s
         these = replace(workers, jobs=jobs, most_s=left_s, folder=plan.nominal.folder)
         for _, done in these.run(run_batch, parts):
-            for each in done.cells:
-                left.pop(each.key, None)
+            for cell in done.cells:
+                left.pop(cell.key, None)
             yield done
 
 
@@ -324,19 +324,19 @@ def _shares_before(plan: Plan, last: Evidence) -> Mapping[Stratum, float]:
 
 def _known(plan: Plan, last: Evidence | None) -> dict[tuple[str, str, float], Cell]:
     """Return the cells of the plan that were run before, from the file and the journal."""
-    wanted = {each.key: each for each in plan.cells}
-    found: list[Cell] = []
+    wanted = {cell.key: cell for cell in plan.cells}
+    cells: list[Cell] = []
     if last is not None and plan.is_of(last):
-        found += last.cells
-    found += _journaled(plan.journal)
+        cells += last.cells
+    cells += _journaled(plan.journal)
     # What a cell stands for is for this plan to say.
-    return {each.key: wanted[each.key].with_outcome(each) for each in found if each.key in wanted}
+    return {cell.key: wanted[cell.key].with_outcome(cell) for cell in cells if cell.key in wanted}
 
 
 def _journaled(path: Path) -> list[Cell]:
-    found = []
+    cells = []
     for number, line in enumerate(journaled(path), start=1):
         # The last line may have been cut by a kill.
         with contextlib.suppress(InputError):
-            found.append(parse_cell(line, Location(str(path), number)))
-    return found
+            cells.append(parse_cell(line, Location(str(path), number)))
+    return cells

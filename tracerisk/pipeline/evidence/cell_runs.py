@@ -91,9 +91,9 @@ class Nominal:
     def beside(self) -> RunBeside:
         """What of the run shows, while another goes on, that a mission has failed."""
         reports = {
-            (each.kind, each.message, each.object)
-            for each in self.recording.findings
-            if each.kind in REPORTED
+            (finding.kind, finding.message, finding.object)
+            for finding in self.recording.findings
+            if finding.kind in REPORTED
         }
         log = None if self.samples is None else self.samples.contacts
         touches = set()
@@ -103,7 +103,7 @@ class Nominal:
                 (log.bodies[min(one, two)].name, log.bodies[max(one, two)].name)
                 for one, two in pairs.tolist()
             }
-        first = {each.issue_ns: each.id for each in reversed(self.recording.commands)}
+        first = {command.issue_ns: command.id for command in reversed(self.recording.commands)}
         begins = (round(visit.start_s * 1e9) for visit in self.trace.visits[1:])
         arrivals = [
             (first[begin], tuple(at.values()))

@@ -52,23 +52,23 @@ def draw_cells(
     are independent and uniform over the time in which the mode can matter; more cells begin with
     those of fewer. The table has cells of every component, mode and function.
     """
-    found: dict[tuple[str, str, float], Cell] = {}
+    table: dict[tuple[str, str, float], Cell] = {}
     for target, is_idle, count in _shares(targets, uses, cells):
         use = uses[target.unit]
         flags = ~use.active if is_idle else use.flags(target.when)
         clock = "idle" if is_idle else "use"
         stream = random.Random(f"{seed}:{target.unit}:{target.mode}:{clock}")
-        steps = list(_steps(flags, stream, count, found, target, use.step_s))
+        steps = list(_steps(flags, stream, count, table, target, use.step_s))
         for step, over in zip(steps, _stretches(flags, steps), strict=True):
             cell = _cell(target, use, step, trace, drawn=True)
             if is_idle:
                 idle_s = round(float((over & flags).sum()) * use.step_s, 6)
-                found[cell.key] = replace(cell, idle_s=idle_s)
+                table[cell.key] = replace(cell, idle_s=idle_s)
             else:
-                found[cell.key] = replace(cell, stretch=_rounded(use.measure(over)))
-    for cell in _table(targets, uses, trace, tuple(found.values())):
-        found.setdefault(cell.key, cell)
-    return tuple(found.values())
+                table[cell.key] = replace(cell, stretch=_rounded(use.measure(over)))
+    for cell in _table(targets, uses, trace, tuple(table.values())):
+        table.setdefault(cell.key, cell)
+    return tuple(table.values())
 
 
 def _shares(
@@ -88,7 +88,7 @@ def _shares(
         total = float(len(parts))
     left = cells - LEAST_DRAWN * len(parts)
     wanted = [max(0, left) * hazard / total for _, _, hazard in parts]
-    more = [int(each) for each in wanted]
+    more = [int(value) for value in wanted]
     by_rest = sorted(range(len(parts)), key=lambda i: (more[i] - wanted[i], i))
     for index in by_rest[: max(0, left) - sum(more)]:
         more[index] += 1
@@ -141,7 +141,7 @@ def _rounded(exposure: Exposure) -> Exposure:
         starts=exposure.starts,
         grasps=exposure.grasps,
         releases=exposure.releases,
-        wear=tuple(round(each, 9) for each in exposure.wear),
+        wear=tuple(round(value, 9) for value in exposure.wear),
     )
 
 
@@ -152,7 +152,7 @@ def _instant(step: int, step_s: float) -> float:
 def _cell(target: Target, use: UnitUse, step: int, trace: Trace, *, drawn: bool) -> Cell:
     active_s, states_s = use.clock_at(step)
     owner = int(use.owner[step])
-    moving, holding, grasping = (round(each, 6) for each in states_s)
+    moving, holding, grasping = (round(value, 6) for value in states_s)
     return Cell(
         component=target.component,
         unit=target.unit,
@@ -174,13 +174,13 @@ def _table(
     for target in targets:
         kinds.setdefault((target.component, target.mode), []).append(target)
     for (_, mode), same in kinds.items():
-        units = {each.unit for each in same}
+        units = {item.unit for item in same}
         for function in trace.functions:
             name = function.ref.name
             have = sum(
                 1
-                for each in drawn
-                if each.mode == mode and each.unit in units and each.function == name
+                for cell in drawn
+                if cell.mode == mode and cell.unit in units and cell.function == name
             )
             numbers = [i for i, visit in enumerate(trace.visits) if visit.function == function.ref]
             for index in range(max(0, LEAST_IN_TABLE - have)):

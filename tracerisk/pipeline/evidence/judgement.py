@@ -59,21 +59,21 @@ def judge(
     seen += _positions(nominal, failed)
     lost: tuple[str, ...] = ()
     if has_conditions and failed.is_decided:
-        fails = any(each.effect == "collision" for each in seen)
+        fails = any(item.effect == "collision" for item in seen)
     elif has_conditions:
         missed = [reason.words for reason in _reasons(failed) if _is_missed(reason)]
-        fails = bool(missed) or any(each.effect in ("collision", "ended_badly") for each in seen)
-        lost = tuple(f"missed: {each}" for each in missed)
+        fails = bool(missed) or any(item.effect in ("collision", "ended_badly") for item in seen)
+        lost = tuple(f"missed: {name}" for name in missed)
     else:
-        fails = any(each.effect in _OF_THE_MISSION for each in seen)
+        fails = any(item.effect in _OF_THE_MISSION for item in seen)
     report = _first_report(nominal, failed, cell.time_s)
     if report is not None:
         seen.append(_Seen("told", report[0], report[1]))
-    worst = min(seen, key=lambda each: EFFECTS.index(each.effect), default=None)
-    same = [each for each in seen if worst is not None and each.effect == worst.effect]
-    times = [each.time_s for each in same if each.time_s is not None]
+    worst = min(seen, key=lambda item: EFFECTS.index(item.effect), default=None)
+    same = [item for item in seen if worst is not None and item.effect == worst.effect]
+    times = [item.time_s for item in same if item.time_s is not None]
     contact = max(_new_contacts(nominal, failed, cell.time_s), key=_force, default=None)
-    lost += tuple(each.words for each in seen if each.effect not in ("told", "collision"))
+    lost += tuple(item.words for item in seen if item.effect not in ("told", "collision"))
     return replace(
         cell,
         fails=fails,
@@ -99,26 +99,26 @@ def _followed_s(failed: MissionRun, cell: Cell) -> float | None:
 
 
 def _collisions(nominal: MissionRun, failed: MissionRun, fault_s: float) -> Iterator[_Seen]:
-    for each in _new_contacts(nominal, failed, fault_s):
-        yield _Seen("collision", max(each.start_s, fault_s), _contact_text(each))
+    for contact in _new_contacts(nominal, failed, fault_s):
+        yield _Seen("collision", max(contact.start_s, fault_s), _contact_text(contact))
 
 
 def _new_contacts(nominal: MissionRun, failed: MissionRun, fault_s: float) -> list[Contact]:
-    known = {(each.link, each.other) for each in _unexpected(nominal.trace.visits)}
+    known = {(contact.link, contact.other) for contact in _unexpected(nominal.trace.visits)}
     latest_s = math.inf
     if failed.is_decided:
         latest_s = (failed.trace.end.simulated_s or 0.0) - GRASP_S
     return [
-        each
-        for each in _unexpected(failed.trace.visits)
-        if (each.link, each.other) not in known
-        and each.start_s + each.touching_s >= fault_s
-        and each.start_s <= latest_s
+        contact
+        for contact in _unexpected(failed.trace.visits)
+        if (contact.link, contact.other) not in known
+        and contact.start_s + contact.touching_s >= fault_s
+        and contact.start_s <= latest_s
     ]
 
 
 def _unexpected(visits: Sequence[Visit]) -> Iterator[Contact]:
-    return (each for visit in visits for each in visit.contacts if not each.expected)
+    return (contact for visit in visits for contact in visit.contacts if not contact.expected)
 
 
 def _force(contact: Contact) -> tuple[float, str, str]:
@@ -130,10 +130,10 @@ def _contact_text(contact: Contact) -> str:
 
 
 def _falls(nominal: MissionRun, failed: MissionRun, fault_s: float) -> Iterator[_Seen]:
-    before = {(each.code, each.object) for each in _reasons(nominal)}
-    for each in _reasons(failed):
-        if each.code in FALLS and (each.code, each.object) not in before:
-            yield _Seen("dropped", max(each.time_s or 0.0, fault_s), each.words)
+    before = {(reason.code, reason.object) for reason in _reasons(nominal)}
+    for reason in _reasons(failed):
+        if reason.code in FALLS and (reason.code, reason.object) not in before:
+            yield _Seen("dropped", max(reason.time_s or 0.0, fault_s), reason.words)
 
 
 def _reasons(run: MissionRun) -> tuple[Reason, ...]:
@@ -146,15 +146,15 @@ def _is_missed(reason: Reason) -> bool:
 
 def _things(nominal: MissionRun, failed: MissionRun) -> Iterator[_Seen]:
     """Yield what of the scene is not where it ended without the failure."""
-    after = {each.name: each for each in failed.trace.objects}
+    after = {object_offset.name: object_offset for object_offset in failed.trace.objects}
     with_goal = set()
-    for each in nominal.trace.objects:
-        if each.goal is None or not after:
+    for object_offset in nominal.trace.objects:
+        if object_offset.goal is None or not after:
             continue
-        with_goal.add(each.name)
-        now = after.get(each.name)
-        if now is None or _is_worse(each, now):
-            yield _Seen("not_placed", None, f"{each.name} not at {each.goal}")
+        with_goal.add(object_offset.name)
+        now = after.get(object_offset.name)
+        if now is None or _is_worse(object_offset, now):
+            yield _Seen("not_placed", None, f"{object_offset.name} not at {object_offset.goal}")
     if nominal.things is None or failed.things is None:
         return
     for name, place in nominal.things.items():
@@ -232,15 +232,15 @@ def _first_report(
     nominal: MissionRun, failed: MissionRun, fault_s: float
 ) -> tuple[float, str] | None:
     """Return when an interface first reported a failure that the run without did not have."""
-    known = {finding_key(each) for each in nominal.trace.findings}
-    found = [
-        (each.time_s or 0.0, each.kind)
-        for each in failed.trace.findings
-        if each.kind in REPORTED
-        and (each.time_s or 0.0) >= fault_s
-        and finding_key(each) not in known
+    known = {finding_key(finding) for finding in nominal.trace.findings}
+    pairs = [
+        (finding.time_s or 0.0, finding.kind)
+        for finding in failed.trace.findings
+        if finding.kind in REPORTED
+        and (finding.time_s or 0.0) >= fault_s
+        and finding_key(finding) not in known
     ]
-    return min(found, default=None)
+    return min(pairs, default=None)
 
 
 def _local(failed: MissionRun, cell: Cell) -> str:

@@ -60,11 +60,11 @@ def _arrivals(trace: Trace, samples: Samples) -> tuple[Mapping[str, float], ...]
     names = samples.header.joints
     ends = [visit.start_s for visit in trace.visits[1:]]
     ends.append(trace.end.simulated_s or 0.0)
-    found = []
+    arrivals = []
     for end_s in ends[: len(trace.visits)]:
         step = min(max(0, round(end_s / samples.step_s)), samples.n_steps - 1)
-        found.append(dict(zip(names, map(float, samples.position[step]), strict=True)))
-    return tuple(found)
+        arrivals.append(dict(zip(names, map(float, samples.position[step]), strict=True)))
+    return tuple(arrivals)
 
 
 def _things(samples: Samples) -> Mapping[str, Position] | None:
@@ -72,12 +72,12 @@ def _things(samples: Samples) -> Mapping[str, Position] | None:
     if pose is None:
         return None
     header = samples.header
-    found: dict[str, Position] = {}
+    things: dict[str, Position] = {}
     for name, at in zip(header.free_bodies, header.free_at, strict=True):
         if at + 3 <= len(pose):
             x, y, z = map(float, pose[at : at + 3])
-            found[name] = (x, y, z)
-    return found
+            things[name] = (x, y, z)
+    return things
 
 
 def _moved(samples: Samples, nominal: Samples | None, unit: str | None, fault_s: float) -> float:

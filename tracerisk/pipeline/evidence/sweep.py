@@ -73,22 +73,22 @@ def sweep(
     _check(factors)
     loaded = load_controller(controller)
     given = tuple(stated(settings).items())
-    names = [each.name for each in factors]
-    product = itertools.product(*(each.values for each in factors))
+    names = [factor.name for factor in factors]
+    product = itertools.product(*(factor.values for factor in factors))
     points = [tuple(zip(names, values, strict=True)) for values in product]
     if len(points) > _MOST_POINTS:
         raise InputError(f"{len(points)} points; a sweep has at most {_MOST_POINTS}")
     _try_first(loaded, dict(given), points[0])
     mine = [point for number, point in enumerate(points) if options.has(number)]
     kept = _Kept(loaded.root / FOLDER, loaded, given)
-    found = {} if options.fresh else kept.read(mine)
-    todo = [_Job(str(controller), given, each) for each in mine if each not in found]
+    sweep_points = {} if options.fresh else kept.read(mine)
+    todo = [_Job(str(controller), given, pairs) for pairs in mine if pairs not in sweep_points]
     with scratch("sweep-") as folder:
         workers = Workers.of(options, folder)
         for job, (point, inputs) in workers.run(run_point, todo, options.progress):
-            found[job.point] = point
+            sweep_points[job.point] = point
             kept.add(job.point, point, inputs)
-    return tuple(found[each] for each in points if each in found)
+    return tuple(sweep_points[pairs] for pairs in points if pairs in sweep_points)
 
 
 def run_point(job: _Job) -> tuple[SweepPoint, dict[str, Any]]:
@@ -117,7 +117,9 @@ def run_point(job: _Job) -> tuple[SweepPoint, dict[str, Any]]:
             assessment = solve(build(sources, name=loaded.path.name))
         except TraceRiskError as error:
             return SweepPoint(values, None, verdict, seconds, error=error.message), inputs
-        first = max(assessment.components, key=lambda each: each.fussell_vesely, default=None)
+        first = max(
+            assessment.components, key=lambda component: component.fussell_vesely, default=None
+        )
         return (
             SweepPoint(
                 values,
@@ -135,7 +137,7 @@ def _check(factors: Sequence[Factor]) -> None:
     if not factors:
         raise InputError("nothing is varied; give --over NAME=VALUE,VALUE")
     for number, factor in enumerate(factors):
-        if any(each.name == factor.name for each in factors[:number]):
+        if any(item.name == factor.name for item in factors[:number]):
             raise InputError(f"{factor.name} is varied twice; give all of its values at once")
         is_path = factor.name.startswith((PARAMETER, SCENARIO))
         if not is_path and factor.name not in SETTINGS:
@@ -182,7 +184,7 @@ def _varied(settings: Settings, point: Sequence[tuple[str, Any]], folder: Path) 
 
 def _setting(name: str, value: Any) -> Any:
     """Return the value of a setting in its type; raise InputError where it is none."""
-    default = {each.name: each.type for each in fields(Settings)}[name]
+    default = {entry.name: entry.type for entry in fields(Settings)}[name]
     try:
         if "int" in str(default):
             return int(value)
@@ -234,14 +236,14 @@ def _step(data: Any, key: str, shown: str) -> Any:
 def _index(data: list[Any], key: str, shown: str) -> int:
     if key.isdigit() and int(key) < len(data):
         return int(key)
-    named = [each.get("name", each.get("topic")) for each in data if isinstance(each, dict)]
+    named = [fields.get("name", fields.get("topic")) for fields in data if isinstance(fields, dict)]
     if key in named:
         return next(
             n
-            for n, each in enumerate(data)
-            if isinstance(each, dict) and key in (each.get("name"), each.get("topic"))
+            for n, fields in enumerate(data)
+            if isinstance(fields, dict) and key in (fields.get("name"), fields.get("topic"))
         )
-    known = [str(each) for each in named if each is not None] or [f"0 to {len(data) - 1}"]
+    known = [str(item) for item in named if item is not None] or [f"0 to {len(data) - 1}"]
     raise InputError(f"{shown}: there is no entry '{key}'; {one_of(known, key)}")
 
 
@@ -264,17 +266,17 @@ class _Kept:
             lines = self._path.read_text(encoding="utf-8").splitlines()
         except (OSError, UnicodeDecodeError):
             return {}
-        by_name = {json.dumps(each): each for each in wanted}
+        by_name = {json.dumps(pairs): pairs for pairs in wanted}
         settings = self._controller.settings_with(dict(self._given))
-        found = {}
+        sweep_points = {}
         for line in lines:
             with contextlib.suppress(ValueError, TypeError, KeyError, TraceRiskError):
                 data = json.loads(line)
                 point = by_name.get(json.dumps(data["of"]))
                 inputs = RunInputs.from_data(data["inputs"])
                 if point is not None and not stale_reasons(inputs, self._controller, settings):
-                    found[point] = SweepPoint(**{**data["point"], "values": dict(point)})
-        return found
+                    sweep_points[point] = SweepPoint(**{**data["point"], "values": dict(point)})
+        return sweep_points
 
     def add(
         self, of: tuple[tuple[str, Any], ...], point: SweepPoint, inputs: Mapping[str, Any]
@@ -305,7 +307,7 @@ def parse_factor(text: str) -> Factor:
         if not 1 <= len(span) <= _MOST_POINTS:
             raise InputError(f"'{text}': the last is below the first, or there are too many")
         return Factor(name, tuple(span))
-    return Factor(name, tuple(_plain(each.strip()) for each in values.split(",")))
+    return Factor(name, tuple(_plain(part.strip()) for part in values.split(",")))
 
 
 def _plain(text: str) -> Any:

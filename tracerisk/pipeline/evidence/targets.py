@@ -31,15 +31,15 @@ def targets_of(
     such a mode every fault of the unit is tried. Raises HardwareError as `bind`.
     """
     modes = modes_of(robot)
-    kinds = {each.name: each.kind for each in trace.elements}
-    found: list[Target] = []
+    kinds = {element.name: element.kind for element in trace.elements}
+    targets: list[Target] = []
     for bound in bind(hardware, trace.elements):
         for unit in twin_units(bound):
             allowed = modes.get(unit, ())
             if unit in kinds:
                 allowed = tuple(m for m in allowed if m in FAULTS.get(kinds[unit], ()))
-            found += _of_unit(bound, unit, allowed, trace, settings)
-    return tuple(found)
+            targets += _of_unit(bound, unit, allowed, trace, settings)
+    return tuple(targets)
 
 
 def _of_unit(

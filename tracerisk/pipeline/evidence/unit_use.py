@@ -50,7 +50,9 @@ class UnitUse:
 
     def clock_at(self, step: int) -> tuple[float, tuple[float, float, float]]:
         """Return the time in use before a step, all of it and by state [s]."""
-        moving, holding, grasping = (float(each[:step].sum()) * self.step_s for each in self.states)
+        moving, holding, grasping = (
+            float(state[:step].sum()) * self.step_s for state in self.states
+        )
         return float(self.active[:step].sum()) * self.step_s, (moving, holding, grasping)
 
     def use_at(self, step: int) -> Use:
@@ -63,8 +65,8 @@ class UnitUse:
     def flags(self, when: Iterable[State]) -> Flags:
         """Return where the unit was in any of the states; in use at all where none is given."""
         wanted = [flags for state, flags in zip(STATES, self.states, strict=True) if state in when]
-        found: Flags = np.logical_or.reduce(wanted) if wanted else self.active
-        return found
+        reduce: Flags = np.logical_or.reduce(wanted) if wanted else self.active
+        return reduce
 
 
 def unit_uses(
@@ -96,7 +98,7 @@ def unit_uses(
         owner: str,
         element: ElementActivity | None = None,
     ) -> UnitUse:
-        moving, holding, grasping = (each[:n_steps] for each in states)
+        moving, holding, grasping = (state[:n_steps] for state in states)
         active = active[:n_steps]
 
         def measure(steps: Flags) -> Exposure:
@@ -105,7 +107,8 @@ def unit_uses(
             if element is not None:
                 return exposure(element, over, samples.step_s)
             seconds = [
-                float((each[:n_steps] & steps).sum()) * samples.step_s for each in (*states, active)
+                float((state[:n_steps] & steps).sum()) * samples.step_s
+                for state in (*states, active)
             ]
             moving_s, holding_s, _, active_s = seconds
             return Exposure(moving_s=moving_s, holding_s=holding_s, active_s=active_s)
@@ -113,9 +116,9 @@ def unit_uses(
         owners = attribution.assign(owner, n_steps, step_ns)
         return UnitUse(name, active, (moving, holding, grasping), owners, samples.step_s, measure)
 
-    found = {
-        name: use(name, each.active, (each.moving, each.holding, each.grasping), name, each)
-        for name, each in activity.items()
+    uses = {
+        name: use(name, item.active, (item.moving, item.holding, item.grasping), name, item)
+        for name, item in activity.items()
     }
     spans = reading_spans(recording, samples.n_steps * step_ns)
     for name, sensor in sensor_activity(
@@ -126,7 +129,7 @@ def unit_uses(
         active = none if joint is None else joint.active
         if sensor.reading is not None:
             active = sensor.reading | active[: len(sensor.reading)] if joint else sensor.reading
-        found[name] = use(name, active, states, name if joint is None else joint.element.name)
+        uses[name] = use(name, active, states, name if joint is None else joint.element.name)
     for name in always:
-        found[name] = use(name, ~none, (none, none, none), name)
-    return found
+        uses[name] = use(name, ~none, (none, none, none), name)
+    return uses

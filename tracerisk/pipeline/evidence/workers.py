@@ -103,10 +103,10 @@ class Workers:
                 end.close()
                 alive.close()
                 if self.executor is None:
-                    for each in started:
-                        each.join(self.ending_s)
-                        if each.exitcode is None:
-                            each.kill()
+                    for base_process in started:
+                        base_process.join(self.ending_s)
+                        if base_process.exitcode is None:
+                            base_process.kill()
 
 
 def _pool(workers: int, alive: Connection, folder: Path | None) -> ProcessPoolExecutor:

@@ -72,7 +72,7 @@ def read_failures(path: Path) -> list[Observed]:
     Its columns are `component`, `failures`, and one of `hours` (of all units together in use),
     `demands`, and `missions` (of the cell). Raises InputError with the line of what is malformed.
     """
-    found = []
+    observeds = []
     for where, given in rows_of(path, _COLUMNS, {"component", "failures"}):
         amounts = {
             key: number(given[key], key, where)
@@ -86,8 +86,8 @@ def read_failures(path: Path) -> list[Observed]:
         failures = number(given["failures"], "failures", where)
         if failures != int(failures):
             raise InputError(f"failures: expected a whole number, not {failures:g}", where)
-        found.append(Observed(given["component"], int(failures), where.line or 0, **amounts))
-    return found
+        observeds.append(Observed(given["component"], int(failures), where.line or 0, **amounts))
+    return observeds
 
 
 def rows_of(
@@ -106,9 +106,9 @@ def rows_of(
     header = text.partition("\n")[0]
     has_semicolons = ";" in header and "," not in header
     reader = csv.DictReader(io.StringIO(text), delimiter=";" if has_semicolons else ",")
-    names = [each.strip().lower() for each in reader.fieldnames or ()]
+    names = [fieldname.strip().lower() for fieldname in reader.fieldnames or ()]
     reader.fieldnames = names
-    unknown = [each for each in names if each not in columns]
+    unknown = [name for name in names if name not in columns]
     if unknown or not set(needed) <= set(names):
         wrong = f"unknown column '{unknown[0]}'" if unknown else "a column is missing"
         raise InputError(f"{wrong}; expected {', '.join(columns)}", Location(str(path), 1))
@@ -117,8 +117,8 @@ def rows_of(
         given = {key: (row.get(key) or "").strip() for key in columns}
         if has_semicolons:
             given = {
-                key: each.replace(",", ".") if _DECIMAL_COMMA.fullmatch(each) else each
-                for key, each in given.items()
+                key: name.replace(",", ".") if _DECIMAL_COMMA.fullmatch(name) else name
+                for key, name in given.items()
             }
         yield Location(str(path), reader.line_num), given
     if row is None:
@@ -139,31 +139,31 @@ def updates(
     Raises InputError for what does not fit, with the line; HardwareError for a component whose
     figures the field cannot bring up to date.
     """
-    known = {each.name: each for each in hardware.components}
-    found: dict[str, Update] = {}
+    known = {item.name: item for item in hardware.components}
+    s: dict[str, Update] = {}
     for row in observed:
         where = Location(file, row.line)
         if row.component not in known:
             raise InputError(
                 f"unknown component '{row.component}'; {one_of(known, row.component)}", where
             )
-        if row.component in found:
+        if row.component in s:
             raise InputError(f"duplicate {row.component}; add its failures up", where)
         component = known[row.component]
         figure = _only_figure(component, hardware)
         exposure = _exposure(row, component, figure, where, field, units or {})
         try:
-            found[row.component] = _update(component, figure, row, exposure, file)
+            s[row.component] = _update(component, figure, row, exposure, file)
         except ValueError as error:
             raise InputError(f"{row.component}: {error}", where) from error
-    return list(found.values())
+    return list(s.values())
 
 
 def _only_figure(component: Component, hardware: Hardware) -> FailureFigure:
     usable = [
-        each
-        for each in component.figures
-        if each.kind != "weibull" and each.per is not Basis.VISIT and not each.standby
+        figure
+        for figure in component.figures
+        if figure.kind != "weibull" and figure.per is not Basis.VISIT and not figure.standby
     ]
     if len(component.figures) != 1 or not usable:
         raise HardwareError(
@@ -204,7 +204,7 @@ def _exposure(
             where,
         )
     asked = "active_s" if span is not None else _DEMANDS[figure.demand or "grasp"]
-    total = math.fsum(field.totals.get(each, {}).get(asked, 0.0) for each in elements)
+    total = math.fsum(field.totals.get(element, {}).get(asked, 0.0) for element in elements)
     return row.missions * total / field.missions / (span or 1.0)
 
 
@@ -216,14 +216,14 @@ def _update(
     if figure.per is Basis.DEMAND:
         if figure.kind != "probability":
             raise ValueError("a figure per demand is a probability")
-        found = beta_posterior(value, figure.error_factor, row.failures, exposure, **more)
-        after = found.mean
+        posterior = beta_posterior(value, figure.error_factor, row.failures, exposure, **more)
+        after = posterior.mean
     else:
         # A probability per hour is that of a constant rate over the hour.
         is_rate = figure.kind == "failure_rate"
         rate = value if is_rate else -math.log1p(-value)
-        found = gamma_posterior(rate, figure.error_factor, row.failures, exposure, **more)
-        after = found.mean if is_rate else -math.expm1(-found.mean)
+        posterior = gamma_posterior(rate, figure.error_factor, row.failures, exposure, **more)
+        after = posterior.mean if is_rate else -math.expm1(-posterior.mean)
     prior = "Jeffreys' prior"
     if figure.error_factor is not None:
         prior = f"prior {value:.4g}, error factor {figure.error_factor:g}"
@@ -239,11 +239,11 @@ def _update(
         float(f"{after:.4g}"),
         figure.per,
         demand=figure.demand,
-        error_factor=float(f"{found.error_factor:.4g}"),
+        error_factor=float(f"{posterior.error_factor:.4g}"),
         value_is="mean",
         source=source,
     )
-    return Update(component.name, figure, new, row.failures, exposure, found)
+    return Update(component.name, figure, new, row.failures, exposure, posterior)
 
 
 def _failures(number: int, exposure: float, per: str) -> str:

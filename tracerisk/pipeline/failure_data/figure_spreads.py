@@ -46,9 +46,9 @@ def hardware_spreads(
     figure that wears by a load law of exponent k is off by its k-th power, beside its own factor.
     """
     known = groups_of(model)
-    shares = {each.component.name: each.figure_shares for each in instances or ()}
-    ending = {each.component.name: each.ending for each in instances or ()}
-    found: dict[str, tuple[FigureSpread, ...]] = {}
+    shares = {instance.component.name: instance.figure_shares for instance in instances or ()}
+    ending = {instance.component.name: instance.ending for instance in instances or ()}
+    figure_spreads: dict[str, tuple[FigureSpread, ...]] = {}
     notes = []
     left_out = set(by_hand)
     for described in hardware.components:
@@ -59,7 +59,7 @@ def hardware_spreads(
             continue
         shown = _share_that_ends(ending.get(name)) if name in known else ()
         if shown:
-            found[name] = shown
+            figure_spreads[name] = shown
         if not factors:
             continue
         if name not in known:
@@ -70,17 +70,17 @@ def hardware_spreads(
                 )
             continue
         if len(component.figures) == 1:
-            found[name] = (FigureSpread("", 1.0, _lognormal(factors[0])), *shown)
+            figure_spreads[name] = (FigureSpread("", 1.0, _lognormal(factors[0])), *shown)
         elif shares.get(name):
-            found[name] = (*_parts(component, shares[name]), *shown)
+            figure_spreads[name] = (*_parts(component, shares[name]), *shown)
         else:
             widest = max(factors, key=_factor)
-            found[name] = (FigureSpread("", 1.0, _lognormal(widest)), *shown)
+            figure_spreads[name] = (FigureSpread("", 1.0, _lognormal(widest)), *shown)
             notes.append(
                 f"{name}: only a run shows which part each of its {len(component.figures)} figures "
                 f"has; here all of it is off by the widest error factor, {_factor(widest):g}"
             )
-    return HardwareSpreads(found, tuple(notes))
+    return HardwareSpreads(figure_spreads, tuple(notes))
 
 
 def _with_load(component: Component, load_factor: float) -> Component:
@@ -118,8 +118,8 @@ def with_distributions(
     return replace(
         model,
         parameters=tuple(
-            replace(each, distribution=given.get(each.name, each.distribution))
-            for each in model.parameters
+            replace(parameter, distribution=given.get(parameter.name, parameter.distribution))
+            for parameter in model.parameters
         ),
     )
 
@@ -174,20 +174,20 @@ def _lognormal(figure: FailureFigure) -> Lognormal:
 
 def _joined(spreads: Sequence[FigureSpread]) -> Lognormal:
     apart = 1.0
-    for each in spreads:
-        if each.is_factor:
-            assert isinstance(each.distribution, Beta)
-            apart *= 1.0 + each.distribution.variance / each.distribution.mean(0.0) ** 2
-    spreads = [each for each in spreads if not each.is_factor]
-    laws = [each.distribution for each in spreads]
+    for spread in spreads:
+        if spread.is_factor:
+            assert isinstance(spread.distribution, Beta)
+            apart *= 1.0 + spread.distribution.variance / spread.distribution.mean(0.0) ** 2
+    spreads = [spread for spread in spreads if not spread.is_factor]
+    laws = [spread.distribution for spread in spreads]
     if apart == 1.0 and len(spreads) == 1 and spreads[0].share == 1.0:
         assert isinstance(laws[0], Lognormal)
         return laws[0]
-    mean = 1.0 - math.fsum(each.share for each in spreads)
+    mean = 1.0 - math.fsum(spread.share for spread in spreads)
     variance = 0.0
-    for each, law in zip(spreads, laws, strict=True):
+    for spread, law in zip(spreads, laws, strict=True):
         assert isinstance(law, Lognormal)
-        part = law.mean(each.share)
+        part = law.mean(spread.share)
         mean += part
         variance += part**2 * math.expm1(law.sigma**2)
     sigma = math.sqrt(math.log((1.0 + variance / mean**2) * apart))

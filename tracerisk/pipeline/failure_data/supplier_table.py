@@ -45,15 +45,15 @@ def read_figures(path: Path, hardware: Hardware) -> list[GivenFigure]:
     (an hour), `error_factor` and `source` (the name of the file).
     Raises InputError with the line of what is malformed.
     """
-    known = {each.name: each for each in hardware.components}
-    found: dict[str, GivenFigure] = {}
+    known = {component.name: component for component in hardware.components}
+    given_figures: dict[str, GivenFigure] = {}
     for where, given in rows_of(path, _COLUMNS, {"component"}):
         name = given["component"]
         if name not in known:
             raise InputError(f"unknown component '{name}'; {one_of(known, name)}", where)
-        if name in found:
+        if name in given_figures:
             raise InputError(f"duplicate {name}; keep one row of it", where)
-        kinds = [each for each in _PER if given[each]]
+        kinds = [key for key in _PER if given[key]]
         if len(kinds) != 1:
             raise InputError(f"{name}: expected one of {' and '.join(_PER)}", where)
         (kind,) = kinds
@@ -72,8 +72,10 @@ def read_figures(path: Path, hardware: Hardware) -> list[GivenFigure]:
         )
         if factor is not None and factor < 1.0:
             raise InputError(f"error_factor: expected a number from 1, not {factor:g}", where)
-        found[name] = GivenFigure(name, kind, value, per, factor, given["source"] or path.name)
-    return list(found.values())
+        given_figures[name] = GivenFigure(
+            name, kind, value, per, factor, given["source"] or path.name
+        )
+    return list(given_figures.values())
 
 
 def with_figures(path: Path, figures: Sequence[GivenFigure]) -> str:
@@ -88,27 +90,28 @@ def with_figures(path: Path, figures: Sequence[GivenFigure]) -> str:
     yaml.preserve_quotes = True
     yaml.width = 4096
     data = yaml.load(path.read_text(encoding="utf-8"))
-    for each in figures:
-        entry = data["components"][each.component]
+    for given_figure in figures:
+        entry = data["components"][given_figure.component]
         if not isinstance(entry, CommentedMap):
             raise InputError(
-                f"component '{each.component}' is not a mapping; write it so", Location(str(path))
+                f"component '{given_figure.component}' is not a mapping; write it so",
+                Location(str(path)),
             )
-        values: dict[str, Any] = {"value": each.value, "per": each.per}
-        if each.error_factor is not None:
-            values["error_factor"] = each.error_factor
-        figure = CommentedMap({**values, "source": each.source})
+        values: dict[str, Any] = {"value": given_figure.value, "per": given_figure.per}
+        if given_figure.error_factor is not None:
+            values["error_factor"] = given_figure.error_factor
+        figure = CommentedMap({**values, "source": given_figure.source})
         figure.fa.set_flow_style()
         old = next((key for key in entry if key in ("probability", "failure_rate", "weibull")), "")
-        if old == each.kind:
+        if old == given_figure.kind:
             entry[old] = figure
             continue
         place = list(entry).index(old) if old else 0
         comments = entry.ca.items.pop(old, None)
         entry.pop(old, None)
-        entry.insert(place, each.kind, figure)
+        entry.insert(place, given_figure.kind, figure)
         if comments is not None:
-            entry.ca.items[each.kind] = comments
+            entry.ca.items[given_figure.kind] = comments
     stream = io.StringIO()
     yaml.dump(data, stream)
     return stream.getvalue()

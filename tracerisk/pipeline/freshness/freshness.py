@@ -147,10 +147,10 @@ def settings_data(settings: Settings, root: Path) -> dict[str, Any]:
     """Return the settings that a run or its values depend on and that are not the default."""
     default = Settings()
     data: dict[str, Any] = {"tracerisk": __version__}
-    for each in fields(Settings):
-        value = getattr(settings, each.name)
-        if each.name not in _LIMITS and value != getattr(default, each.name):
-            data[each.name] = _plain(each.name, value, root)
+    for entry in fields(Settings):
+        value = getattr(settings, entry.name)
+        if entry.name not in _LIMITS and value != getattr(default, entry.name):
+            data[entry.name] = _plain(entry.name, value, root)
     return data
 
 
@@ -167,7 +167,7 @@ def hardware_digest(settings: Settings) -> str:
     own = file_digest(path)
     if not beside:
         return own
-    others = (f"{each.name} {file_digest(each)}" for each in beside)
+    others = (f"{item.name} {file_digest(item)}" for item in beside)
     return sha256("\n".join((own, *others)).encode())
 
 
@@ -201,17 +201,17 @@ def values_reasons(
     recorded: RunInputs, controller: Controller, settings: Settings
 ) -> tuple[str, ...]:
     """Return why the values no longer follow from the trace: other hardware, other evidence."""
-    found = []
+    texts = []
     if recorded.hardware != hardware_digest(settings):
         name = settings.hardware or "the hardware description"
         if Path(name).is_absolute():
             name = os.path.relpath(name, controller.root.resolve())
-        found.append(f"{name} has changed")
+        texts.append(f"{name} has changed")
     if recorded.evidence != evidence_digest(controller, settings, recorded.fingerprint):
         from tracerisk.common.evidence import EVIDENCE_NAME
 
-        found.append(f"{EVIDENCE_NAME} has changed")
-    return tuple(found)
+        texts.append(f"{EVIDENCE_NAME} has changed")
+    return tuple(texts)
 
 
 def _prefixes_of(
@@ -222,8 +222,8 @@ def _prefixes_of(
 
     root = controller.root.resolve()
     paths = [Path(os.path.normpath(root / file)) for file in files]
-    found = prefixes_of(controller, settings)
-    prefixes = (Path(prefix.path).resolve() for prefix in found)
+    result = prefixes_of(controller, settings)
+    prefixes = (Path(prefix.path).resolve() for prefix in result)
     return tuple(
         sorted(
             from_root(root, prefix)
@@ -265,9 +265,9 @@ def _shown(value: Any) -> str:
 
 def _changed(recorded: Mapping[str, str], now: Callable[[str], str]) -> Iterable[str]:
     for file, digest in sorted(recorded.items()):
-        found = now(file)
-        if found != digest:
-            verb = {GONE: "is gone"}.get(found, "is there now" if digest == GONE else "has changed")
+        text = now(file)
+        if text != digest:
+            verb = {GONE: "is gone"}.get(text, "is there now" if digest == GONE else "has changed")
             yield f"{file} {verb}"
 
 
@@ -318,5 +318,5 @@ def _plain(name: str, value: Any, root: Path) -> Any:
     if name in _NAMES_OF_FILES and isinstance(value, str) and Path(value).suffix:
         return from_root(root, Path(value).resolve())
     if name == "accept":
-        return [asdict(each) for each in value]
+        return [asdict(item) for item in value]
     return list(value) if isinstance(value, tuple) else value

@@ -33,21 +33,21 @@ def controllers_of(files: Sequence[Path | str], projects: Projects) -> tuple[Pat
     A file that has to do with no controller adds none.
     Raises InputError for a file that is not there, or a lock that cannot be read.
     """
-    found: dict[Path, Path] = {}
+    paths: dict[Path, Path] = {}
     users_of: dict[Path, Mapping[str, Sequence[str]]] = {}
-    for each in files:
-        path = Path(each)
+    for file in files:
+        path = Path(file)
         if path.is_dir():
             inside = controllers_in(path, projects)
             if not inside:
                 message = f"no {LOCK_NAME} in or below it knows a controller; name a controller"
                 raise InputError(message, Location(str(path)))
-            found.update({controller.resolve(): controller for controller in inside})
+            paths.update({controller.resolve(): controller for controller in inside})
             continue
         if not path.is_file():
             if not is_gone(path, projects):
                 raise InputError("there is no such file; name a controller", Location(str(path)))
-            found[path.resolve()] = path
+            paths[path.resolve()] = path
             continue
         project = projects.of(path)
         root = project.root
@@ -59,11 +59,11 @@ def controllers_of(files: Sequence[Path | str], projects: Projects) -> tuple[Pat
             users = sorted(project.lock.controllers)
         for name in users:
             controller = path if name == key else _shown(root / name, path)
-            found.setdefault(controller.resolve(), controller)
+            paths.setdefault(controller.resolve(), controller)
         is_source = path.suffix == ".py" or is_c(path.name)
         if not users and is_source and b"RiskAnnotation" in path.read_bytes():
-            found.setdefault(path.resolve(), path)
-    return tuple(found[each] for each in sorted(found))
+            paths.setdefault(path.resolve(), path)
+    return tuple(paths[item] for item in sorted(paths))
 
 
 def controllers_in(root: Path, projects: Projects) -> tuple[Path, ...]:
@@ -71,8 +71,10 @@ def controllers_in(root: Path, projects: Projects) -> tuple[Path, ...]:
 
     Raises InputError where a lock cannot be read.
     """
-    found = (folder / key for folder, lock in locks_in(root, projects) for key in lock.controllers)
-    return tuple(sorted(found))
+    generator = (
+        folder / key for folder, lock in locks_in(root, projects) for key in lock.controllers
+    )
+    return tuple(sorted(generator))
 
 
 def named_or_all(files: Sequence[Path | str], projects: Projects) -> tuple[Path, ...]:
@@ -86,20 +88,20 @@ def all_controllers(projects: Projects) -> tuple[Path, ...]:
     Where there is none, those of the lock of the project that this folder is part of.
     Raises InputError where that has none either.
     """
-    found = controllers_in(Path(), projects)
-    if not found:
+    controllers = controllers_in(Path(), projects)
+    if not controllers:
         above = controllers_in(controller_root(Path("here.py")), projects)
-        found = tuple(Path(os.path.relpath(each)) for each in above)
-    if not found:
+        controllers = tuple(Path(os.path.relpath(path)) for path in above)
+    if not controllers:
         raise InputError(f"no {LOCK_NAME} in or below this folder knows a controller; name a FILE")
-    return found
+    return controllers
 
 
 def lock_folders(root: Path) -> Iterator[Path]:
     """Yield the folders in and below one that have a lock; hidden ones and packages left out."""
     for folder, folders, files in islice(os.walk(root), _MOST_FOLDERS):
         folders[:] = sorted(
-            each for each in folders if not each.startswith(".") and each != "node_modules"
+            name for name in folders if not name.startswith(".") and name != "node_modules"
         )
         if "pyvenv.cfg" in files:
             folders.clear()
@@ -221,8 +223,8 @@ def moved_from(lock: Lock, controller: Controller) -> str | None:
     if not gone:
         return None
     blocks = {placed.block.name for placed in read_blocks(controller.source, str(controller.path))}
-    found = [key for key, names in gone.items() if names and names <= blocks]
-    return found[0] if len(found) == 1 else None
+    keys = [key for key, names in gone.items() if names and names <= blocks]
+    return keys[0] if len(keys) == 1 else None
 
 
 def without_controllers(files: Sequence[Path | str], projects: Projects) -> tuple[str, ...]:

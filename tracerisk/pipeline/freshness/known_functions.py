@@ -60,15 +60,15 @@ def check_named_functions(
 
 def _own_functions(controller: Controller, trace: Trace | None, others: Sequence[str]) -> set[str]:
     files = {controller.file, *others, *(trace.files if trace is not None else ())}
-    found = {str(MODULE)}
+    texts = {str(MODULE)}
     if trace is not None:
-        found |= {str(function.ref.name) for function in trace.functions}
+        texts |= {str(function.ref.name) for function in trace.functions}
     for file in files:
         if file == controller.file or controller.path_of(file).is_file():
             source = controller.source_of(file)
             functions = functions_in(source, str(controller.path_of(file)))
-            found |= {str(name) for name, _ in functions}
-    return found
+            texts |= {str(name) for name, _ in functions}
+    return texts
 
 
 def _listed(names: Collection[str], found: str) -> str:
@@ -96,7 +96,9 @@ def check_steps(
     """
     names = {block.name for block, _ in placed} | set(others)
     by_hand = [block for block, base in placed if is_next_by_hand(block, base)]
-    targets = {each.target for block in by_hand if block.next for each in block.next.value}
+    targets = {
+        transition.target for block in by_hand if block.next for transition in block.next.value
+    }
     allowed = {target for target in targets if target == DONE or _is_one_of(target, names)}
     if before_run and targets - allowed:
         everywhere = functions_below(controller.root)
@@ -114,10 +116,10 @@ def functions_below(root: Path) -> frozenset[str]:
 
     Hidden folders and virtual environments are left out, and what is not Python.
     """
-    found: set[str] = set()
+    functions: set[str] = set()
     for path in _sources_below(root.resolve()):
-        found |= _functions_of(path, path.stat().st_mtime_ns)
-    return frozenset(found)
+        functions |= _functions_of(path, path.stat().st_mtime_ns)
+    return frozenset(functions)
 
 
 def _sources_below(root: Path) -> Iterator[Path]:
@@ -146,7 +148,7 @@ def check_blocks(controller: Controller) -> None:
     lock = with_moved(controller.project.lock, controller)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     written = {} if entry is None else dict(entry.blocks)
-    found = []
+    written_components = []
     for file in (controller.file, *sorted(set(written) - {controller.file})):
         if file == controller.file or controller.path_of(file).is_file():
             base = written.get(file, {})
@@ -154,7 +156,7 @@ def check_blocks(controller: Controller) -> None:
             shown = str(controller.path_of(file))
             followed = follow_renames(controller.source_of(file), shown, known)
             base = base_with_names(base, followed.renamed)
-            found += [(placed.block, base) for placed in followed.placed]
+            written_components += [(placed.block, base) for placed in followed.placed]
     others = {name for base in written.values() for name in base}
-    check_steps(controller, found, others, before_run=True)
+    check_steps(controller, written_components, others, before_run=True)
     check_named_functions(controller, controller.settings)

@@ -25,21 +25,21 @@ def source_verdicts(
     the lock cannot be read, or the source's code is no longer that of the run.
     """
     projects = projects or Projects()
-    found: dict[str, Verdict | None] = {}
+    verdicts: dict[str, Verdict | None] = {}
     for file, source in sources.items():
         if is_c_like(file) and not is_c(file):
-            found[file] = None
+            verdicts[file] = None
             continue
         known = _of_source(projects.of(Path(file)), file, source)
         for name, verdict in (known or {file: None}).items():
             # One source that does not match makes the whole controller unknown.
-            found[name] = verdict if found.get(name, verdict) is not None else None
-    return found
+            verdicts[name] = verdict if verdicts.get(name, verdict) is not None else None
+    return verdicts
 
 
 def source_verdict_lines(verdicts: Mapping[str, Verdict | None]) -> Sequence[str]:
     """Return the verdicts in words, a line each; alike ones in one line."""
-    lines = {name: verdict_line(each) for name, each in verdicts.items()}
+    lines = {name: verdict_line(verdict) for name, verdict in verdicts.items()}
     if len(set(lines.values())) == 1:
         return list(lines.values())[:1]
     return [f"{name}: {line}" for name, line in lines.items()]
@@ -51,7 +51,7 @@ def _of_source(project: Project, file: str, source: bytes) -> dict[str, Verdict 
         key = lock_key(Path(file), project.root)
     except TraceRiskError:
         return {}
-    found: dict[str, Verdict | None] = {}
+    of_source: dict[str, Verdict | None] = {}
     for name, entry in lock.controllers.items():
         if key == name or entry.blocks.get(key):
             recorded = RunInputs.from_data(entry.inputs).sources.get(key)
@@ -59,5 +59,5 @@ def _of_source(project: Project, file: str, source: bytes) -> dict[str, Verdict 
             if verdict is not None:
                 placed = verdict.with_lines(block_lines({key: source}, {key: file}))
                 verdict = placed.with_files(from_here(project.root))
-            found[name] = verdict
-    return found
+            of_source[name] = verdict
+    return of_source

@@ -38,20 +38,22 @@ def used_evidence(
 
     Raises as `kept_evidence`.
     """
-    found = _used(controller, settings, fingerprint)
-    if found is None:
+    evidence = _used(controller, settings, fingerprint)
+    if evidence is None:
         return None
     # Few controllers have any, and a check is to begin at once.
     from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 
-    return EvidenceShares(found)
+    return EvidenceShares(evidence)
 
 
 def _used(controller: Controller, settings: Settings, fingerprint: str) -> Evidence | None:
     if not settings.evidence:
         return None
-    found = kept_evidence(controller)
-    return found if found and found.fingerprint == fingerprint and found.counts else None
+    evidence = kept_evidence(controller)
+    return (
+        evidence if evidence and evidence.fingerprint == fingerprint and evidence.counts else None
+    )
 
 
 def evidence_digest(controller: Controller, settings: Settings, fingerprint: str) -> str:
@@ -62,7 +64,7 @@ def evidence_digest(controller: Controller, settings: Settings, fingerprint: str
     from tracerisk.common.evidence.file import dump_evidence
 
     # Cells that fill the table alone change no figure.
-    drawn = replace(used, cells=tuple(each for each in used.cells if each.drawn))
+    drawn = replace(used, cells=tuple(cell for cell in used.cells if cell.drawn))
     return sha256(dump_evidence({controller.file: drawn}).encode())
 
 
@@ -79,10 +81,10 @@ def edited_evidence(root: Path) -> tuple[str, ...]:
     except InputError as error:
         return (f"{error}",)
     return tuple(
-        f"{EVIDENCE_NAME} was edited: {found.edited.words}; `tracerisk evidence {name}` tries it "
+        f"{EVIDENCE_NAME} was edited: {item.edited.words}; `tracerisk evidence {name}` tries it "
         "again"
-        for name, found in sorted(everything.items())
-        if found.edited is not None
+        for name, item in sorted(everything.items())
+        if item.edited is not None
     )
 
 
@@ -93,15 +95,15 @@ def evidence_gap(controller: Controller, settings: Settings, fingerprint: str) -
     """
     if not settings.evidence:
         return ""
-    found = kept_evidence(controller)
-    if found is None:
+    evidence = kept_evidence(controller)
+    if evidence is None:
         return "there is none"
-    if found.edited is not None:
-        return f"it was edited: {found.edited.words}"
-    if found.fingerprint != fingerprint:
+    if evidence.edited is not None:
+        return f"it was edited: {evidence.edited.words}"
+    if evidence.fingerprint != fingerprint:
         return "it is of another version of the controller, its settings or tracerisk"
-    if not found.is_complete:
-        return f"{found.drawn} of {found.declared} drawn failures are tried"
-    if not found.success:
+    if not evidence.is_complete:
+        return f"{evidence.drawn} of {evidence.declared} drawn failures are tried"
+    if not evidence.success:
         return "no scenario declares `success`, what the mission is"
     return ""

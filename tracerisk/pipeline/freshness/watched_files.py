@@ -24,18 +24,18 @@ def watched_files(
     Without a trace these are the controller, the settings and the folder of the controller.
     """
     root = controller_root(path)
-    found = [path, root / "pyproject.toml", path.parent, root]
+    result = [path, root / "pyproject.toml", path.parent, root]
     if controller is not None and trace is not None and settings is not None:
         try:
             inputs = run_inputs(controller, trace, settings)
         except TraceRiskError:
-            return tuple(dict.fromkeys(found))
+            return tuple(dict.fromkeys(result))
         names = (*inputs.sources, *inputs.files)
         paths = [controller.path_of(file) for file in names]
-        found += [*paths, *(each.parent for each in paths), root / EVIDENCE_NAME]
+        result += [*paths, *(item.parent for item in paths), root / EVIDENCE_NAME]
         if settings.hardware is not None:
-            found += source_files(Path(settings.hardware))
-    return tuple(dict.fromkeys(found))
+            result += source_files(Path(settings.hardware))
+    return tuple(dict.fromkeys(result))
 
 
 def checked_files(paths: Iterable[Path], projects: Projects) -> tuple[Path, ...]:
@@ -43,11 +43,11 @@ def checked_files(paths: Iterable[Path], projects: Projects) -> tuple[Path, ...]
 
     Where a lock cannot be read, it is itself one of them.
     """
-    found: list[Path] = []
+    result: list[Path] = []
     for path in paths:
         project = projects.of(path)
         root = project.root
-        found += [path, root / LOCK_NAME, root / "pyproject.toml", root / EVIDENCE_NAME]
+        result += [path, root / LOCK_NAME, root / "pyproject.toml", root / EVIDENCE_NAME]
         try:
             entry = project.lock.controllers.get(lock_key(path, root))
         except TraceRiskError:
@@ -55,8 +55,8 @@ def checked_files(paths: Iterable[Path], projects: Projects) -> tuple[Path, ...]
         if entry is None:
             continue
         inputs = RunInputs.from_data(entry.inputs)
-        found += [root / file for file in (*entry.blocks, *inputs.sources, *inputs.files)]
+        result += [root / file for file in (*entry.blocks, *inputs.sources, *inputs.files)]
         hardware = inputs.settings.get("hardware")
         if isinstance(hardware, str):
-            found += source_files(root / hardware)
-    return tuple(dict.fromkeys(found))
+            result += source_files(root / hardware)
+    return tuple(dict.fromkeys(result))

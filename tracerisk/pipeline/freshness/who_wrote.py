@@ -55,10 +55,12 @@ def _is_as_locked(controller: Controller, entry: ControllerLock | None, file: st
     than one rank is another: a function that is new on a branch moves all that come after it.
     """
     last = {} if entry is None else entry.blocks.get(file, {})
-    names = [QualifiedName(each) for each in last]
-    found = follow_renames(controller.source_of(file), str(controller.path_of(file)), names)
-    written = base_with_names(last, found.renamed)
-    blocks = [each.block for each in found.placed if each.block.name in written]
+    names = [QualifiedName(name) for name in last]
+    row = follow_renames(controller.source_of(file), str(controller.path_of(file)), names)
+    written = base_with_names(last, row.renamed)
+    blocks = [
+        placed_block.block for placed_block in row.placed if placed_block.block.name in written
+    ]
     moved = 0
     for block in blocks:
         base = written[block.name]

@@ -123,14 +123,14 @@ class _Blobs:
         )
         # Each is `:mode mode blob blob status`, then the path.
         heads = [part for part in _texts(log) if part.lstrip("\n").startswith(":")]
-        found = [name for head in heads for name in head.split(" ")[2:4]]
+        texts = [name for head in heads for name in head.split(" ")[2:4]]
         staged = repository.output("ls-files", "-s", "-u", "-c", "-z", "--", path)
-        found += [part.split(" ")[1] for part in _texts(staged) if part]
+        texts += [part.split(" ")[1] for part in _texts(staged) if part]
         for commit in self._loose:
             entry = repository.read(f"{commit}:{path}")
             if entry is not None and entry[1] == "blob":
-                found.append(entry[0])
-        names = [name for name in dict.fromkeys(found) if name.strip("0")]
+                texts.append(entry[0])
+        names = [name for name in dict.fromkeys(texts) if name.strip("0")]
         return names, self._are_all_known and len(heads) < _MOST_COMMITS
 
     def _loose_commits(self) -> tuple[list[str], bool]:
@@ -143,20 +143,20 @@ class _Blobs:
         names = list(_loose_objects(folder))
         if len(names) > _MOST_LOOSE:
             return [], False
-        found = subprocess.run(
+        decode = subprocess.run(
             ["git", "cat-file", "--batch-check=%(objecttype) %(objectname)"],
             cwd=self._repository.top,
             input="\n".join(names).encode() + b"\n",
             capture_output=True,
             check=False,
         ).stdout.decode()
-        lines = (line.split(" ") for line in found.splitlines())
+        lines = (line.split(" ") for line in decode.splitlines())
         return [name for kind, name, *_ in lines if kind == "commit"], True
 
 
 def _loose_objects(folder: Path) -> Iterator[str]:
     for part in sorted(folder.glob("[0-9a-f][0-9a-f]")):
-        yield from (part.name + each.name for each in sorted(part.iterdir()))
+        yield from (part.name + path.name for path in sorted(part.iterdir()))
 
 
 def _texts(output: bytes) -> list[str]:

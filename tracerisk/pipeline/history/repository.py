@@ -60,10 +60,10 @@ class Repository:
         Raises InputError where there is none, where it has no working tree, or without git.
         """
         asked = ("--is-shallow-repository", "--git-path", "info/sparse-checkout", "--show-toplevel")
-        found = _run(folder, "rev-parse", *asked)
-        if found.returncode:
-            raise InputError(_no_repository(found.stderr), Location(str(folder)))
-        output = found.stdout.decode(errors="surrogateescape")
+        completed_process = _run(folder, "rev-parse", *asked)
+        if completed_process.returncode:
+            raise InputError(_no_repository(completed_process.stderr), Location(str(folder)))
+        output = completed_process.stdout.decode(errors="surrogateescape")
         shallow, sparse, top = output.split("\n", 2)
         path = Path(top.removesuffix("\n"))
         with subprocess.Popen(
@@ -119,8 +119,8 @@ class Repository:
 
     def blob(self, name: str) -> bytes | None:
         """Return the content of a blob; `None` where there is none of this name."""
-        found = self.read(name)
-        return found[2] if found is not None and found[1] == "blob" else None
+        row = self.read(name)
+        return row[2] if row is not None and row[1] == "blob" else None
 
     def left_out(self, path: str) -> bytes | None:
         """Return a file that a sparse checkout leaves out of the working tree; `None` for none.
@@ -138,8 +138,12 @@ class Repository:
 
     def merge_base(self, one: str, other: str) -> str | None:
         """Return the best common ancestor of two commits; `None` where they have none."""
-        found = _run(self.top, "merge-base", one, other)
-        return found.stdout.decode().strip() or None if not found.returncode else None
+        completed_process = _run(self.top, "merge-base", one, other)
+        return (
+            completed_process.stdout.decode().strip() or None
+            if not completed_process.returncode
+            else None
+        )
 
     def empty_tree(self) -> str:
         """Return the name of the tree without files, for a repository without a commit."""
@@ -162,11 +166,11 @@ class Repository:
 
         Raises InputError where it fails.
         """
-        found = _run(self.top, *arguments)
-        if found.returncode:
-            message = found.stderr.decode(errors="replace").strip()
+        completed_process = _run(self.top, *arguments)
+        if completed_process.returncode:
+            message = completed_process.stderr.decode(errors="replace").strip()
             raise InputError(f"git {arguments[0]} failed: {message}", Location(str(self.top)))
-        return found.stdout
+        return completed_process.stdout
 
 
 def _difference(before: str, after: str | None) -> tuple[str, ...]:
@@ -179,7 +183,7 @@ def _difference(before: str, after: str | None) -> tuple[str, ...]:
 def _files(raw: bytes) -> list[ChangedFile]:
     """Read what `--raw -z` prints: `:mode mode blob blob status`, then one path or two."""
     parts = iter(raw.decode(errors="surrogateescape").split("\0"))
-    found: dict[tuple[str | None, str | None], ChangedFile] = {}
+    row: dict[tuple[str | None, str | None], ChangedFile] = {}
     for head in parts:
         if not head.startswith(":"):
             continue
@@ -194,8 +198,8 @@ def _files(raw: bytes) -> list[ChangedFile]:
         after = None if after_mode == _ABSENT else new
         mode = before_mode if after is None else after_mode
         file = ChangedFile(before, after, _blob(before_blob), _blob(after_blob), mode)
-        found[(before, after)] = file
-    return list(found.values())
+        row[(before, after)] = file
+    return list(row.values())
 
 
 def _blob(name: str) -> str | None:

@@ -49,7 +49,10 @@ class ParametersAround:
     def __call__(self, name: str) -> Any:
         """Return the value of a global name, or the dictionary of a namespace; `None` for none."""
         if self._trees is None:
-            own = {self._root, *(each.resolve() for each in self._workspace.packages.values())}
+            own = {
+                self._root,
+                *(package.resolve() for package in self._workspace.packages.values()),
+            }
             installed = self._workspace.installed
             needs = (installed[name] for name in declared_needs(self._root) if name in installed)
             self._trees = [
@@ -69,7 +72,7 @@ class ParametersAround:
         packages = self._workspace.findable
         for path in nearest[:_MOST_READ]:
             reading = read_roslaunch(path, packages)
-            given = {each.name: each.value for each in reading.parameters}
+            given = {parameter.name: parameter.value for parameter in reading.parameters}
             if given:
                 yield _tree(given), tuple(dict.fromkeys((path, *reading.sources)))
 
@@ -88,7 +91,7 @@ def _loaded(
             # It may be of anything: what is not a file of parameters gives none.
             continue
         if isinstance(value, dict) and "ros__parameters" not in str(value):
-            yield _tree({f"/{key}": each for key, each in value.items()}), (path,)
+            yield _tree({f"/{key}": item for key, item in value.items()}), (path,)
 
 
 def _tree(given: Mapping[str, Any]) -> ParameterTree:

@@ -78,25 +78,29 @@ class _Candidate:
     def own(self) -> dict[str, Any]:
         """The parameters that are meant for the node, by the names it may ask for."""
         if self.file.ros == 2:
-            return {each.name: each.value for each in self.parameters if self._is_for(each)}
+            return {
+                parameter.name: parameter.value
+                for parameter in self.parameters
+                if self._is_for(parameter)
+            }
         owner = f"{self.node.namespace}/{self.node.name}/"
         space = f"{self.node.namespace}/"
-        found: dict[str, Any] = {}
-        for each in self.parameters:
-            found[each.name] = each.value
-            if each.name.startswith(owner):
-                found[f"~{each.name.removeprefix(owner)}"] = each.value
-            elif each.name.startswith(space):
-                found[each.name.removeprefix(space)] = each.value
-        return found
+        table: dict[str, Any] = {}
+        for parameter in self.parameters:
+            table[parameter.name] = parameter.value
+            if parameter.name.startswith(owner):
+                table[f"~{parameter.name.removeprefix(owner)}"] = parameter.value
+            elif parameter.name.startswith(space):
+                table[parameter.name.removeprefix(space)] = parameter.value
+        return table
 
     @property
     def private(self) -> tuple[LaunchParameter, ...]:
         """The parameters that are the node's alone."""
         if self.file.ros == 2:
-            return tuple(each for each in self.parameters if self._is_for(each))
+            return tuple(parameter for parameter in self.parameters if self._is_for(parameter))
         owner = f"{self.node.namespace}/{self.node.name}/"
-        return tuple(each for each in self.parameters if each.name.startswith(owner))
+        return tuple(parameter for parameter in self.parameters if parameter.name.startswith(owner))
 
     def _is_for(self, parameter: LaunchParameter) -> bool:
         """Return whether a parameter is the node's, which may be any whose name is not known."""
@@ -162,9 +166,9 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     by = ""
     if best is not None:
         robots, by = best.reading.robots, shown([best.file.path], root)[0]
-        found = _setup(best, candidates, asked, root)
-        if found is not None:
-            return LaunchChoice(found, found.notes, robots, by)
+        launch_setup = _setup(best, candidates, asked, root)
+        if launch_setup is not None:
+            return LaunchChoice(launch_setup, launch_setup.notes, robots, by)
     if ros == 2 and (setup := setup_of_parameter_file(program, workspace, asked, root)) is not None:
         return LaunchChoice(setup, setup.notes, robots, by)
     if best is None and direct:
@@ -230,14 +234,14 @@ class _Search:
 
     def candidates(self, files: Sequence[LaunchFile]) -> list[_Candidate]:
         """Return of each file the node that is the program; what cannot be read is noted."""
-        found = []
+        result = []
         files = [self.readmes.given(file) for file in files]
         readings = read_launch_files(files, self.workspace, self.limits)
         for file, reading in zip(files, readings, strict=True):
             nodes = [
                 node
-                for each in reading.nodes
-                if (node := self.program.started_as(each)) is not None
+                for started_node in reading.nodes
+                if (node := self.program.started_as(started_node)) is not None
             ]
             made = [
                 _Candidate(
@@ -251,10 +255,10 @@ class _Search:
             ]
             best = _best(made, self.asked)
             if best is not None:
-                found.append(best)
+                result.append(best)
             else:
                 self.problems.extend(reading.problems)
-        return found
+        return result
 
 
 def read_launch_files(
@@ -280,11 +284,11 @@ def _best(candidates: Sequence[_Candidate], asked: Asked) -> _Candidate | None:
     """Return the candidate that gives most of what is asked for, of equal ones the first."""
     return max(
         candidates,
-        key=lambda each: (
-            each.gives(asked.required),
-            each.gives(asked.names),
-            each.gives(asked.literals),
-            not each.file.is_test,
+        key=lambda candidate: (
+            candidate.gives(asked.required),
+            candidate.gives(asked.names),
+            candidate.gives(asked.literals),
+            not candidate.file.is_test,
         ),
         default=None,
     )
@@ -311,7 +315,7 @@ def _setup(
         ros_arguments=node.ros_arguments,
         parameters=parameters,
         remaps=node.remaps,
-        environment=tuple(each for each in node.environment if not _is_ours(each[0])),
+        environment=tuple(pair for pair in node.environment if not _is_ours(pair[0])),
         own=best.private,
         sources=tuple(sorted({*shown([best.file.path, *best.reading.sources], root), *readme})),
     )
@@ -342,9 +346,9 @@ def _notes(
     ]
     if best.file.given:
         lines.append(f"launch: its arguments are {best.file.given}")
-    others = [each for each in candidates if each is not best]
+    others = [candidate for candidate in candidates if candidate is not best]
     for is_same, which in ((True, "the same"), (False, "other values")):
-        files = [each.file.path for each in others if best.same_as(each, asked) is is_same]
+        files = [other.file.path for other in others if best.same_as(other, asked) is is_same]
         if files:
             listed = ", ".join(shown(files, root)[:_MOST_LISTED])
             more = f" and {len(files) - _MOST_LISTED} more" if len(files) > _MOST_LISTED else ""
@@ -361,9 +365,9 @@ def _notes(
 def _left_out(best: _Candidate, asked: Asked) -> list[tuple[str, str]]:
     """Return the parameters that were not evaluated and that the source may ask for."""
     words = asked.names | asked.literals
-    found = dict([*best.node.left_out, *best.reading.left_out])
+    texts = dict([*best.node.left_out, *best.reading.left_out])
     return [
         (name, reason)
-        for name, reason in found.items()
+        for name, reason in texts.items()
         if name == "*" or name in words or f"~{name.rpartition('/')[2]}" in words
     ]

@@ -68,9 +68,18 @@ def find_launch_files(
             break
         rest += more
         reached = {path.name for path in more}
-    found = [LaunchFile(path, ros, True, is_test(path, *tops)) for path in direct]
-    found += [LaunchFile(path, ros, False, is_test(path, *tops)) for path in rest]
-    return tuple(sorted(found, key=lambda each: (not each.is_direct, each.is_test, each.path)))
+    launch_files = [LaunchFile(path, ros, True, is_test(path, *tops)) for path in direct]
+    launch_files += [LaunchFile(path, ros, False, is_test(path, *tops)) for path in rest]
+    return tuple(
+        sorted(
+            launch_files,
+            key=lambda launch_file: (
+                not launch_file.is_direct,
+                launch_file.is_test,
+                launch_file.path,
+            ),
+        )
+    )
 
 
 def launch_texts(root: Path, workspace: Workspace, ros: Literal[1, 2]) -> dict[Path, str]:
@@ -114,13 +123,13 @@ def _text(path: Path) -> str:
 
 
 def _launch_files(tops: Sequence[Path]) -> list[Path]:
-    found: dict[Path, None] = {}
+    launch_files: dict[Path, None] = {}
     for folder in tops:
         for path in _below(folder):
-            found.setdefault(path)
-            if len(found) >= _MOST_FILES:
-                return list(found)
-    return list(found)
+            launch_files.setdefault(path)
+            if len(launch_files) >= _MOST_FILES:
+                return list(launch_files)
+    return list(launch_files)
 
 
 def _tops(folders: Sequence[Path]) -> list[Path]:

@@ -17,7 +17,7 @@ def with_parameters(controller: Controller, setup: LaunchSetup | None) -> Contro
     """
     if setup is None or not setup.own:
         return controller
-    lines = [line for each in setup.own for line in _lines(each.name, each.value)]
+    lines = [line for parameter in setup.own for line in _lines(parameter.name, parameter.value)]
     return replace(controller, source=b"\n".join([controller.source, *lines, b""]))
 
 

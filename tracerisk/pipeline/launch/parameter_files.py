@@ -36,17 +36,17 @@ def setup_of_parameter_file(
     """
     own = workspace.packages.get(program.package, root).resolve()
     elsewhere = sorted(
-        {each.resolve() for each in workspace.packages.values()} - {own},
-        key=lambda each: (distance(program.script, each), each),
+        {package.resolve() for package in workspace.packages.values()} - {own},
+        key=lambda resolve: (distance(program.script, resolve), resolve),
     )
-    found = _for_node([own], asked, _is_for_any)
+    for_node = _for_node([own], asked, _is_for_any)
     further = _for_node([own], asked, _is_for_any, _FURTHER)
-    found = found or [each for each in further if each[0]]
-    found = found or [each for each in _for_node(elsewhere, asked, _is_for_any) if each[0]]
-    found = found or [each for each in _for_node([own], asked, _is_for_every) if each[0]]
-    if not found:
+    for_node = for_node or [row for row in further if row[0]]
+    for_node = for_node or [row for row in _for_node(elsewhere, asked, _is_for_any) if row[0]]
+    for_node = for_node or [row for row in _for_node([own], asked, _is_for_every) if row[0]]
+    if not for_node:
         return None
-    _, path, parameters = max(found, key=lambda each: each[0])
+    _, path, parameters = max(for_node, key=lambda row: row[0])
     file = shown([path], root)[0]
     whom = str(parameters[0].node)
     node = "every node" if whom == EVERY_NODE else f"node {whom.rpartition('/')[2]}"
@@ -54,7 +54,7 @@ def setup_of_parameter_file(
         f"launch: parameters of {node} from {file} ({len(parameters)}), for no launch file "
         "gives it any; --no-launch leaves them out"
     ]
-    others = [each for _, each, _ in found if each != path]
+    others = [item for _, item, _ in for_node if item != path]
     if others:
         notes.append(f"launch: {', '.join(shown(others, root))} would give others")
     return LaunchSetup(
@@ -78,13 +78,17 @@ def _for_node(
     within: tuple[str, ...] = _FOLDERS,
 ) -> list[_Found]:
     """Return the files with parameters that are meant, and how many of them are asked for."""
-    found = []
+    for_node = []
     for folder in folders:
         for path in parameter_files(folder, within):
-            mine = tuple(each for each in _parameters(path) if is_meant(each, asked.nodes))
+            mine = tuple(
+                parameter for parameter in _parameters(path) if is_meant(parameter, asked.nodes)
+            )
             if mine:
-                found.append((len(asked.names & {each.name for each in mine}), path, mine))
-    return found
+                for_node.append(
+                    (len(asked.names & {parameter.name for parameter in mine}), path, mine)
+                )
+    return for_node
 
 
 def _is_for_every(parameter: LaunchParameter, _nodes: tuple[str, ...]) -> bool:

@@ -121,8 +121,8 @@ def _is_needed(call: ast.Call) -> bool:
 def _declared(call: ast.Call) -> Iterator[str]:
     given = [keyword.value for keyword in call.keywords if keyword.arg == "parameters"]
     space = (_text(call.args[0]) if call.args else _keyword(call, "namespace")) or ""
-    for each in [*call.args[1:2], *given]:
-        for entry in each.elts if isinstance(each, ast.List | ast.Tuple) else ():
+    for argument in [*call.args[1:2], *given]:
+        for entry in argument.elts if isinstance(argument, ast.List | ast.Tuple) else ():
             first = entry.elts[0] if isinstance(entry, ast.Tuple) and entry.elts else None
             name = _text(first) if first is not None else None
             if name is not None:
@@ -137,7 +137,7 @@ def _node_names(calls: Iterable[ast.Call]) -> Iterator[str]:
         if called not in _NODES and not is_base:
             continue
         arguments = [*call.args[:1], *(call.args[1:2] if is_base else ())]
-        name = next((text for each in arguments if (text := _text(each)) is not None), None)
+        name = next((text for argument in arguments if (text := _text(argument)) is not None), None)
         name = name if name is not None else _keyword(call, "node_name")
         if name:
             yield name

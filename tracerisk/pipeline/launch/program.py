@@ -77,15 +77,15 @@ def program_of(script: Path, root: Path, workspace: Workspace) -> Program:
         if script.is_relative_to(folder)
     ]
     _, package, folder = max(holders, default=(0, root.resolve().name, root.resolve()))
-    found = {script.name}
+    texts = {script.name}
     claimed: set[str] = set()
-    for each in console_scripts(folder):
-        (found if each.module == script.stem else claimed).add(each.name)
+    for console_script in console_scripts(folder):
+        (texts if console_script.module == script.stem else claimed).add(console_script.name)
     for match in _RENAMED.finditer(read_or_nothing(folder / "CMakeLists.txt")):
-        (found if Path(match["file"]).name == script.name else claimed).add(match["name"])
+        (texts if Path(match["file"]).name == script.name else claimed).add(match["name"])
     if script.stem not in claimed:
-        found.add(script.stem)
-    return Program(script, package, frozenset(found - {""}))
+        texts.add(script.stem)
+    return Program(script, package, frozenset(texts - {""}))
 
 
 def shown(paths: Sequence[Path], root: Path) -> tuple[str, ...]:

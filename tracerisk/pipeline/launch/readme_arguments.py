@@ -62,14 +62,14 @@ class ReadmeArguments:
     @cached_property
     def _commands(self) -> tuple[_Command, ...]:
         """The commands, those of the readmes nearest to the root first."""
-        found = [
+        paths = [
             Path(folder, name)
             for folder, names in islice(searched(self._project.top), _MOST_FOLDERS)
             for name in names
             if _README.fullmatch(name)
         ][:_MOST_FILES]
-        found.sort(key=lambda path: (not self._root.is_relative_to(path.parent), path))
-        return tuple(command for path in found for command in self._in_file(path))
+        paths.sort(key=lambda path: (not self._root.is_relative_to(path.parent), path))
+        return tuple(command for path in paths for command in self._in_file(path))
 
     def _in_file(self, path: Path) -> Iterator[_Command]:
         try:

@@ -34,8 +34,8 @@ def launched_robots(
     """
     if settings.launch is False:
         return ()
-    own = [_described(each, choice.file, "controller") for each in choice.robots]
-    if any(each.path is not None for each in own):
+    own = [_described(robot_source, choice.file, "controller") for robot_source in choice.robots]
+    if any(description.path is not None for description in own):
         return tuple(own)
     root = controller.root.resolve()
     script = controller.path.resolve()
@@ -58,15 +58,15 @@ def launched_robots(
     readmes = ReadmeArguments(controller.project, workspace)
     files = [readmes.given(LaunchFile(path, ros, False)) for path in paths]
     readings = read_launch_files(files, workspace, settings.limits)
-    found = list(own)
+    descriptions = list(own)
     for file, reading in zip(files, readings, strict=True):
         by = whose(file.path)
         if any(program.started_as(node) is not None for node in reading.nodes):
             by = "controller"
         name = shown([file.path], root)[0]
         said = f"{name} ({file.given})" if file.given else name
-        found += [_described(robot, said, by) for robot in reading.robots]
-    return _agreed(found)
+        descriptions += [_described(robot, said, by) for robot in reading.robots]
+    return _agreed(descriptions)
 
 
 def _described(source: RobotSource, file: str, by: LaunchedBy) -> LaunchedDescription:
@@ -81,11 +81,13 @@ def _agreed(found: Iterable[LaunchedDescription]) -> tuple[LaunchedDescription, 
     order: tuple[LaunchedBy, ...] = ("controller", "package", "named", "workspace")
     kept: dict[tuple[Path | None, str], LaunchedDescription] = {}
     contradicted: set[Path | None] = set()
-    for each in sorted(found, key=lambda one: order.index(one.by)):
-        key = (each.path, each.problem)
-        known = kept.setdefault(key, each)
-        if known.by == "workspace" and known.arguments != each.arguments:
-            contradicted.add(each.path)
+    for description in sorted(found, key=lambda one: order.index(one.by)):
+        key = (description.path, description.problem)
+        known = kept.setdefault(key, description)
+        if known.by == "workspace" and known.arguments != description.arguments:
+            contradicted.add(description.path)
     return tuple(
-        each for each in kept.values() if each.path not in contradicted or each.path is None
+        description
+        for description in kept.values()
+        if description.path not in contradicted or description.path is None
     )

@@ -99,7 +99,7 @@ def main() -> int:
         robots: list[Described] = []
         _serve(packages, read, robots)
         sys.path += asked["import_paths"]
-        folders = [Path(each) for each in asked["installed"]]
+        folders = [Path(item) for item in asked["installed"]]
         sys.meta_path.insert(0, _InstalledOrAbsent(folders, sys.modules))
         sys.argv = ["launch"]
         with tempfile.TemporaryDirectory(prefix="tracerisk-launch-") as folder:
@@ -115,7 +115,9 @@ def main() -> int:
                 "nodes": [dataclasses.asdict(node) for node in reading.nodes],
                 "sources": [str(path) for path in reading.sources],
                 "problems": reading.problems,
-                "robots": [dataclasses.asdict(each) for each in robots_read(reading.robots)],
+                "robots": [
+                    dataclasses.asdict(robot_source) for robot_source in robots_read(reading.robots)
+                ],
             }
         )
     )
@@ -133,9 +135,9 @@ def _serve(packages: dict[str, Path], read: list[Path], robots: list[Described])
     for top in _STAND_INS:
         package = importlib.import_module(f"{home}.{top}")
         sys.modules[top] = package
-        for each in pkgutil.walk_packages(package.__path__, f"{home}.{top}."):
-            module = importlib.import_module(each.name)
-            sys.modules[each.name.removeprefix(f"{home}.")] = module
+        for walk_package in pkgutil.walk_packages(package.__path__, f"{home}.{top}."):
+            module = importlib.import_module(walk_package.name)
+            sys.modules[walk_package.name.removeprefix(f"{home}.")] = module
             # The library has a package where one module serves it here.
             vars(module).setdefault("__path__", [])
     for name, served in _ALSO.items():

@@ -83,7 +83,7 @@ class _Evaluation:
             case ast.Constant():
                 return node.value
             case ast.List() | ast.Tuple():
-                return [self.of(each) for each in node.elts]
+                return [self.of(elt) for elt in node.elts]
             case ast.Name():
                 return self._name(node.id)
             case ast.BoolOp():
@@ -115,8 +115,8 @@ class _Evaluation:
 
     def _bool(self, node: ast.BoolOp) -> Any:
         value: Any = None
-        for each in node.values:
-            value = self.of(each)
+        for item in node.values:
+            value = self.of(item)
             if bool(value) is isinstance(node.op, ast.Or):
                 return value
         return value
@@ -131,8 +131,8 @@ class _Evaluation:
 
     def _compare(self, node: ast.Compare) -> bool:
         left = self.of(node.left)
-        for kind, each in zip(node.ops, node.comparators, strict=True):
-            right = self.of(each)
+        for kind, comparator in zip(node.ops, node.comparators, strict=True):
+            right = self.of(comparator)
             if not _COMPARED[type(kind)](left, right):
                 return False
             left = right
@@ -145,7 +145,7 @@ class _Evaluation:
         return self.of(node.value)[self.of(node.slice)]
 
     def _call(self, node: ast.Call) -> Any:
-        arguments = [self.of(each) for each in node.args]
+        arguments = [self.of(argument) for argument in node.args]
         if isinstance(node.func, ast.Name) and callable(self._names.get(node.func.id)):
             return self._names[node.func.id](*arguments)
         if isinstance(node.func, ast.Name) and node.func.id in _FUNCTIONS:

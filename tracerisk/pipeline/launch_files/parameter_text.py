@@ -110,7 +110,7 @@ def flat(tree: Any, prefix: str = "", mark: str = ".") -> Iterator[tuple[str, An
 def is_storable(value: Any) -> bool:
     """Return whether a value is one that a parameter can have."""
     if isinstance(value, list | tuple):
-        return all(is_storable(each) for each in value)
+        return all(is_storable(item) for item in value)
     return isinstance(value, bool | int | float | str)
 
 
@@ -120,10 +120,10 @@ def with_angles(value: Any) -> Any:
         return {str(key): with_angles(inner) for key, inner in value.items()}
     if isinstance(value, list):
         return [with_angles(inner) for inner in value]
-    if isinstance(value, str) and (found := _ANGLE.fullmatch(value.strip())):
+    if isinstance(value, str) and (matched := _ANGLE.fullmatch(value.strip())):
         try:
-            number = float(evaluate(found[2], {}))
+            number = float(evaluate(matched[2], {}))
         except ValueError:
             return value
-        return math.radians(number) if found[1] == "deg" else number
+        return math.radians(number) if matched[1] == "deg" else number
     return value

@@ -35,7 +35,7 @@ def read_launch(
     folders = {*workspace.import_paths, *workspace.python_packages.values()}
     asked = {
         "path": str(path.resolve()),
-        "arguments": [list(each) for each in arguments],
+        "arguments": [list(argument) for argument in arguments],
         "packages": {name: str(folder) for name, folder in workspace.findable.items()},
         "import_paths": sorted(str(folder) for folder in folders),
         "installed": [str(folder) for folder in python_folders(workspace.prefixes)],
@@ -55,10 +55,10 @@ def read_launch(
     try:
         data = json.loads(done.stdout)
         return LaunchReading(
-            nodes=tuple(read_back(StartedNode, each) for each in data["nodes"]),
-            sources=regular_within((str(each) for each in data["sources"]), around),
-            problems=tuple(str(each)[:_LONGEST_REASON] for each in data["problems"]),
-            robots=tuple(read_back(RobotSource, each) for each in data["robots"]),
+            nodes=tuple(read_back(StartedNode, item) for item in data["nodes"]),
+            sources=regular_within((str(item) for item in data["sources"]), around),
+            problems=tuple(str(item)[:_LONGEST_REASON] for item in data["problems"]),
+            robots=tuple(read_back(RobotSource, item) for item in data["robots"]),
         )
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         reason = last_words(done)[:_LONGEST_REASON]

@@ -112,14 +112,14 @@ class LaunchSetup:
         return self._argv2(given) if self.ros == 2 else self._argv1(given)
 
     def _argv1(self, given: Sequence[str]) -> tuple[str, ...]:
-        own = [each for each in given if ":=" not in each] or self.arguments
+        own = [name for name in given if ":=" not in name] or self.arguments
         rules = [f"{old}:={new}" for old, new in self.remaps]
         if self.name is not None:
             rules.append(f"__name:={self.name}")
         if self.namespace.strip("/"):
             rules.append(f"__ns:=/{self.namespace.strip('/')}")
         # Of two rules for one name the later one counts.
-        return (*own, *rules, *(each for each in given if ":=" in each))
+        return (*own, *rules, *(name for name in given if ":=" in name))
 
     def _argv2(self, given: Sequence[str]) -> tuple[str, ...]:
         own, theirs = _split(given)

@@ -77,9 +77,9 @@ def is_robot_file(path: str | Path) -> bool:
 
 def robots_read(sources: Iterable[RobotSource]) -> tuple[RobotSource, ...]:
     """Return the sources each once; those that xacro is given something for go before others."""
-    found: dict[str, RobotSource] = {}
-    for each in sources:
-        known = found.get(each.path or each.problem)
-        if known is None or (each.arguments and not known.arguments):
-            found[each.path or each.problem] = each
-    return tuple(found.values())
+    robot_sources: dict[str, RobotSource] = {}
+    for source in sources:
+        known = robot_sources.get(source.path or source.problem)
+        if known is None or (source.arguments and not known.arguments):
+            robot_sources[source.path or source.problem] = source
+    return tuple(robot_sources.values())

@@ -297,17 +297,17 @@ class _Reader:
             self.parameters[name] = value
 
     def _delete(self, name: str) -> None:
-        for each in list(self.parameters):
-            if each == name or each.startswith(f"{name.rstrip('/')}/"):
-                del self.parameters[each]
+        for parameter in list(self.parameters):
+            if parameter == name or parameter.startswith(f"{name.rstrip('/')}/"):
+                del self.parameters[parameter]
 
 
 def _is_storable(value: Any) -> bool:
     """Return whether the parameter server holds a value: no `None`, no integer over 32 bits."""
     if isinstance(value, dict):
-        return all(isinstance(key, str) and _is_storable(each) for key, each in value.items())
+        return all(isinstance(key, str) and _is_storable(item) for key, item in value.items())
     if isinstance(value, list):
-        return all(_is_storable(each) for each in value)
+        return all(_is_storable(item) for item in value)
     if type(value) is int:
         return -_WIRE_LIMIT <= value < _WIRE_LIMIT
     return isinstance(value, bool | float | str)

@@ -21,30 +21,30 @@ def substitutions_of(text: str) -> list[Substitution]:
 
     Raises LaunchTextError at one that is malformed or not known.
     """
-    found, _ = _read(text, 0, within=False)
-    return found
+    substitutions, _ = _read(text, 0, within=False)
+    return substitutions
 
 
 def _read(text: str, at: int, *, within: bool) -> tuple[list[Substitution], int]:
     """Read to the end, or to the parenthesis that closes the substitution around."""
-    found: list[Substitution] = []
+    substitutions: list[Substitution] = []
     plain = ""
     while at < len(text):
         if text.startswith("\\$", at):
             plain, at = plain + "$", at + 2
         elif text.startswith("$(", at):
             if plain:
-                found.append(subs.TextSubstitution(text=plain))
+                substitutions.append(subs.TextSubstitution(text=plain))
                 plain = ""
             made, at = _substitution(text, at + 2)
-            found.append(made)
+            substitutions.append(made)
         elif within and text[at] == ")":
             break
         else:
             plain, at = plain + text[at], at + 1
     if plain:
-        found.append(subs.TextSubstitution(text=plain))
-    return found, at
+        substitutions.append(subs.TextSubstitution(text=plain))
+    return substitutions, at
 
 
 def _substitution(text: str, at: int) -> tuple[Substitution, int]:

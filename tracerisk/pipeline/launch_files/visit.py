@@ -39,7 +39,9 @@ def visit(
     context.walk(IncludeLaunchDescription(str(path), launch_arguments=list(arguments)))
     context.fire_handlers()
     context.reading.robots += [
-        source_of_file(file, {name: _known(each, context) for name, each in arguments.items()})
+        source_of_file(
+            file, {name: _known(argument, context) for name, argument in arguments.items()}
+        )
         for file, arguments in described
     ]
     return context.reading
@@ -79,8 +81,8 @@ def _of_python(path: Path, text: str) -> Any:
     module.__file__ = str(path)
     sys.modules[name] = module
     exec(compile(text, str(path), "exec", dont_inherit=True), module.__dict__)
-    for each in _FUNCTIONS:
-        function = getattr(module, each, None)
+    for word in _FUNCTIONS:
+        function = getattr(module, word, None)
         if function is not None:
             made = function()
             # A test's description may come with a dictionary of what it names.

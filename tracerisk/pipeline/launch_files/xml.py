@@ -92,14 +92,14 @@ def _of_xml(element: XmlElement) -> Element:
 def _of_yaml(tag: str, content: Any) -> Element:
     """Return an entity: keys that hold entities are children, all others attributes."""
     if isinstance(content, list):
-        return Element(tag, {}, [_of_yaml(*next(iter(each.items()))) for each in content if each])
+        return Element(tag, {}, [_of_yaml(*next(iter(item.items()))) for item in content if item])
     element = Element(tag, {})
     for key, value in (content or {}).items():
         name = str(key)
         if name == "children" and isinstance(value, list):
             element.children += _of_yaml(tag, value).children
-        elif isinstance(value, list) and all(isinstance(each, dict) for each in value):
-            element.children += [_of_yaml(name, each) for each in value]
+        elif isinstance(value, list) and all(isinstance(item, dict) for item in value):
+            element.children += [_of_yaml(name, item) for item in value]
         else:
             element.attributes[name] = value
     return element
@@ -160,8 +160,8 @@ def _arg(element: Element) -> Any:
 
 
 def _group(element: Element) -> Any:
-    inner = Element(element.tag, {}, [each for each in element.children if each.tag != "keep"])
-    kept = {tuple(each.need("name")): each.need("value") for each in element.all("keep")}
+    inner = Element(element.tag, {}, [child for child in element.children if child.tag != "keep"])
+    kept = {tuple(item.need("name")): item.need("value") for item in element.all("keep")}
     return partial(
         actions.GroupAction,
         _actions(inner),
@@ -176,12 +176,12 @@ def _include(element: Element) -> Any:
     return partial(
         actions.IncludeLaunchDescription,
         element.need("file"),
-        launch_arguments=[(each.need("name"), each.need("value")) for each in given],
+        launch_arguments=[(item.need("name"), item.need("value")) for item in given],
     )
 
 
 def _environment(element: Element) -> list[tuple[Any, Any]]:
-    return [(each.text("name"), each.need("value")) for each in element.all("env")]
+    return [(item.text("name"), item.need("value")) for item in element.all("env")]
 
 
 def _node(element: Element) -> Any:
@@ -191,8 +191,8 @@ def _node(element: Element) -> Any:
         package=element.get("pkg"),
         name=element.get("name"),
         namespace=element.get("namespace"),
-        parameters=[part for each in element.all("param") for part in _parameters(each)],
-        remappings=[(each.need("from"), each.need("to")) for each in element.all("remap")],
+        parameters=[part for item in element.all("param") for part in _parameters(item)],
+        remappings=[(item.need("from"), item.need("to")) for item in element.all("remap")],
         arguments=element.words("args"),
         ros_arguments=element.words("ros_args"),
         additional_env=dict(_environment(element)),
@@ -210,10 +210,10 @@ def _tree(element: Element) -> dict[str, Any]:
     name = element.text("name")
     inner = element.all("param")
     if inner:
-        found: dict[str, Any] = {}
-        for each in inner:
-            found.update(_tree(each))
-        return {name: found}
+        table: dict[str, Any] = {}
+        for item in inner:
+            table.update(_tree(item))
+        return {name: table}
     value = element.attributes.get("value")
     if value is not None and not isinstance(value, str):
         return {name: value}
@@ -260,7 +260,9 @@ _TAGS: dict[str, Callable[[Element], Any]] = {
     "node": _node,
     "executable": _executable,
     "set_parameter": _set_parameter,
-    "set_use_sim_time": lambda each: partial(ros.SetUseSimTime, ParameterValue(each.need("value"))),
+    "set_use_sim_time": lambda element: partial(
+        ros.SetUseSimTime, ParameterValue(element.need("value"))
+    ),
     "timer": _timer,
 }
 """What makes the others; each lacks its condition."""

@@ -58,15 +58,15 @@ class AskedCalls:
 
 def asked_calls(recording: Recording) -> tuple[AskedCall, ...]:
     """Return the noted calls of a run, each later than the one before: their order is known."""
-    found: list[AskedCall] = []
+    s: list[AskedCall] = []
     for note in recording.notes:
         if note.kind == _CALL:
             time_s = note.data["ns"] / 1e9
-            if found and time_s <= found[-1].time_s:
-                time_s = math.nextafter(found[-1].time_s, math.inf)
+            if s and time_s <= s[-1].time_s:
+                time_s = math.nextafter(s[-1].time_s, math.inf)
             name, fields, lacks = note.data["name"], note.data["fields"], note.data["lacks"]
-            found.append(AskedCall(name, time_s, fields, lacks))
-    return tuple(found)
+            s.append(AskedCall(name, time_s, fields, lacks))
+    return tuple(s)
 
 
 def _put_field(

@@ -202,11 +202,11 @@ def resting_on(facts: MissionFacts, name: str, times: Array) -> dict[str, Flags]
     shortly after: what an object then touched, it touches until the next look.
     """
     is_end = times >= facts.end_s
-    found = {other: is_end.copy() for other in facts.bearing.get(name, ())}
+    table = {other: is_end.copy() for other in facts.bearing.get(name, ())}
     log, samples = facts.log, facts.samples
     places = [] if log is None else [i for i, b in enumerate(log.bodies) if b.name == name]
     if log is None or samples is None or not places:
-        return found
+        return table
     rows = log.rows[log.rows["force"] > 0.0]
     own = rows[np.isin(rows["one"], places) | np.isin(rows["two"], places)]
     now = np.round(times / samples.step_s).astype(np.int64)
@@ -218,8 +218,8 @@ def resting_on(facts: MissionFacts, name: str, times: Array) -> dict[str, Flags]
         if body.kind != "link":
             touched = _last_before(np.unique(own["step"][others == place]), now)
             touches = is_logged & (touched >= 0) & (touched >= last - 2 * LOOK_EVERY)
-            found[body.name] = found.get(body.name, ~is_logged & is_logged) | touches
-    return found
+            table[body.name] = table.get(body.name, ~is_logged & is_logged) | touches
+    return table
 
 
 def _last_before(steps: NDArray[np.int32], now: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -236,7 +236,7 @@ def _on(condition: Condition, facts: MissionFacts, times: Array) -> Clause:
 
     def words(index: int) -> str:
         now = sorted(name for name, flags in bearing.items() if flags[index])
-        found = f"rests on {', '.join(now)}" if now else "touches nothing"
-        return f"{condition.name} {found} at the end, not on {condition.rests_on}"
+        text = f"rests on {', '.join(now)}" if now else "touches nothing"
+        return f"{condition.name} {text} at the end, not on {condition.rests_on}"
 
     return Clause(bearing.get(condition.rests_on, never), words)

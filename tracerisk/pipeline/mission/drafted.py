@@ -54,20 +54,21 @@ def drafted_conditions(
         named = condition.joints if condition.kind == "joints" else (condition.name,)
         said |= {(condition.kind, name) for name in named}
     rests = _rests(outcome) if is_over else ()
-    found = (*_objects(outcome, goals), *_uses(outcome), *rests)
-    return tuple(drafted for drafted in found if not said.intersection(drafted.subjects))
+    result = (*_objects(outcome, goals), *_uses(outcome), *rests)
+    return tuple(drafted for drafted in result if not said.intersection(drafted.subjects))
 
 
 def _objects(outcome: Outcome, goals: Sequence[Goal]) -> Iterator[DraftedCondition]:
-    moved = {found.name for found in outcome.moved}
-    for found in outcome.objects:
-        if found.name not in moved:
-            value: dict[str, Any] = {"object": found.name, "moved": False}
+    moved = {object_outcome.name for object_outcome in outcome.moved}
+    for object_outcome in outcome.objects:
+        if object_outcome.name not in moved:
+            value: dict[str, Any] = {"object": object_outcome.name, "moved": False}
             yield DraftedCondition(value, "it stayed where it was")
             continue
-        far = length_words(math.dist(found.begin_m, found.end_m))
+        far = length_words(math.dist(object_outcome.begin_m, object_outcome.end_m))
         yield DraftedCondition(
-            {"object": found.name, **_end(found, goals)}, f"the run moved it by {far}"
+            {"object": object_outcome.name, **_end(object_outcome, goals)},
+            f"the run moved it by {far}",
         )
 
 

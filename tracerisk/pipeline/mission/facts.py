@@ -166,17 +166,17 @@ def _declared_tracks(folder: Path, samples: Samples, end_s: float) -> dict[str, 
 
 def _frames(frames: Sequence[Frame], known: Mapping[str, Track]) -> dict[str, Track]:
     """Return where frames are at the end of their paths, as far as they hang on known ones."""
-    found = dict(known)
+    tracks = dict(known)
     for _ in frames:
         for frame in frames:
-            parent = found.get(frame.parent)
-            if frame.frame in found or parent is None:
+            parent = tracks.get(frame.parent)
+            if frame.frame in tracks or parent is None:
                 continue
             last = frame.path[-1]
             position = on_axes(parent.poses[-1:], last.xyz)[0]
             turn = matrix_of(parent.poses[-1, 3:].tolist()) @ rotation(last.rpy)
-            found[frame.frame] = _fixed(position, quaternion_of(roll_pitch_yaw(turn)))
-    return found
+            tracks[frame.frame] = _fixed(position, quaternion_of(roll_pitch_yaw(turn)))
+    return tracks
 
 
 def on_axes(poses: Array, point: Sequence[float]) -> Array:

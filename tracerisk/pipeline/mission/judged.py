@@ -43,8 +43,8 @@ class Missed:
 
 def missed(conditions: Iterable[Condition], facts: MissionFacts) -> tuple[Missed, ...]:
     """Return the conditions that a run did not meet, in their order."""
-    found = ((condition, _found(condition, facts)) for condition in conditions)
-    return tuple(Missed(condition, words) for condition, words in found if words)
+    generator = ((condition, _found(condition, facts)) for condition in conditions)
+    return tuple(Missed(condition, words) for condition, words in generator if words)
 
 
 def _found(condition: Condition, facts: MissionFacts) -> str:
@@ -254,5 +254,5 @@ def _times_of(step: Condition, facts: MissionFacts) -> Sequence[float]:
         is_met = np.logical_and.reduce([clause.is_met for clause in clauses])
         if step.kind != "object":
             is_met = is_met & _stops(facts)
-    found: list[float] = times[is_met].tolist()
-    return found
+    tolist: list[float] = times[is_met].tolist()
+    return tolist

@@ -64,7 +64,7 @@ def mutate(
     mine = [change for number, change in enumerate(plan.changes) if options.has(number)]
     if options.fresh:
         plan.journal.unlink(missing_ok=True)
-    found = _kept(plan.journal, mine)
+    mutant_runs = _kept(plan.journal, mine)
     nominal = plan.nominal
     workers = Workers.of(options, nominal.folder)
     # Workers of an executor may be on other machines.
@@ -72,17 +72,17 @@ def mutate(
     todo = [
         MutantJob(str(controller), given, nominal.digest, folder, change)
         for change in mine
-        if change not in found
+        if change not in mutant_runs
     ]
     if todo:
         _remove_older(plan.journal)
         with journal(plan.journal) as keep:
             for job, done in workers.run(run_mutant, todo, options.progress):
-                found[job.change] = done
+                mutant_runs[job.change] = done
                 keep([json.dumps({"of": _key(job.change), "run": asdict(done)})])
     verdict = nominal.trace.verdict
     return MutantRuns(
-        ordered([*found.values()]),
+        ordered([*mutant_runs.values()]),
         len(mine),
         plan.places,
         tuple(condition.words for condition in nominal.success),
@@ -150,11 +150,11 @@ def _remove_older(path: Path) -> None:
 def _kept(path: Path, wanted: Sequence[Change]) -> dict[Change, MutantRun]:
     """Return the runs of changes that are kept of an earlier call."""
     by_key = {json.dumps(_key(change)): change for change in wanted}
-    found = {}
+    mutant_runs = {}
     for line in journaled(path):
         with contextlib.suppress(ValueError, TypeError, KeyError, AttributeError):
             data = json.loads(line)
             change = by_key.get(json.dumps(data["of"]))
             if change is not None:
-                found[change] = read_back(MutantRun, data["run"])
-    return found
+                mutant_runs[change] = read_back(MutantRun, data["run"])
+    return mutant_runs

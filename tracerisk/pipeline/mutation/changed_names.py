@@ -52,8 +52,8 @@ class KnownNames:
             if shape is not None:
                 same = {
                     other
-                    for (place, other), found in self.variables.items()
-                    if place == scope and found == shape
+                    for (place, other), item in self.variables.items()
+                    if place == scope and item == shape
                 }
                 return _others(name, same)
         return ()
@@ -80,11 +80,11 @@ def _others(name: str, same: Collection[str]) -> tuple[str, ...]:
 
 def known_names(tree: SourceTree, alike: Sequence[Collection[str]] = ()) -> KnownNames:
     """Return the names of a source; `alike` are names of robot and scene, those of each kind."""
-    found = _Collected(tree)
-    tree.module.visit(found)
-    functions = {key: number for key, number in found.functions.items() if number is not None}
-    variables = {key: shape for key, shape in found.variables.items() if shape is not None}
-    return KnownNames(found.texts, variables, functions, tuple(alike))
+    collected = _Collected(tree)
+    tree.module.visit(collected)
+    functions = {key: number for key, number in collected.functions.items() if number is not None}
+    variables = {key: shape for key, shape in collected.variables.items() if shape is not None}
+    return KnownNames(collected.texts, variables, functions, tuple(alike))
 
 
 class _Collected(Walk):
@@ -112,10 +112,14 @@ class _Collected(Walk):
             known = self.variables.get(key, shape)
             self.variables[key] = shape if known == shape else None
             if isinstance(value, cst.Dict):
-                keys = [each.key for each in value.elements if isinstance(each, cst.DictElement)]
-                names = {_text(each) for each in keys if isinstance(each, cst.SimpleString)}
+                keys = [
+                    element.key
+                    for element in value.elements
+                    if isinstance(element, cst.DictElement)
+                ]
+                names = {_text(node) for node in keys if isinstance(node, cst.SimpleString)}
                 role = ("key", self.tree.code(target))
-                self.texts.setdefault(role, set()).update(each for each in names if each)
+                self.texts.setdefault(role, set()).update(name for name in names if name)
 
     def _defined(self, node: cst.FunctionDef) -> None:
         # Of a class that is its body, which stands in between.
@@ -125,7 +129,7 @@ class _Collected(Walk):
         if not is_own or node.decorators or plain.kwonly_params or plain.posonly_params:
             return
         owner = self.owner if isinstance(inside, cst.ClassDef) else ""
-        number = len([each for each in plain.params if each.default is None])
+        number = len([parameter for parameter in plain.params if parameter.default is None])
         key = (owner, node.name.value)
         self.functions[key] = None if key in self.functions else number
 
@@ -137,7 +141,7 @@ def _scope_of(target: cst.BaseExpression, walk: Walk) -> tuple[str, str] | None:
         return (f"{walk.owner}.self", target.attr.value) if is_self and walk.owner else None
     if not isinstance(target, cst.Name):
         return None
-    is_in_class = walk.above and any(isinstance(each, cst.ClassDef) for each in walk.above[-4:])
+    is_in_class = walk.above and any(isinstance(node, cst.ClassDef) for node in walk.above[-4:])
     if is_in_class and walk.function == "<module>":
         return f"{walk.owner}.self", target.value
     return walk.function, target.value

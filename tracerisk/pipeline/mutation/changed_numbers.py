@@ -57,8 +57,8 @@ def _in_other_units(node: cst.CSTNode, value: float, walk: Walk) -> Iterator[Dra
 
 
 def _is_of_range(walk: Walk) -> bool:
-    calls = [each for each in walk.above[-2:] if isinstance(each, cst.Call)]
-    return any(last_name(each.func) == "range" for each in calls)
+    calls = [node for node in walk.above[-2:] if isinstance(node, cst.Call)]
+    return any(last_name(call.func) == "range" for call in calls)
 
 
 def _written(value: float, like: float) -> str:
@@ -72,9 +72,13 @@ def order_changes(node: cst.CSTNode, walk: Walk) -> Iterator[Draft]:
     """Yield the changes by slot: neighbours that are numbers change places."""
     neighbours: Sequence[cst.CSTNode] = ()
     if isinstance(node, cst.List | cst.Tuple):
-        neighbours = [each.value for each in node.elements]
+        neighbours = [element.value for element in node.elements]
     elif isinstance(node, cst.Call):
-        neighbours = [each.value for each in node.args if each.keyword is None and not each.star]
+        neighbours = [
+            argument.value
+            for argument in node.args
+            if argument.keyword is None and not argument.star
+        ]
     for one, other in pairwise(neighbours):
         values = number_of(one), number_of(other)
         if None not in values and values[0] != values[1]:

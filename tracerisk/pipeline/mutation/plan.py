@@ -59,9 +59,9 @@ def changes_of(
     Raises SourceError or UnsafeRewriteError where the source cannot be read.
     """
     tree = SourceTree(source, file)
-    found = _Planned(tree, ran, known_names(tree, alike))
-    tree.module.visit(found)
-    return tuple(sorted(found.changes, key=lambda change: (change.start, change.end, change.new)))
+    planned = _Planned(tree, ran, known_names(tree, alike))
+    tree.module.visit(planned)
+    return tuple(sorted(planned.changes, key=lambda change: (change.start, change.end, change.new)))
 
 
 class _Planned(Walk):
@@ -115,13 +115,13 @@ def drawn(
             lambda change: change.line,
         ),
     )
-    found: list[Change] = []
+    result: list[Change] = []
     for change in ordered:
-        if len(found) == most:
+        if len(result) == most:
             break
         if is_another(change, sources[change.file]):
-            found.append(change)
-    return tuple(found)
+            result.append(change)
+    return tuple(result)
 
 
 def _in_turn(changes: Sequence[Change], keys: Sequence[Callable[[Change], Any]]) -> list[Change]:

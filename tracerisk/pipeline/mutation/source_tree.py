@@ -48,8 +48,8 @@ class SourceTree:
 
     def span(self, node: cst.CSTNode) -> tuple[int, int]:
         """Return where a node begins and ends."""
-        found = self._spans[node]
-        return found.start, found.start + found.length
+        result = self._spans[node]
+        return result.start, result.start + result.length
 
     def code(self, node: cst.CSTNode) -> str:
         """Return a node as it is written, without parentheses around it."""
@@ -190,8 +190,8 @@ def call_of(statement: cst.CSTNode) -> cst.Call | None:
     """Return the call that is all of a statement, awaited or not; `None` for another one."""
     if not isinstance(statement, cst.SimpleStatementLine) or len(statement.body) != 1:
         return None
-    found = statement.body[0]
-    value = found.value if isinstance(found, cst.Expr) else None
+    node = statement.body[0]
+    value = node.value if isinstance(node, cst.Expr) else None
     if isinstance(value, cst.Await):
         value = value.expression
     return value if isinstance(value, cst.Call) and not is_saying(value) else None

@@ -75,14 +75,14 @@ def cells_that_matter(found: Evidence) -> list[Cell]:
     """Return the worst failure of each row of the table that ended the mission."""
     worst = []
     for row in fmea_rows(found):
-        failed = [each for each in row.cells if each.fails]
+        failed = [cell for cell in row.cells if cell.fails]
         if failed:
-            worst.append(min(failed, key=lambda each: (EFFECTS.index(each.effect), each.time_s)))
+            worst.append(min(failed, key=lambda cell: (EFFECTS.index(cell.effect), cell.time_s)))
     return worst
 
 
 def _replayed(nominal: Nominal, hardware: Hardware, cells: list[Cell]) -> list[tuple[Cell, str]]:
-    branches = [Branch(n, (fault_of(each),), each.time_s) for n, each in enumerate(cells)]
+    branches = [Branch(n, (fault_of(item),), item.time_s) for n, item in enumerate(cells)]
     pages = []
     with scratch("replays-") as kept:
         for result in run_branches(
@@ -126,7 +126,7 @@ def _lines(cell: Cell) -> list[str]:
         f"{cell.component}: {end_effect((cell,))}",
         *([f"the unit itself: {cell.local}"] if cell.local else []),
         text,
-        *(f"lost: {each}" for each in cell.lost),
+        *(f"lost: {name}" for name in cell.lost),
         *([f"hardest touch: {cell.contact}"] if cell.contact else []),
     ]
 

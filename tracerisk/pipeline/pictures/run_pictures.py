@@ -43,12 +43,12 @@ def kept_recording(folder: str) -> RecordedRun:
     Raises LogError where it holds none.
     """
     with readable(folder, LogError):
-        found = recorded_run(Path(folder))
-    if found is None:
+        run = recorded_run(Path(folder))
+    if run is None:
         raise LogError(
             "holds no recording of a run; `tracerisk run --keep DIR` leaves one", Location(folder)
         )
-    return found
+    return run
 
 
 def write_pictures(
@@ -63,11 +63,14 @@ def write_pictures(
     from tracerisk.report.png.pictures import LEGEND, legend_data, make_pictures
 
     hardware = load_hardware(settings, trace.robot)
-    components = {each.component.name: each.elements for each in bind(hardware, trace.elements)}
+    components = {
+        bound_component.component.name: bound_component.elements
+        for bound_component in bind(hardware, trace.elements)
+    }
     pictures = make_pictures(trace, components, run)
     files = dict(
         zip(
-            (each.file for each in pictures),
+            (picture.file for picture in pictures),
             drawn(pictures, limits=settings.drawing_limits),
             strict=True,
         )

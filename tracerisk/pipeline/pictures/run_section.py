@@ -34,9 +34,12 @@ def run_section(
     """
     from tracerisk.report.html.run.timeline import timeline_section
 
-    if not trace.end.simulated_s or all(each.duration_s is None for each in trace.visits):
+    if not trace.end.simulated_s or all(visit.duration_s is None for visit in trace.visits):
         return None
-    components = {each.component.name: each.elements for each in bind(hardware, trace.elements)}
+    components = {
+        bound_component.component.name: bound_component.elements
+        for bound_component in bind(hardware, trace.elements)
+    }
     replay = None if run is None else make_replay(run, trace.end.simulated_s)
     return timeline_section(trace, components, replay=replay, faults=faults)
 

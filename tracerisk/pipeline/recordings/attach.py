@@ -72,10 +72,10 @@ class _Rospy:
 
     def frames(self, seconds: float) -> list[Frame]:
         select.select([self._link], [], [], seconds)
-        found = self._link.waiting()
+        pairs = self._link.waiting()
         if self._link.is_closed:
             self.over = "the master is gone"
-        return [each for each in found if each[0]["is"] == "message"]
+        return [pair for pair in pairs if pair[0]["is"] == "message"]
 
     def close(self) -> None:
         self._link.close()

@@ -49,18 +49,20 @@ def boundaries(
     commands, controller = declared.commands, declared.controller
     if commands is not None:
         texts = enumerate(lines_of(commands), 1)
-        found = probed(((Location(str(commands), n), None, text) for n, text in texts), robot)
-        return replace(found, told_by=f"the probe's file {commands.name}")
+        goals = probed(((Location(str(commands), n), None, text) for n, text in texts), robot)
+        return replace(goals, told_by=f"the probe's file {commands.name}")
     if declared.functions is not None:
         return _timed(declared.functions, span_ns, controller)
     if declared.names is not None:
         return _named(file, declared.names, controller, span_ns[1])
     if COMMANDS in file.of_type(TEXT):
         messages = file.messages([COMMANDS])
-        found = probed(((file.place, each.time_ns, each.value.data) for each in messages), robot)
-        return replace(found, told_by=f"the probe's topic {COMMANDS}")
-    found = _goals(file, robot, controller)
-    if not found.commands:
+        goals = probed(
+            ((file.place, message.time_ns, message.value.data) for message in messages), robot
+        )
+        return replace(goals, told_by=f"the probe's topic {COMMANDS}")
+    goals = _goals(file, robot, controller)
+    if not goals.commands:
         raise LogError(
             f"names no function of a controller: it has no topic {COMMANDS} of the probe, and no "
             "goal of FollowJointTrajectory or JointTrajectory. Give --commands FILE of the probe, "
@@ -68,7 +70,7 @@ def boundaries(
             f"text are {', '.join(file.of_type(TEXT)) or 'none'}",
             file.place,
         )
-    return found
+    return goals
 
 
 # --- names and times of functions
@@ -85,11 +87,11 @@ def _visits(
     begins: Sequence[tuple[int, int | None, str]], controller: str, last_ns: int
 ) -> tuple[Command, ...]:
     """Return a command for each (begin, end or until the next, name); the last ends with all."""
-    found = []
+    visits = []
     for number, (begin_ns, end_ns, name) in enumerate(begins, 1):
         next_ns = begins[number][0] if number < len(begins) else max(last_ns, begin_ns)
-        found.append(_visit(number, name, controller, begin_ns, end_ns or next_ns))
-    return tuple(found)
+        visits.append(_visit(number, name, controller, begin_ns, end_ns or next_ns))
+    return tuple(visits)
 
 
 def _named(file: RecordingFile, topic: str, controller: str, last_ns: int) -> Boundaries:
@@ -99,15 +101,16 @@ def _named(file: RecordingFile, topic: str, controller: str, last_ns: int) -> Bo
             file.place,
         )
     begins: list[tuple[int, int | None, str]] = []
-    for each in file.messages([topic]):
-        found = _NAME.match(str(each.value.data).strip())
-        if found is None:
+    for message in file.messages([topic]):
+        matched = _NAME.match(str(message.value.data).strip())
+        if matched is None:
             raise LogError(
-                f"{topic} has {each.value.data[:40]!r}, which is no name of a function", file.place
+                f"{topic} has {message.value.data[:40]!r}, which is no name of a function",
+                file.place,
             )
         # A logger that repeats a name while its function runs reports one visit.
-        if not begins or begins[-1][2] != found[1]:
-            begins.append((each.time_ns, None, found[1]))
+        if not begins or begins[-1][2] != matched[1]:
+            begins.append((message.time_ns, None, matched[1]))
     if not begins:
         raise LogError(f"has no message on {topic}", file.place)
     return Boundaries(_visits(begins, controller, last_ns), f"the names on {topic}", controller)
@@ -117,7 +120,7 @@ def _timed(path: Path, span_ns: tuple[int, int], controller: str) -> Boundaries:
     rows = list(_rows(path))
     if not rows:
         raise LogError("has no row; expected time_s,function[,event]", Location(str(path)))
-    first_s, last_s = (each / _SECOND_NS for each in span_ns)
+    first_s, last_s = (number / _SECOND_NS for number in span_ns)
     # Times of a clock lie in the recording; others count from its begin.
     is_clock = first_s - 1.0 <= rows[0][1] <= last_s + 1.0 and rows[0][1] > 1e6
     shift_ns = 0 if is_clock else span_ns[0]
@@ -129,7 +132,7 @@ def _timed(path: Path, span_ns: tuple[int, int], controller: str) -> Boundaries:
         if event == "begin":
             begins.append((at_ns, None, name))
             continue
-        opened = [k for k, each in enumerate(begins) if each[2] == name and each[1] is None]
+        opened = [k for k, begin in enumerate(begins) if begin[2] == name and begin[1] is None]
         if not opened:
             raise LogError(f"{name} ends and never began", place)
         begins[opened[-1]] = (begins[opened[-1]][0], at_ns, name)
@@ -143,7 +146,7 @@ def _rows(path: Path) -> Iterator[tuple[Location, float, str, str]]:
     try:
         for cells in reader:
             place = Location(str(path), reader.line_num)
-            cells = [each.strip() for each in cells]
+            cells = [cell.strip() for cell in cells]
             if not any(cells) or cells[0].startswith("#"):
                 continue
             if reader.line_num == 1 and cells[0] == "time_s":
@@ -198,34 +201,37 @@ def _goals(file: RecordingFile, robot: Robot, controller: str) -> Boundaries:
     """Return a visit for each goal and set-point, named after its action or topic."""
     topics = file.of_type(_GOAL, _RESULT, _TRAJECTORY, _STATUS2)
     by_id: dict[str, _Goal] = {}
-    found: list[_Goal] = []
+    result: list[_Goal] = []
     told_by: dict[str, None] = {}
-    for each in file.messages(topics):
-        kind, value = file.topics[each.topic].type, each.value
+    for message in file.messages(topics):
+        kind, value = file.topics[message.topic].type, message.value
         if kind == _STATUS2:
-            goals = _followed(each.topic, each.time_ns, value, by_id)
+            goals = _followed(message.topic, message.time_ns, value, by_id)
         elif kind == _RESULT:
             known = by_id.get(value.status.goal_id.id)
             if known is not None:
-                known.end_ns = each.time_ns
+                known.end_ns = message.time_ns
                 known.end = _ENDS1.get(value.status.status, "aborted")
             continue
         else:
             goals = _sent(
-                each.topic, each.time_ns, value.goal.trajectory if kind == _GOAL else value, robot
+                message.topic,
+                message.time_ns,
+                value.goal.trajectory if kind == _GOAL else value,
+                robot,
             )
             if kind == _GOAL and goals:
                 by_id[value.goal_id.id] = goals[0]
-        found += goals
-        told_by.update(dict.fromkeys([each.topic] if goals else []))
-    found.sort(key=lambda goal: goal.begin_ns)
+        result += goals
+        told_by.update(dict.fromkeys([message.topic] if goals else []))
+    result.sort(key=lambda goal: goal.begin_ns)
     commands = tuple(
         replace(
             _visit(number, goal.name, controller, goal.begin_ns, goal.end_ns),
             elements=goal.elements,
             end=None if goal.end_ns is None else goal.end,
         )
-        for number, goal in enumerate(found, 1)
+        for number, goal in enumerate(result, 1)
     )
     lost = ("the functions of the controller: a goal names its action alone",)
     return Boundaries(commands, f"the goals on {', '.join(told_by)}", controller, lost)
@@ -259,7 +265,7 @@ def _followed(topic: str, time_ns: int, value: Any, by_id: dict[str, _Goal]) -> 
 
 def _called(topic: str) -> str:
     """Return what a goal's topic is called: `arm_controller.follow_joint_trajectory`."""
-    parts = [re.sub(r"\W", "_", each) for each in topic.split("/") if each]
+    parts = [re.sub(r"\W", "_", part) for part in topic.split("/") if part]
     while len(parts) > 1 and parts[-1] in ("goal", "status", "_action", "command"):
         parts.pop()
     return ".".join(parts[-2:])

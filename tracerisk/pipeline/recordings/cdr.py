@@ -108,7 +108,7 @@ def log_message(
     out = Cdr()
     out.stamp(time_ns)
     out.number("B", level)
-    for each in (name, message, file, function):
-        out.text(each)
+    for text in (name, message, file, function):
+        out.text(text)
     out.number("I", line)
     return bytes(out.data)

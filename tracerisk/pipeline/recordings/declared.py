@@ -29,8 +29,8 @@ class EffortUnit:
 
     def factor(self, joint: Joint) -> float:
         """Return what one unit is of a joint [N m or N]."""
-        found = self.by_joint.get(joint.name, self.of_all)
-        return joint.torque_limit / 100.0 if found is None else found
+        value = self.by_joint.get(joint.name, self.of_all)
+        return joint.torque_limit / 100.0 if value is None else value
 
 
 @dataclass(frozen=True, slots=True)

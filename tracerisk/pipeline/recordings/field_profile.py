@@ -87,10 +87,10 @@ def gather_field(traces: Sequence[Trace], names: Sequence[str]) -> FieldProfile:
                 "on one robot",
                 Location(name),
             )
-    refs = list(dict.fromkeys(each.ref for trace in traces for each in trace.functions))
+    refs = list(dict.fromkeys(function.ref for trace in traces for function in trace.functions))
     model = model_names(refs)
     steps = tuple(_step(ref, model[ref], traces, model) for ref in refs)
-    elements = list(dict.fromkeys(each.name for trace in traces for each in trace.elements))
+    elements = list(dict.fromkeys(item.name for trace in traces for item in trace.elements))
     totals = {
         element: {
             name: sum(_amount(visit, element, name) for trace in traces for visit in trace.visits)
@@ -152,35 +152,35 @@ def _of(trace: Trace) -> str:
 def _step(
     ref: FunctionRef, name: str, traces: Sequence[Trace], model: dict[FunctionRef, str]
 ) -> FieldStep:
-    visits = [[each for each in trace.visits if each.function == ref] for trace in traces]
-    numbers = [float(len(each)) for each in visits]
+    visits = [[visit for visit in trace.visits if visit.function == ref] for trace in traces]
+    numbers = [float(len(visit)) for visit in visits]
     counts: dict[str, int] = {}
     for trace in traces:
-        own = {each.ref: each for each in trace.functions}
+        own = {function.ref: function for function in trace.functions}
         if ref in own:
-            short = model_names([each.ref for each in trace.functions])
-            full = {short[each]: model[each] for each in own}
+            short = model_names([function.ref for function in trace.functions])
+            full = {short[function_ref]: model[function_ref] for function_ref in own}
             for target, count in next_counts(trace)[ref].items():
                 key = full.get(target, target)
                 counts[key] = counts.get(key, 0) + count
-    times = [[each.duration_s for each in row] for row in visits]
-    known = all(each is not None for row in times for each in row)
-    used = dict.fromkeys(element for row in visits for each in row for element in each.exposures)
+    times = [[visit.duration_s for visit in row] for row in visits]
+    known = all(value is not None for row in times for value in row)
+    used = dict.fromkeys(element for row in visits for visit in row for element in visit.exposures)
     uses = {
         element: {
             name_of: ratio(
-                [sum(_amount(each, element, name_of) for each in row) for row in visits], numbers
+                [sum(_amount(visit, element, name_of) for visit in row) for row in visits], numbers
             )
             for name_of in QUANTITIES
         }
         for element in used
-        if all(each.exposures.get(element, 0) is not None for row in visits for each in row)
+        if all(visit.exposures.get(element, 0) is not None for row in visits for visit in row)
     }
     return FieldStep(
         name=name,
         visits=int(sum(numbers)),
         per_mission=ratio(numbers, [1.0] * len(numbers)),
-        duration_s=ratio([sum(each or 0.0 for each in row) for row in times], numbers)
+        duration_s=ratio([sum(value or 0.0 for value in row) for row in times], numbers)
         if known
         else None,
         uses=uses,
@@ -194,5 +194,5 @@ def _amount(visit: Visit, element: str, name: str) -> float:
 
 
 def _duration(traces: Sequence[Trace]) -> float | None:
-    times = [each.duration_s for trace in traces for each in trace.visits]
-    return None if None in times else sum(each for each in times if each is not None)
+    times = [visit.duration_s for trace in traces for visit in trace.visits]
+    return None if None in times else sum(time for time in times if time is not None)

@@ -39,8 +39,10 @@ class _Frame:
 
 def fixed_frames(robot: Robot, samples: Samples) -> bytes:
     """Return the one message of what never moves: the base in the world, and fixed links."""
-    moving = {each.name for each in _moving(robot, samples)}
-    frames = [_fixed(each) for each in robot.attachments if each.name not in moving]
+    moving = {attachment.name for attachment in _moving(robot, samples)}
+    frames = [
+        _fixed(attachment) for attachment in robot.attachments if attachment.name not in moving
+    ]
     if _WORLD not in robot.link_names:
         frames.insert(0, _Frame(_WORLD, robot.base_link, _AT_REST))
     data, _, _ = _message(frames)
@@ -52,18 +54,18 @@ class MovingFrames:
 
     def __init__(self, robot: Robot, samples: Samples) -> None:
         moving = _moving(robot, samples)
-        self.template, self._stamps, poses = _message([_fixed(each) for each in moving])
+        self.template, self._stamps, poses = _message([_fixed(attachment) for attachment in moving])
         joints = samples.header.joints
         self._turns: list[tuple[int, int, _Numbers, _Numbers]] = []
         self._shifts: list[tuple[int, int, _Numbers, _Numbers]] = []
-        for each, pose in zip(moving, poses, strict=True):
-            column = joints.index(each.name)
-            axis = np.array(each.axis) / np.linalg.norm(each.axis)
-            if each.type == "prismatic":
-                along = rotation(each.rpy) @ axis
-                self._shifts.append((pose, column, np.array(each.xyz), along))
+        for attachment, pose in zip(moving, poses, strict=True):
+            column = joints.index(attachment.name)
+            axis = np.array(attachment.axis) / np.linalg.norm(attachment.axis)
+            if attachment.type == "prismatic":
+                along = rotation(attachment.rpy) @ axis
+                self._shifts.append((pose, column, np.array(attachment.xyz), along))
                 continue
-            w, *xyz = quaternion_of(each.rpy)
+            w, *xyz = quaternion_of(attachment.rpy)
             # The product of the frame's quaternion with that of half a turn about the axis.
             turned = np.array((*(w * axis + np.cross(xyz, axis)), -np.dot(xyz, axis)))
             self._turns.append((pose + _PLACE_BYTES, column, np.array((*xyz, w)), turned))
@@ -80,7 +82,11 @@ class MovingFrames:
 
 def _moving(robot: Robot, samples: Samples) -> list[Attachment]:
     joints = set(samples.header.joints)
-    return [each for each in robot.attachments if each.type != "fixed" and each.name in joints]
+    return [
+        attachment
+        for attachment in robot.attachments
+        if attachment.type != "fixed" and attachment.name in joints
+    ]
 
 
 def _fixed(each: Attachment) -> _Frame:
@@ -93,9 +99,9 @@ def _message(frames: Sequence[_Frame]) -> tuple[bytes, list[int], list[int]]:
     out = Cdr()
     out.number("I", len(frames))
     stamps, poses = [], []
-    for each in frames:
+    for frame in frames:
         stamps.append(out.stamp(0))
-        out.text(each.parent)
-        out.text(each.child)
-        poses.append(out.doubles(each.pose, counted=False))
+        out.text(frame.parent)
+        out.text(frame.child)
+        poses.append(out.doubles(frame.pose, counted=False))
     return bytes(out.data), stamps, poses

@@ -79,11 +79,11 @@ def read_joint_states(file: RecordingFile, robot: Robot, declared: Declared) -> 
     main, names = _own_topic(file, robot, tables)
     joints: dict[str, _Joint] = {}
     for joint in robot.joints:
-        found = tables[main].get(names.get(joint.name, joint.name))
-        others = (each[joint.name] for each in tables.values() if joint.name in each)
-        found = found or next(others, None)
-        if found is not None:
-            joints[joint.name] = found
+        other = tables[main].get(names.get(joint.name, joint.name))
+        others = (table[joint.name] for table in tables.values() if joint.name in table)
+        other = other or next(others, None)
+        if other is not None:
+            joints[joint.name] = other
     lost, assumptions = [], []
     renamed = {ours: theirs for ours, theirs in names.items() if ours != theirs}
     if renamed:
@@ -92,11 +92,11 @@ def read_joint_states(file: RecordingFile, robot: Robot, declared: Declared) -> 
     extra = sorted(set(tables[main]) - set(names.values()) - set(joints))
     if extra:
         lost.append(f"joints that {robot.name} has not are passed over: {', '.join(extra[:8])}")
-    missing = [each.name for each in robot.joints if each.name not in joints]
+    missing = [item.name for item in robot.joints if item.name not in joints]
     if missing:
         lost.append(f"joints without a recorded state: {', '.join(missing)}")
-    times = {name: _times(file, main, each) for name, each in joints.items()}
-    arm = [each.name for each in robot.arm_joints]
+    times = {name: _times(file, main, item) for name, item in joints.items()}
+    arm = [arm_joint.name for arm_joint in robot.arm_joints]
     begin = max(int(times[name][1][0]) for name in arm)
     end = min(int(times[name][1][-1]) for name in arm)
     if end - begin < 2 * STEP_NS:
@@ -117,15 +117,15 @@ def read_joint_states(file: RecordingFile, robot: Robot, declared: Declared) -> 
     derived: list[str] = []
     gaps = 0
     # A driver that measures none fills in zeros.
-    is_given = any(np.frombuffer(each.effort, dtype=np.float64).any() for each in joints.values())
-    for column, (name, each) in enumerate(joints.items()):
+    is_given = any(np.frombuffer(item.effort, dtype=np.float64).any() for item in joints.values())
+    for column, (name, item) in enumerate(joints.items()):
         order, when = times[name]
         joint = robot.joint(name)
         at = (grid - begin) / _SECOND_NS
         known_at = (when - begin) / _SECOND_NS
-        places = np.frombuffer(each.position, dtype=np.float64)[order]
+        places = np.frombuffer(item.position, dtype=np.float64)[order]
         position[:, column] = np.interp(at, known_at, places)
-        speeds = np.frombuffer(each.velocity, dtype=np.float64)[order]
+        speeds = np.frombuffer(item.velocity, dtype=np.float64)[order]
         silent = _gaps(known_at, at)
         if _is_measured(speeds, places):
             velocity[:, column] = np.interp(at, known_at, speeds)
@@ -138,7 +138,7 @@ def read_joint_states(file: RecordingFile, robot: Robot, declared: Declared) -> 
             lost.append(f"motion of {name}: its velocity is not recorded")
         velocity[silent, column] = 0.0
         gaps = max(gaps, int(np.count_nonzero(silent)))
-        efforts = np.frombuffer(each.effort, dtype=np.float64)[order]
+        efforts = np.frombuffer(item.effort, dtype=np.float64)[order]
         if unit is not None and is_given and np.isfinite(efforts).all():
             factor = unit.factor(joint)
             most = float(np.abs(efforts).max()) * factor
@@ -181,7 +181,7 @@ def _read(file: RecordingFile, topic: str | None) -> dict[str, dict[str, _Joint]
             f"{', '.join(list(file.topics)[:12]) or 'none'}",
             file.place,
         )
-    tables: dict[str, dict[str, _Joint]] = {each: {} for each in wanted}
+    tables: dict[str, dict[str, _Joint]] = {text: {} for text in wanted}
     for message in file.messages(wanted):
         state, table = message.value, tables[message.topic]
         stamp = state.header.stamp
@@ -210,13 +210,13 @@ def _own_topic(
     file: RecordingFile, robot: Robot, tables: Mapping[str, Mapping[str, _Joint]]
 ) -> tuple[str, dict[str, str]]:
     """Return the topic of a robot's arm, and what it calls each joint."""
-    arm = [each.name for each in robot.arm_joints]
+    arm = [arm_joint.name for arm_joint in robot.arm_joints]
     fitting = {topic: _matched(arm, list(table)) for topic, table in tables.items()}
-    found = {topic: names for topic, names in fitting.items() if names is not None}
-    plain = [t for t, names in found.items() if all(a == b for a, b in names.items())]
+    fieldses = {topic: names for topic, names in fitting.items() if names is not None}
+    plain = [t for t, names in fieldses.items() if all(a == b for a, b in names.items())]
     # Set-points are joint states too: only the name of the topic says which is measured.
-    usual = [t for t in plain or found if t.rpartition("/")[2] == "joint_states"]
-    chosen = [t for t in usual if t == "/joint_states"] or usual or plain or list(found)
+    usual = [t for t in plain or fieldses if t.rpartition("/")[2] == "joint_states"]
+    chosen = [t for t in usual if t == "/joint_states"] or usual or plain or list(fieldses)
     if len(chosen) > 1:
         raise LogError(
             f"has the joints of {robot.name} on {', '.join(chosen)}; name the topic of those that "
@@ -224,7 +224,7 @@ def _own_topic(
             file.place,
         )
     if chosen:
-        return chosen[0], found[chosen[0]]
+        return chosen[0], fieldses[chosen[0]]
     heard = [f"{topic}: {', '.join(list(table)[:12])}" for topic, table in tables.items() if table]
     if not heard:
         raise LogError(
@@ -244,9 +244,9 @@ def _own_topic(
 def _matched(arm: Sequence[str], recorded: Sequence[str]) -> dict[str, str] | None:
     """Return what a recording calls each joint: the same, or all with one prefix."""
     if set(arm) <= set(recorded):
-        return {each: each for each in arm}
-    prefixes = [each[: -len(arm[0])] for each in recorded if each.endswith(arm[0])]
-    fitting = [each for each in prefixes if all(each + name in recorded for name in arm)]
+        return {text: text for text in arm}
+    prefixes = [text[: -len(arm[0])] for text in recorded if text.endswith(arm[0])]
+    fitting = [prefix for prefix in prefixes if all(prefix + name in recorded for name in arm)]
     return {name: fitting[0] + name for name in arm} if len(fitting) == 1 else None
 
 
@@ -308,8 +308,8 @@ def _gaps(known_at: Array, at: Array) -> NDArray[np.bool_]:
         return np.ones(len(at), dtype=np.bool_)
     long = max(_GAP_S, _GAP_PERIODS * float(np.median(periods)))
     after = np.clip(np.searchsorted(known_at, at, side="right"), 1, len(known_at) - 1)
-    found: NDArray[np.bool_] = (periods[after - 1] > long) | outside
-    return found
+    gaps: NDArray[np.bool_] = (periods[after - 1] > long) | outside
+    return gaps
 
 
 def _differentiated(position: Array, step: float) -> Array:
@@ -328,5 +328,5 @@ def _differentiated(position: Array, step: float) -> Array:
         steady[index] = held
     reach = max(1, round(_WINDOW_S * _SECOND_NS / STEP_NS / 2))
     padded = np.concatenate((np.repeat(steady[:1], reach), steady, np.repeat(steady[-1:], reach)))
-    found: Array = (padded[2 * reach :] - padded[: -2 * reach]) / (2 * reach * STEP_NS / _SECOND_NS)
-    return found
+    array: Array = (padded[2 * reach :] - padded[: -2 * reach]) / (2 * reach * STEP_NS / _SECOND_NS)
+    return array

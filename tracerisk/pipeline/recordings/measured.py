@@ -63,15 +63,17 @@ def _trace(
     attribution = attribute(
         Recording(commands), states=declared.states, helpers=declared.helpers, end_ns=end_ns
     )
-    known = {name: each.element for name, each in activity.items()}
+    known = {name: element_activity.element for name, element_activity in activity.items()}
     elements = tuple(
-        each for each in robot.elements if each.name in known or _is_encoder(each, known)
+        element
+        for element in robot.elements
+        if element.name in known or _is_encoder(element, known)
     )
     active, visits = exposures_of(attribution, activity, samples)
     seen = RunActivity(elements, attribution, activity, samples)
     active, visits = with_sensors(seen, Recording(commands), active, visits)
-    without = frozenset(each.name for each in robot.arm_joints) - states.has_effort
-    unknown = without | {each.name for each in robot.grippers}
+    without = frozenset(arm_joint.name for arm_joint in robot.arm_joints) - states.has_effort
+    unknown = without | {gripper.name for gripper in robot.grippers}
     controller = declared.controller or bounds.controller
     return Trace(
         controller=controller,
@@ -81,17 +83,19 @@ def _trace(
         elements=elements,
         functions=attribution.functions,
         visits=tuple(
-            replace(each, exposures=_without_wear(each.exposures, unknown)) for each in visits
+            replace(visit, exposures=_without_wear(visit.exposures, unknown)) for visit in visits
         ),
         active={
-            name: each for name, each in _without_wear(active, unknown).items() if each is not None
+            name: exposure
+            for name, exposure in _without_wear(active, unknown).items()
+            if exposure is not None
         },
         findings=attribution.findings,
         commands=traced_commands(commands),
         assumptions=(
             f"{MEASURED} by {file.path.name}; functions by {bounds.told_by}",
             *states.assumptions,
-            *(f"{LOST} {each}" for each in _lost(declared, states, bounds, without)),
+            *(f"{LOST} {text}" for text in _lost(declared, states, bounds, without)),
         ),
     )
 
@@ -125,20 +129,20 @@ def _on_one_clock(
     begin_ns = max(within[0].issue_ns, states.begin_ns)
     skipped = (begin_ns - states.begin_ns) // step_ns
     cut = between(samples, skipped, None)
-    return cut, tuple(each.with_times(lambda ns: max(ns - begin_ns, 0)) for each in within)
+    return cut, tuple(command.with_times(lambda ns: max(ns - begin_ns, 0)) for command in within)
 
 
 def _activity(samples: Samples, robot: Robot) -> dict[str, ElementActivity]:
     """Return what each recorded element does; of a gripper only whether it moves."""
     columns = {name: column for column, name in enumerate(samples.header.joints)}
-    found = {
+    activity = {
         joint.name: joint_activity(samples, joint, columns[joint.name])
         for joint in robot.arm_joints
     }
     for gripper in robot.grippers:
         if set(gripper.joints) & columns.keys():
-            found[gripper.name] = _fingers(samples, robot, gripper, columns)
-    return found
+            activity[gripper.name] = _fingers(samples, robot, gripper, columns)
+    return activity
 
 
 def _fingers(
@@ -165,17 +169,20 @@ def _until_the_end(
     """Return both without what follows the last motion and command, and when that was [ns]."""
     step_ns = samples.header.step_ns
     moving = np.zeros(samples.n_steps, dtype=np.bool_)
-    for each in activity.values():
-        moving |= each.moving
+    for element_activity in activity.values():
+        moving |= element_activity.moving
     at = np.flatnonzero(moving)
     last_step = int(at[-1]) + 1 if len(at) else 0
-    last_ns = max(each.end_ns or each.issue_ns for each in commands)
+    last_ns = max(command.end_ns or command.issue_ns for command in commands)
     steps = min(max(last_step, -(-last_ns // step_ns), 1), samples.n_steps)
     cut = between(samples, 0, steps)
     arrays = ("moving", "holding", "grasping", "speed", "torque", "grip", "travel")
     short = {
-        name: replace(each, **{field: getattr(each, field)[:steps] for field in arrays})
-        for name, each in activity.items()
+        name: replace(
+            element_activity,
+            **{field: getattr(element_activity, field)[:steps] for field in arrays},
+        )
+        for name, element_activity in activity.items()
     }
     return cut, short, steps * step_ns
 
@@ -189,6 +196,6 @@ def _without_wear(
 ) -> dict[str, Exposure | None]:
     """Return exposures that hold no wear where no torque is known: it is not that of no load."""
     return {
-        name: replace(each, wear=()) if each is not None and name in without else each
-        for name, each in exposures.items()
+        name: replace(exposure, wear=()) if exposure is not None and name in without else exposure
+        for name, exposure in exposures.items()
     }

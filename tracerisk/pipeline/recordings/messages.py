@@ -77,8 +77,8 @@ class RecordingFile:
         """Return the topics of some types that can be read, in order."""
         return tuple(
             name
-            for name, each in self.topics.items()
-            if each.type in types and each.encoding in _ENCODINGS
+            for name, topic in self.topics.items()
+            if topic.type in types and topic.encoding in _ENCODINGS
         )
 
     def messages(self, topics: Collection[str]) -> Iterator[Message]:
@@ -188,21 +188,21 @@ def _open_rosbags(path: Path, stack: ExitStack) -> RecordingFile:
 
     is_bag = path.is_file() and path.suffix != ".db3"
     with _damage(path):
-        for each in [path] if path.is_file() else sorted(path.glob("*.db3")):
-            _check_pages(each)
+        for item in [path] if path.is_file() else sorted(path.glob("*.db3")):
+            _check_pages(item)
         reader: Any = stack.enter_context(Reader1(path) if is_bag else Reader2(path))
     topics: dict[str, Topic] = {}
-    for each in reader.connections:
-        form = each.msgdef.format
-        topics[each.topic] = Topic(
-            _ros2_name(each.msgtype),
-            "" if form == MessageDefinitionFormat.NONE else each.msgdef.data,
+    for item in reader.connections:
+        form = item.msgdef.format
+        topics[item.topic] = Topic(
+            _ros2_name(item.msgtype),
+            "" if form == MessageDefinitionFormat.NONE else item.msgdef.data,
             "idl" if form == MessageDefinitionFormat.IDL else "msg",
             "ros1" if is_bag else "cdr",
         )
 
     def raw(wanted: Collection[str]) -> Iterator[tuple[str, int, bytes]]:
-        connections = [each for each in reader.connections if each.topic in wanted]
+        connections = [item for item in reader.connections if item.topic in wanted]
         for connection, time_ns, data in reader.messages(connections):
             yield connection.topic, time_ns, data
 

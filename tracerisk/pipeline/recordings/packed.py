@@ -68,10 +68,10 @@ class Series(NamedTuple):
     @property
     def message_times(self) -> Times:
         """The time of each message [ns], (n, parts)."""
-        found: Times = self.times[:, None] + np.array(
+        times: Times = self.times[:, None] + np.array(
             [part.delay_ns for part in self.parts], np.int64
         )
-        return found
+        return times
 
 
 class PackedWriter:
@@ -127,7 +127,7 @@ class PackedWriter:
         per_chunk = max(1, CHUNK_BYTES // width)
         bounds = list(range(0, number, per_chunk)) or [0]
         times = rounds.message_times.reshape(-1)
-        at = np.searchsorted(times, [each.time_ns for each in others], side="right")
+        at = np.searchsorted(times, [other.time_ns for other in others], side="right")
         first = 0
         # Each chunk is packed where the last one was: what is alike in all is there already.
         space = _templates(rounds, min(per_chunk, number))
@@ -178,13 +178,13 @@ class PackedWriter:
             (Opcode.ATTACHMENT_INDEX, self._attachments),
         ):
             begin = builder.count
-            for each in group:
-                each.write(builder)
+            for item in group:
+                item.write(builder)
             if group:
                 offsets.append(SummaryOffset(opcode, summary_start + begin, builder.count - begin))
         offset_start = summary_start + builder.count
-        for each in offsets:
-            each.write(builder)
+        for offset in offsets:
+            offset.write(builder)
         summary = builder.end()
         head = struct.pack("<BQQQ", _FOOTER, 20, summary_start, offset_start)
         crc = zlib.crc32(head, zlib.crc32(summary))
@@ -228,18 +228,18 @@ class PackedWriter:
         data = pieces[0] if len(pieces) == 1 else b"".join(pieces)
         if not data:
             return
-        indexes = {channel: np.array(found, dtype=_INDEX_ROW) for channel, found in index.items()}
+        indexes = {channel: np.array(empty, dtype=_INDEX_ROW) for channel, empty in index.items()}
         if number:
-            found = np.empty((number, len(series.parts)), _INDEX_ROW)
-            found["time"] = series.message_times[begin : begin + number]
-            found["offset"] = (own_at + shifts)[:-1].reshape(found.shape)
+            empty = np.empty((number, len(series.parts)), _INDEX_ROW)
+            empty["time"] = series.message_times[begin : begin + number]
+            empty["offset"] = (own_at + shifts)[:-1].reshape(empty.shape)
             channels = np.array([part.channel for part in series.parts])
             for channel in np.unique(channels):
-                own = found[:, channels == channel].reshape(-1)
+                own = empty[:, channels == channel].reshape(-1)
                 beside = indexes.get(int(channel), own[:0])
                 indexes[int(channel)] = np.sort(np.concatenate((own, beside)), order="offset")
-        first = min(int(each["time"].min()) for each in indexes.values())
-        last = max(int(each["time"].max()) for each in indexes.values())
+        first = min(int(array["time"].min()) for array in indexes.values())
+        last = max(int(array["time"].max()) for array in indexes.values())
         packed = ZstdCompressor(level=_LEVEL, write_checksum=True).compress(data)
         offset = self._stream.tell()
         length = self._write(

@@ -101,7 +101,7 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
             f"the probe recorded no command that moves a robot ({passed_over} others)", last
         )
     shift = _shift(pairs)
-    moved = [each.with_times(lambda ns: ns + shift) for each in commands.values()]
+    moved = [command.with_times(lambda ns: ns + shift) for command in commands.values()]
     lost = (f"{passed_over} messages and calls that move no robot were left out",)
     return Boundaries(_numbered(moved), "", controller, lost if passed_over else ())
 
@@ -142,7 +142,7 @@ def _probe_command(
     frames = []
     for index, (name, place) in enumerate(zip(names, places, strict=True)):
         file, colon, function = str(name).partition(":")
-        activation, line, at_line, at_column = (int(each) for each in place)
+        activation, line, at_line, at_column = (int(item) for item in place)
         if not colon or not function or min(line, at_line, at_column) < 0:
             raise ValueError(f"{name!r} is not FILE:FUNCTION with its lines")
         kind = cast(RootKind, root if root in get_args(RootKind) else "main")
@@ -160,7 +160,7 @@ def _probe_command(
     return Command(
         0,
         str(data["kind"]),
-        elements_of([str(each) for each in data.get("joints", ())], robot),
+        elements_of([str(item) for item in data.get("joints", ())], robot),
         tuple(frames),
         t_ns,
         t_ns if ends_now else None,
@@ -170,11 +170,11 @@ def _probe_command(
 
 def elements_of(joints: Sequence[str], robot: Robot) -> tuple[str, ...]:
     """Return the elements that a command addresses, by the joints that it names."""
-    found = [each.name for each in robot.arm_joints if each.name in joints]
-    found += [each.name for each in robot.grippers if set(each.joints) & set(joints)]
-    return tuple(found)
+    elements = [arm_joint.name for arm_joint in robot.arm_joints if arm_joint.name in joints]
+    elements += [gripper.name for gripper in robot.grippers if set(gripper.joints) & set(joints)]
+    return tuple(elements)
 
 
 def _numbered(commands: Iterable[Command]) -> tuple[Command, ...]:
-    ordered = sorted(commands, key=lambda each: each.issue_ns)
-    return tuple(replace(each, id=number) for number, each in enumerate(ordered, 1))
+    ordered = sorted(commands, key=lambda command: command.issue_ns)
+    return tuple(replace(command, id=number) for number, command in enumerate(ordered, 1))

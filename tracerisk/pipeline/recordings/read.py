@@ -41,9 +41,9 @@ def _attached(path: Path, place: Location) -> bytes | None:
     try:
         with path.open("rb") as stream:
             reader = SeekingReader(stream, record_size_limit=MOST_BYTES)
-            for each in reader.iter_attachments():
-                if each.name == TRACE:
-                    return bytes(each.data)
+            for iter_attachment in reader.iter_attachments():
+                if iter_attachment.name == TRACE:
+                    return bytes(iter_attachment.data)
             reader.get_summary()
             return None
     except (McapError, OSError, ValueError, struct.error, StopIteration, KeyError) as error:

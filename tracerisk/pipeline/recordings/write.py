@@ -190,7 +190,7 @@ def _write(
     series = None
     if samples is not None:
         series, rest = _series(samples, frames, rate_hz, channels)
-        others = sorted([*rest, *others], key=lambda each: each.time_ns)
+        others = sorted([*rest, *others], key=lambda other: other.time_ns)
     writer.messages(series, others)
     end_ns = round((trace.end.simulated_s or 0.0) * _SECOND_NS)
     text = trace_json.dumps(trace, indent=None)
@@ -255,25 +255,25 @@ def _joint_states(samples: Samples, at: Times, channel: int) -> Part:
 
 
 def _commands(commands: Sequence[Command]) -> Iterator[_Message]:
-    for each in commands:
+    for command in commands:
         stack = [
             {"function": frame.function.name, "file": frame.function.file, "line": frame.line}
-            for frame in each.stack
+            for frame in command.stack
         ]
-        lasts_ns = None if each.end_ns is None else each.end_ns - each.issue_ns
+        lasts_ns = None if command.end_ns is None else command.end_ns - command.issue_ns
         data = {
-            "id": each.id,
-            "kind": each.kind,
-            "function": each.stack[-1].function.name,
-            "elements": each.elements,
+            "id": command.id,
+            "kind": command.kind,
+            "function": command.stack[-1].function.name,
+            "elements": command.elements,
             "stack": stack,
-            "goal": each.goal,
+            "goal": command.goal,
             "duration_s": None if lasts_ns is None else lasts_ns / _SECOND_NS,
-            "end": each.end,
-            "way_done": each.way_done,
-            "replaced_by": each.replaced_by,
+            "end": command.end,
+            "way_done": command.way_done,
+            "replaced_by": command.replaced_by,
         }
-        yield _Message(each.issue_ns, COMMANDS, _json(data))
+        yield _Message(command.issue_ns, COMMANDS, _json(data))
 
 
 def _visits(trace: Trace) -> Iterator[_Message]:
@@ -300,16 +300,16 @@ def _visits(trace: Trace) -> Iterator[_Message]:
 
 
 def _findings(trace: Trace) -> Iterator[_Message]:
-    for each in trace.findings:
-        time_ns = _ns(each.time_s or 0.0)
-        place = each.location
+    for finding in trace.findings:
+        time_ns = _ns(finding.time_s or 0.0)
+        place = finding.location
         message = log_message(
             time_ns,
             WARN,
-            each.kind,
-            each.message,
+            finding.kind,
+            finding.message,
             file="" if place is None else place.file,
-            function=each.function,
+            function=finding.function,
             line=0 if place is None else place.line or 0,
         )
         yield _Message(time_ns, FINDINGS, message)

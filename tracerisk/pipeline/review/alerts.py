@@ -62,9 +62,9 @@ _CONTACT = "unexpected_contact"
 def repository_root(path: Path) -> Path:
     """Return the folder that holds the `.git` above a file, else that of its controller."""
     folder = path.resolve().parent
-    for each in (folder, *folder.parents):
-        if (each / ".git").exists():
-            return each
+    for parent in (folder, *folder.parents):
+        if (parent / ".git").exists():
+            return parent
     return controller_root(path)
 
 
@@ -78,13 +78,13 @@ def check_alerts(
     the last run: motions that never ran, and unexpected contacts.
     """
     alerts: list[Alert] = []
-    for path, each in zip(paths, found, strict=True):
-        if isinstance(each, TraceRiskError):
-            place = each.location or Location(str(path))
-            alerts.append(_alert("unreadable", each.message, place))
+    for path, check_finding in zip(paths, found, strict=True):
+        if isinstance(check_finding, TraceRiskError):
+            place = check_finding.location or Location(str(path))
+            alerts.append(_alert("unreadable", check_finding.message, place))
             continue
         if is_gone(path, projects):
-            alerts += [_of_check(one, ()) for one in each.findings]
+            alerts += [_of_check(one, ()) for one in check_finding.findings]
             continue
         project = projects.of(path)
         root = project.root
@@ -93,11 +93,12 @@ def check_alerts(
         sources = {file: read_blocks(text, str(file)) for file, text in held.items()}
         placed = [block for blocks in sources.values() for block in blocks]
         pins = [one for file, here in sources.items() for one in without_reason(here, str(file))]
-        found_here = [one for one in each.findings if one.kind != "contact"]
+        found_here = [one for one in check_finding.findings if one.kind != "contact"]
         alerts += [_of_check(one, placed) for one in (*found_here, *pins)]
         alerts += _of_last_run(path, root, entry, sources)
         if not any(
-            finding.kind in ("missing", "orphaned", "unsolvable") for finding in each.findings
+            finding.kind in ("missing", "orphaned", "unsolvable")
+            for finding in check_finding.findings
         ):
             alerts += _single_points(path.name, held, sources)
     return tuple(dict.fromkeys(alerts))
@@ -118,7 +119,10 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
                 for line in diff.outcome.of_mission
             ]
         for change in diff.changes:
-            field = next((each for each in change.fields if not each.is_gone), None)
+            field = next(
+                (changed_field for changed_field in change.fields if not changed_field.is_gone),
+                None,
+            )
             place = None if field is None else field.location
             if field is None or place is None:
                 continue
@@ -141,22 +145,31 @@ def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
     """
     alerts: list[Alert] = []
     if trace.verdict is not None:
-        reasons = [each for each in trace.verdict.open_reasons if each.code != NEVER_RAN]
-        alerts += [_of_reason(each, trace, root) for each in reasons]
-    known_messages = {each.message for each in alerts}
+        reasons = [
+            open_reason
+            for open_reason in trace.verdict.open_reasons
+            if open_reason.code != NEVER_RAN
+        ]
+        alerts += [_of_reason(reason, trace, root) for reason in reasons]
+    known_messages = {alert.message for alert in alerts}
     for finding in trace.findings:
         if finding.kind != _CONTACT and finding.message not in known_messages:
             place = finding.location or Location(trace.controller)
             subject = f"{finding.kind} {finding.message}"
             alerts.append(_alert("run-finding", finding.message, place, root, subject=subject))
     alerts += [_of_world(run, trace, root) for run in depending(trace.worlds)]
-    lines = {each.ref: each.line for each in trace.functions}
-    links = {each.part or each.name for each in trace.elements if each.kind == "contact"}
+    lines = {function.ref: function.line for function in trace.functions}
+    links = {
+        element.part or element.name for element in trace.elements if element.kind == "contact"
+    }
     for contact, touches in unexpected_contacts(trace.visits).items():
         place = Location(str(root / contact.function.file), lines[contact.function])
         alerts.append(_touched(contact, contact_text(contact, touches, links), place))
-    names = model_names([each.ref for each in trace.uncovered])
-    alerts += [_uncovered(each.ref, names[each.ref], each.line, root) for each in trace.uncovered]
+    names = model_names([uncovered.ref for uncovered in trace.uncovered])
+    alerts += [
+        _uncovered(uncovered.ref, names[uncovered.ref], uncovered.line, root)
+        for uncovered in trace.uncovered
+    ]
     return tuple(alerts)
 
 
@@ -230,7 +243,7 @@ def _file(shown: str) -> str:
 def _sources(path: Path, root: Path, entry: ControllerLock | None) -> list[Path]:
     """Return the files with blocks of a controller, itself first."""
     others = [] if entry is None else [root / file for file in sorted(entry.blocks)]
-    return [path, *(each for each in others if each.is_file() and not each.samefile(path))]
+    return [path, *(other for other in others if other.is_file() and not other.samefile(path))]
 
 
 def _of_check(finding: CheckFinding, placed: Sequence[PlacedBlock]) -> Alert:
@@ -242,7 +255,7 @@ def _of_check(finding: CheckFinding, placed: Sequence[PlacedBlock]) -> Alert:
 
 def _names(path: str, placed: Sequence[PlacedBlock]) -> tuple[str, str, str]:
     """Return the function, the component and the key of a dotted path into a block."""
-    names = [each.block.name for each in placed]
+    names = [placed_block.block.name for placed_block in placed]
     inside = [name for name in names if path == name or path.startswith(f"{name}.")]
     if not inside:
         return path, "", ""
@@ -263,10 +276,10 @@ def _single_points(
     points = single_points(build(annotated, name=name))
     for component, functions in points.items():
         places = [
-            (each.block, entry.location)
+            (placed_block.block, entry.location)
             for blocks in sources.values()
-            for each in blocks
-            for entry in each.block.components
+            for placed_block in blocks
+            for entry in placed_block.block.components
             if entry.name == component and not entry.omitted and entry.location is not None
         ]
         if not places:

@@ -105,10 +105,10 @@ def _renames(repository: Repository, what: Compared, held: list[ChangedFile]) ->
     new = [file.after for file in held if file.before is None and file.after is not None]
     if not gone or not new:
         return {}
-    found = repository.renamed(str(what.before.commit), what.after.commit, [*gone, *new])
+    changed_files = repository.renamed(str(what.before.commit), what.after.commit, [*gone, *new])
     return {
         file.before: file.after
-        for file in found
+        for file in changed_files
         if file.before in gone and file.after in new and file.before is not None and file.after
     }
 

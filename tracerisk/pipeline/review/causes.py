@@ -59,8 +59,8 @@ class _BlockValue(NamedTuple):
     @property
     def stated(self) -> tuple[FieldKind, Any] | None:
         """How the value is read, and the value; `None` where the block states none."""
-        found = block_fields(self.function.block, self.component).get(self.key or "")
-        return None if found is None else (found[0], found[1].value)
+        block_field = block_fields(self.function.block, self.component).get(self.key or "")
+        return None if block_field is None else (block_field[0], block_field[1].value)
 
     @property
     def is_the_tools(self) -> bool:
@@ -138,17 +138,17 @@ def _run_causes(before: ControllerVersion, after: ControllerVersion) -> tuple[Ca
     if before.entry is None or after.entry is None:
         return ("code",) if _codes(before) != _codes(after) else ()
     old, new = RunInputs.from_data(before.entry.inputs), RunInputs.from_data(after.entry.inputs)
-    found: set[Cause] = set()
+    causes: set[Cause] = set()
     if old.sources != new.sources:
-        found.add("code")
+        causes.add("code")
     if old.files != new.files:
-        found.add("files")
+        causes.add("files")
     if old.hardware != new.hardware:
-        found.add("hardware")
+        causes.add("hardware")
     for name in {*old.settings, *new.settings}:
         if old.settings.get(name) != new.settings.get(name):
-            found.add("hardware" if name in _OF_HARDWARE else "settings")
-    return tuple(cause for cause in get_args(Cause) if cause in found)
+            causes.add("hardware" if name in _OF_HARDWARE else "settings")
+    return tuple(cause for cause in get_args(Cause) if cause in causes)
 
 
 def _codes(version: ControllerVersion) -> set[str]:

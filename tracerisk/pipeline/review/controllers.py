@@ -77,7 +77,7 @@ class Locks:
     def controllers_of(self, path: str) -> list[str]:
         """Return the controllers that a file belongs to, by the nearest lock that knows it."""
         for folder in PurePosixPath(path).parents:
-            names = [name for name, each in self._in(str(folder)).items() if path in each.files]
+            names = [name for name, known in self._in(str(folder)).items() if path in known.files]
             if names:
                 return names
         return []
@@ -139,11 +139,11 @@ def reviewed_controllers(
     was = {new: old for old, new in files.renames.items()}
     names: dict[str, None] = {}
     for old, new in files.pairs:
-        found = [] if new is None else locks[1].controllers_of(new)
+        controllers = [] if new is None else locks[1].controllers_of(new)
         if old is not None:
-            found += [files.renames.get(name, name) for name in locks[0].controllers_of(old)]
+            controllers += [files.renames.get(name, name) for name in locks[0].controllers_of(old)]
         own = new if new is not None else old
-        names.update(dict.fromkeys(found or [str(own)]))
+        names.update(dict.fromkeys(controllers or [str(own)]))
     for folder in files.lock_folders:
         names.update(dict.fromkeys(_of_other_verdict(locks, folder)))
     return [_reviewed(name, was.get(name), locks, files.renames) for name in sorted(names)]
@@ -153,7 +153,7 @@ def _of_other_verdict(locks: tuple[Locks, Locks], folder: str) -> Iterator[str]:
     """Yield the controllers of a lock whose run has another verdict, or accepts something else."""
     earlier, later = locks[0]._in(folder), locks[1]._in(folder)
     for name in sorted(earlier.keys() & later.keys()):
-        old, new = (kept_verdict(each[name].entry) for each in (earlier, later))
+        old, new = (kept_verdict(fields[name].entry) for fields in (earlier, later))
         if old is None or new is None:
             continue
         if old.kind != new.kind or old.acceptances != new.acceptances:

@@ -99,8 +99,8 @@ def _is_known(repository: Repository, folder: Path, word: str) -> bool:
 def _parts(spec: str) -> tuple[str, str | None]:
     """Return the two revisions of a range, HEAD for one left out; the second `None` for one."""
     for dots in ("...", ".."):
-        one, found, other = spec.partition(dots)
-        if found:
+        one, text, other = spec.partition(dots)
+        if text:
             return one or "HEAD", other or "HEAD"
     return spec, None
 
@@ -146,8 +146,8 @@ def _shallow(repository: Repository) -> str:
 
 def _commit(repository: Repository, revision: str) -> str | None:
     # A name with a colon is that of a file in a revision.
-    found = repository.read(f"{revision}^{{commit}}") if ":" not in revision else None
-    return None if found is None else found[0]
+    row = repository.read(f"{revision}^{{commit}}") if ":" not in revision else None
+    return None if row is None else row[0]
 
 
 def _path(repository: Repository, folder: Path, word: str) -> str:

@@ -41,27 +41,27 @@ def histories(
     its lock so that its blocks or its verdict differ. The working tree comes last where it differs.
     Raises InputError outside a repository, and for a file that git does not know.
     """
-    walks = [_Walk(each) for each in controllers]
-    for each in walks:
-        if not each.path.exists():
+    walks = [_Walk(controller) for controller in controllers]
+    for walk in walks:
+        if not walk.path.exists():
             raise InputError(
                 "does not exist; name a controller of the working tree",
-                Location(str(each.controller)),
+                Location(str(walk.controller)),
             )
     tops: dict[Path, Path] = {}
-    for folder in dict.fromkeys(each.path.parent for each in walks):
+    for folder in dict.fromkeys(walk.path.parent for walk in walks):
         with Repository.opened(folder) as repository:
             tops[folder] = repository.top.resolve()
     for top in dict.fromkeys(tops.values()):
-        here = [each for each in walks if tops[each.path.parent] == top]
+        here = [walk for walk in walks if tops[walk.path.parent] == top]
         with Repository.opened(top) as repository:
             _go(repository, top, here, most)
-    return tuple(each.points for each in walks)
+    return tuple(walk.points for walk in walks)
 
 
 def is_cut_short(controllers: Sequence[Path]) -> bool:
     """Return whether git lacks older commits of a controller: it lies in a shallow clone."""
-    for folder in dict.fromkeys(each.resolve().parent for each in controllers):
+    for folder in dict.fromkeys(controller.resolve().parent for controller in controllers):
         with Repository.opened(folder) as repository:
             if repository.is_shallow:
                 return True
@@ -102,7 +102,7 @@ def _go(repository: Repository, top: Path, walks: Sequence[_Walk], most: int | N
     if repository.read("HEAD^{commit}") is None:
         raise InputError("has no commit yet; commit first", Location(str(top)))
     order = repository.output("rev-list", "--topo-order", "HEAD").decode().split()
-    log = _Log(repository, {each: rank for rank, each in enumerate(order)}, most)
+    log = _Log(repository, {text: rank for rank, text in enumerate(order)}, most)
     steps: list[tuple[_Commit, _Walk]] = []
     for walk in walks:
         name = walk.path.relative_to(top).as_posix()
@@ -111,7 +111,7 @@ def _go(repository: Repository, top: Path, walks: Sequence[_Walk], most: int | N
             raise InputError(
                 "git has no commit of it; commit it first", Location(str(walk.controller))
             )
-        steps += [(each, walk) for each in commits]
+        steps += [(item, walk) for item in commits]
     steps.sort(key=lambda step: -log.rank.get(step[0].hash, 0))
     steps += [(_Commit("", "", "", walk.path.relative_to(top).as_posix()), walk) for walk in walks]
     # A lock with many controllers takes long to read, so that each is read once.
@@ -153,16 +153,16 @@ class _Log:
         beside = lock.relative_to(top).as_posix() if lock.is_relative_to(top) else LOCK_NAME
         if beside not in self._of_locks:
             self._of_locks[beside] = self._logged(beside)
-        known = {each.hash: each for each in self._logged(name, "--follow")}
-        for each in self._of_locks[beside]:
-            known.setdefault(each.hash, replace(each, path=""))
-        ordered = sorted(known.values(), key=lambda each: self.rank.get(each.hash, 0))
-        found, path = [], name
+        known = {commit.hash: commit for commit in self._logged(name, "--follow")}
+        for of_locks in self._of_locks[beside]:
+            known.setdefault(of_locks.hash, replace(of_locks, path=""))
+        ordered = sorted(known.values(), key=lambda commit: self.rank.get(commit.hash, 0))
+        result, path = [], name
         # From the newest back: a commit of the lock alone has the path that the next one found.
-        for each in ordered:
-            path = each.path or path
-            found.append(replace(each, path=path))
-        return found[: self._most][::-1]
+        for commit in ordered:
+            path = commit.path or path
+            result.append(replace(commit, path=path))
+        return result[: self._most][::-1]
 
     def _logged(self, name: str, *options: str) -> list[_Commit]:
         number = () if self._most is None else (f"--max-count={self._most}",)
@@ -176,7 +176,7 @@ def _logged(raw: bytes) -> Iterator[_Commit]:
         digest, date, rest = part.split("\0", 2)
         fields = rest.split("\0")
         subject, _, status = fields[0].partition("\n")
-        names = [each for each in fields[1:] if each]
+        names = [field for field in fields[1:] if field]
         if not status and names:
             status = names.pop(0)
         yield _Commit(digest, date, subject.strip(), names[-1] if names else "")
@@ -199,14 +199,14 @@ def largest_rise(points: Sequence[HistoryPoint]) -> tuple[HistoryPoint, float] |
     """Return the commit after which the figure rose by the greatest factor, with the factor."""
     best: tuple[HistoryPoint, float] | None = None
     last: float | None = None
-    for each in points:
-        figure = each.failure_probability
+    for point in points:
+        figure = point.failure_probability
         if figure is None:
             continue
         if last is not None and last > 0.0 and figure > last:
             factor = figure / last
             if best is None or factor > best[1]:
-                best = each, factor
+                best = point, factor
         last = figure
     return best
 
@@ -214,11 +214,11 @@ def largest_rise(points: Sequence[HistoryPoint]) -> tuple[HistoryPoint, float] |
 def first_above(points: Sequence[HistoryPoint], limit: float) -> HistoryPoint | None:
     """Return the commit since which the figure is above a limit; `None` where it is not above."""
     since: HistoryPoint | None = None
-    for each in points:
-        if each.failure_probability is None:
+    for point in points:
+        if point.failure_probability is None:
             continue
-        if each.failure_probability <= limit:
+        if point.failure_probability <= limit:
             since = None
         elif since is None:
-            since = each
+            since = point
     return since

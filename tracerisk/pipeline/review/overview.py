@@ -40,8 +40,8 @@ class KnownController:
     @property
     def failure_probability(self) -> float | None:
         """Of a mission, by hardware."""
-        found = self.assessment
-        return None if found is None else found.mission.failure_probability
+        assessment = self.assessment
+        return None if assessment is None else assessment.mission.failure_probability
 
 
 def overview(root: Path) -> tuple[KnownController, ...]:
@@ -51,17 +51,17 @@ def overview(root: Path) -> tuple[KnownController, ...]:
     Raises InputError where no lock below the folder knows a controller, or a lock is malformed.
     """
     projects = Projects()
-    found = [
+    controllers = [
         known_controller(root, folder, name, entry, projects)
         for folder, lock in locks_in(root, projects)
         for name, entry in lock.controllers.items()
     ]
-    if not found:
+    if not controllers:
         raise InputError(
             f"no {LOCK_NAME} in or below it knows a controller; `tracerisk run FILE` writes one",
             Location(str(root)),
         )
-    return tuple(sorted(found, key=lambda each: each.name))
+    return tuple(sorted(controllers, key=lambda controller: controller.name))
 
 
 def known_controller(
@@ -82,17 +82,17 @@ def known_controller(
 def _sources(root: Path, folder: Path, name: str, entry: ControllerLock) -> dict[str, bytes]:
     """Return the controller's own file and the others of its blocks, as they are now."""
     others = sorted(file for file, blocks in entry.blocks.items() if blocks and file != name)
-    found = {}
+    sources = {}
     for file in (name, *others):
         path = folder / file
         if not path.resolve().is_relative_to(root.resolve()):
             raise InputError("is outside of the folder that was asked about", Location(str(path)))
         try:
-            found[str(path)] = path.read_bytes()
+            sources[str(path)] = path.read_bytes()
         except OSError as error:
             raise InputError(
                 f"cannot be read: {error.strerror}; restore it, or run `tracerisk refresh`, which "
                 "forgets what is gone",
                 Location(str(path)),
             ) from error
-    return found
+    return sources

@@ -38,21 +38,35 @@ def renamed_functions(
 
     `sources` are the two versions' files, which can be read as what they are.
     """
-    gone = {name: each for name, each in before.items() if name not in after}
-    new = {name: each for name, each in after.items() if name not in before}
+    gone = {name: function_source for name, function_source in before.items() if name not in after}
+    new = {name: function_source for name, function_source in after.items() if name not in before}
     if not gone or not new:
         return {}
     codes = _codes(gone.values(), sources[0]), _codes(new.values(), sources[1])
-    found = _pairs(
-        {name: codes[0].get((each.file, each.name)) for name, each in gone.items()},
-        {name: codes[1].get((each.file, each.name)) for name, each in new.items()},
+    pairs = _pairs(
+        {
+            name: codes[0].get((function_source.file, function_source.name))
+            for name, function_source in gone.items()
+        },
+        {
+            name: codes[1].get((function_source.file, function_source.name))
+            for name, function_source in new.items()
+        },
         lambda one, other: one == other,
     )
     left = (
-        {name: each.block for name, each in gone.items() if name not in found},
-        {name: each.block for name, each in new.items() if name not in found.values()},
+        {
+            name: function_source.block
+            for name, function_source in gone.items()
+            if name not in pairs
+        },
+        {
+            name: function_source.block
+            for name, function_source in new.items()
+            if name not in pairs.values()
+        },
     )
-    return {**found, **_pairs(left[0], left[1], _say_the_same)}
+    return {**pairs, **_pairs(left[0], left[1], _say_the_same)}
 
 
 def _pairs(
@@ -78,16 +92,16 @@ def _codes(
     functions: Iterable[FunctionSource], sources: Mapping[str, bytes]
 ) -> dict[tuple[str, str], str]:
     """Return what each function does, as text without its name, by file and qualified name."""
-    files = {each.file for each in functions if not is_c_like(each.file)}
-    found = {}
+    files = {function.file for function in functions if not is_c_like(function.file)}
+    codes = {}
     for file in sorted(files):
         tree = parse_python(sources[file], file).tree
         lines = {definition.line: definition.name for definition in definitions(tree)}
         for node in ast.walk(tree):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.lineno in lines:
                 parts = [node.args, *node.body]
-                found[(file, str(lines[node.lineno]))] = "\n".join(map(ast.dump, parts))
-    return found
+                codes[(file, str(lines[node.lineno]))] = "\n".join(map(ast.dump, parts))
+    return codes
 
 
 def _say_the_same(one: RiskBlock, other: RiskBlock) -> bool:

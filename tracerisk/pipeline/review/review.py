@@ -52,15 +52,16 @@ def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:
         shown = _Shown(repository.top, here)
         controllers = reviewed_controllers(files, what.before, what.after, shown.name)
     names = _VersionName.of(what.before), _VersionName.of(what.after)
-    found = shared_out(partial(_reviews, versions=names, shown=shown), controllers)
-    for each in found:
-        if isinstance(each, TraceRiskError):
-            raise each
+    risk_diffs = shared_out(partial(_reviews, versions=names, shown=shown), controllers)
+    for trace_risk_error in risk_diffs:
+        if isinstance(trace_risk_error, TraceRiskError):
+            raise trace_risk_error
     # A source may speak of blocks and have none.
     diffs = [
-        each
-        for each in found
-        if isinstance(each, RiskDiff) and (each.before is not None or each.after is not None)
+        risk_diff
+        for risk_diff in risk_diffs
+        if isinstance(risk_diff, RiskDiff)
+        and (risk_diff.before is not None or risk_diff.after is not None)
     ]
     return Review(
         before=what.before.name,
@@ -156,7 +157,7 @@ def difference(
             functions,
             (controller.before.sources, controller.after.sources),
         )
-    found = compare(
+    diff = compare(
         before,
         after,
         name=controller.name,
@@ -177,15 +178,15 @@ def difference(
             renamed,
         )
     changes_of_run = run_changes(controller.before, controller.after, renamed)
-    found = replace(
-        found,
+    diff = replace(
+        diff,
         of_run=(*changes_of_run, *(_of_outcomes(controller) if old and new else ())),
         verdicts=verdicts,
         unrun=unrun_files(controller.after),
         outcome=_outcome_changes(controller, before is not None and after is not None),
     )
     # Where a run went wrong, no cause of a difference is one.
-    return found if found.is_comparable else replace(found, causes=())
+    return diff if diff.is_comparable else replace(diff, causes=())
 
 
 def _outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeChanges | None:
@@ -200,7 +201,7 @@ def _outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeCh
 def _tolerances(controller: ReviewedController) -> Tolerances:
     """Return the smaller tolerances of both versions: no change widens those it is judged by."""
     entries = controller.before.entry, controller.after.entry
-    old, new = (TOLERANCES if each is None else kept_tolerances(each.trace) for each in entries)
+    old, new = (TOLERANCES if entry is None else kept_tolerances(entry.trace) for entry in entries)
     return Tolerances(
         min(old.place_m, new.place_m),
         min(old.angle_deg, new.angle_deg),
@@ -210,7 +211,9 @@ def _tolerances(controller: ReviewedController) -> Tolerances:
 
 def _of_outcomes(controller: ReviewedController) -> Iterator[str]:
     """Yield what keeps two outcomes from being compared, or by what they are."""
-    entries = [each.entry for each in (controller.before, controller.after)]
+    entries = [
+        controller_version.entry for controller_version in (controller.before, controller.after)
+    ]
     if any(entry is None or kept_verdict(entry) is None for entry in entries):
         return
     traces = [entry.trace for entry in entries if entry is not None]
@@ -226,13 +229,13 @@ def _built(
 ) -> tuple[RiskVersion | None, dict[str, FunctionRef]]:
     """Return a version's model, `None` without blocks, and its functions by their names in it."""
     try:
-        found = blocks_of(version.sources)
-        model = RiskVersion.of_blocks([block for _, block in found], name) if found else None
+        blocks = blocks_of(version.sources)
+        model = RiskVersion.of_blocks([block for _, block in blocks], name) if blocks else None
     except TraceRiskError as error:
         if of is None or not isinstance(error, InputError):
             raise
         raise in_version(error, of) from error
-    return model, {block.name: ref for ref, block in found}
+    return model, {block.name: ref for ref, block in blocks}
 
 
 def _functions(version: RiskVersion, refs: Mapping[str, FunctionRef]) -> dict[str, FunctionSource]:

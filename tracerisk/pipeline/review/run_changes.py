@@ -32,13 +32,13 @@ def run_changes(
     if after.entry is None:
         return ()
     old = {} if before.entry is None else before.entry.trace
-    found = list(_new(old, after.entry.trace, renamed))
-    for name, each in (("before", before.evidence), ("now", after.evidence)):
-        if each is not None and each.edited is not None:
-            found.append(f"the evidence was edited ({name}): {each.edited.words}")
+    texts = list(_new(old, after.entry.trace, renamed))
+    for name, evidence in (("before", before.evidence), ("now", after.evidence)):
+        if evidence is not None and evidence.edited is not None:
+            texts.append(f"the evidence was edited ({name}): {evidence.edited.words}")
     if before.evidence is not None and after.evidence is not None:
-        found += _evidence_changes(before.evidence, after.evidence)
-    return tuple(found)
+        texts += _evidence_changes(before.evidence, after.evidence)
+    return tuple(texts)
 
 
 def unrun_files(version: ControllerVersion) -> tuple[str, ...]:
@@ -77,18 +77,18 @@ def _evidence_changes(before: Evidence, after: Evidence) -> Iterator[str]:
 
 def _by_mode(found: Evidence) -> dict[tuple[str, str], list[Cell]]:
     cells: dict[tuple[str, str], list[Cell]] = {}
-    for each in found.cells:
-        cells.setdefault((each.component, each.mode), []).append(each)
+    for cell in found.cells:
+        cells.setdefault((cell.component, cell.mode), []).append(cell)
     return cells
 
 
 def _failed(cells: Sequence[Cell]) -> int:
-    return sum(1 for each in cells if each.fails)
+    return sum(1 for cell in cells if cell.fails)
 
 
 def _notified_after(cells: Sequence[Cell]) -> float | None:
     """Return the median time until the controller was notified [s]; `None` if it mostly was not."""
-    notified = [each.told_after_s for each in cells if each.told_after_s is not None]
+    notified = [cell.told_after_s for cell in cells if cell.told_after_s is not None]
     if 2 * len(notified) <= len(cells):
         return None
     from statistics import median  # with random numbers
@@ -98,8 +98,8 @@ def _notified_after(cells: Sequence[Cell]) -> float | None:
 
 def _rarely(cells: Sequence[Cell]) -> str:
     """Return how often a failure is reported that mostly is not."""
-    notified = sum(1 for each in cells if each.told_after_s is not None)
-    if notified or any(each.followed_s is not None for each in cells):
+    notified = sum(1 for cell in cells if cell.told_after_s is not None)
+    if notified or any(cell.followed_s is not None for cell in cells):
         return f"in {notified} of {len(cells)} tries"
     return "never"
 
@@ -122,13 +122,18 @@ def _new(
     old: Mapping[str, object], new: Mapping[str, object], renamed: Mapping[str, str]
 ) -> Iterator[str]:
     touched = {
-        (renamed.get(each.function.name, each.function.name), each.bodies)
-        for each in kept_contacts(old)
+        (
+            renamed.get(unexpected_contact.function.name, unexpected_contact.function.name),
+            unexpected_contact.bodies,
+        )
+        for unexpected_contact in kept_contacts(old)
     }
     for contact in kept_contacts(new):
         if (contact.function.name, contact.bodies) not in touched:
             yield f"{contact.bodies} touch in {contact.function.name}, which was not to be expected"
-    uncovered = {renamed.get(each.name, each.name) for each in kept_uncovered(old)}
+    uncovered = {
+        renamed.get(function_ref.name, function_ref.name) for function_ref in kept_uncovered(old)
+    }
     for ref in kept_uncovered(new):
         if ref.name not in uncovered:
             yield f"{ref.name} can move the arm and did not run: no risk data"

@@ -38,7 +38,7 @@ def _model(source: bytes, file: str) -> Iterator[str]:
     if not blocks:
         return
     yield f"risk model: {_mission(blocks, file)}"
-    for block in sorted(blocks, key=lambda each: each.call_sequence.value):
+    for block in sorted(blocks, key=lambda risk_block: risk_block.call_sequence.value):
         yield from _function(block)
 
 

@@ -130,9 +130,9 @@ def _sums(evidence: Iterable[Evidence]) -> dict[str, float]:
 
 def shown(evidence: Iterable[Evidence]) -> tuple[Evidence, ...]:
     """Return what speaks for robots, the strongest first, and against those for which any does."""
-    found = tuple(evidence)
-    spoken = {one.robot for one in found if one.points >= LEAST}
-    kept = (one for one in found if one.robot in spoken)
+    evidences = tuple(evidence)
+    spoken = {one.robot for one in evidences if one.points >= LEAST}
+    kept = (one for one in evidences if one.robot in spoken)
     return tuple(sorted(kept, key=lambda one: (-one.points, one.robot, one.words)))
 
 
@@ -141,9 +141,9 @@ def weighed(evidence: Iterable[Evidence], best: str) -> str:
 
     Without lines of sources: they change with the blocks that a run writes.
     """
-    found = tuple(evidence)
-    points = _sums(found)
-    own = sorted((one for one in found if one.robot == best), key=lambda one: -one.points)
+    evidences = tuple(evidence)
+    points = _sums(evidences)
+    own = sorted((one for one in evidences if one.robot == best), key=lambda one: -one.points)
     said = "; ".join(f"{one.words} ({one.file})" for one in own[:_MOST_SAID])
     others = sorted((-sum_, name) for name, sum_ in points.items() if name != best and sum_ > LEAST)
     line = f"{best} has {points.get(best, 0.0):.0f} points: {said}"

@@ -76,7 +76,7 @@ class Gathering:
         self.workspace = workspace_of(controller, settings)
         self.whole = with_own_modules(controller)
         self.speeches = own_speeches(controller, also_named)
-        self.shipped = {each.name: each for each in shipped_names()}
+        self.shipped = {shipped_name.name: shipped_name for shipped_name in shipped_names()}
 
     @cached_property
     def _beside(self) -> tuple[Speech, ...]:
@@ -118,9 +118,12 @@ class Gathering:
 
     def gathered(self) -> Gathered:
         """Return what speaks for robots, as much of it as changes which one is taken."""
-        found = self._workspace(self.speeches)
-        robots = [described_parts(each.key, each.robot) for each in found.described]
-        plain = [shipped_parts(each) for each in self.shipped.values()]
+        workspace = self._workspace(self.speeches)
+        robots = [
+            described_parts(described_robot.key, described_robot.robot)
+            for described_robot in workspace.described
+        ]
+        plain = [shipped_parts(robot_names) for robot_names in self.shipped.values()]
         speeches, prefix = self.speeches, ""
         if not any(_says_joints(plain, speech) for speech in speeches):
             words = frozenset[str]().union(*(speech.words for speech in speeches))
@@ -130,7 +133,7 @@ class Gathering:
             evidence += evidence_of_parts([*robots, *plain], speech)
             if prefix:
                 evidence += evidence_of_parts(plain, speech.without(prefix))
-        for one in found.described:
+        for one in workspace.described:
             evidence += self._of_description(one, evidence, is_only=len(robots) == 1)
         if prefix:
             # Without it the joints that the controller lists are none of a shipped arm's.
@@ -141,8 +144,11 @@ class Gathering:
             if NAMES[hint.what] < CLEAR and is_decided(evidence):
                 break
             if hint.what == "a program beside it" and self._beside:
-                found, more = self._with_theirs(found, evidence)
-                robots = [described_parts(each.key, each.robot) for each in found.described]
+                workspace, more = self._with_theirs(workspace, evidence)
+                robots = [
+                    described_parts(described_robot.key, described_robot.robot)
+                    for described_robot in workspace.described
+                ]
                 said = self._of_programs_beside([*robots, *plain])
                 if said is None:
                     continue
@@ -153,8 +159,8 @@ class Gathering:
             evidence += said
             evidence += [replace(one, robot=key) for one in said for key in own.get(one.robot, ())]
         evidence += [] if is_decided(evidence) else self._of_driver()
-        evidence += self._of_likeness(found)
-        return Gathered(tuple(evidence), found, prefix)
+        evidence += self._of_likeness(workspace)
+        return Gathered(tuple(evidence), workspace, prefix)
 
     def _fitting(self, evidence: Sequence[Evidence]) -> frozenset[str]:
         """Return the shipped robots of which a name may speak: those against which nothing does."""
@@ -206,19 +212,25 @@ class Gathering:
         The other value is what speaks for these. Where the controller itself names a part of one
         of its own, they are not searched for.
         """
-        keys = {each.key for each in found.described}
+        keys = {described_robot.key for described_robot in found.described}
         if any(one.robot in keys and one.points > DESCRIBED for one in evidence):
             return found, []
         theirs = self._workspace((*self.speeches, *self._beside))
-        more = tuple(each for each in theirs.described if each.key not in keys)
+        more = tuple(
+            described_robot
+            for described_robot in theirs.described
+            if described_robot.key not in keys
+        )
         skipped = tuple(dict.fromkeys((*found.skipped, *theirs.skipped)))
         unreadable = tuple(dict.fromkeys((*found.unreadable, *theirs.unreadable)))
         both = WorkspaceRobots((*found.described, *more), skipped, unreadable)
-        parts = [described_parts(each.key, each.robot) for each in more]
+        parts = [
+            described_parts(described_robot.key, described_robot.robot) for described_robot in more
+        ]
         said = [one for speech in self._beside for one in evidence_of_parts(parts, speech)]
         own = [one for speech in self.speeches for one in evidence_of_parts(parts, speech)]
-        for each in more:
-            own += self._of_description(each, said, is_only=len(both.described) == 1)
+        for described_robot in more:
+            own += self._of_description(described_robot, said, is_only=len(both.described) == 1)
         return both, own
 
     def _of_programs_beside(self, robots: Sequence[Parts]) -> list[Evidence] | None:
@@ -227,23 +239,27 @@ class Gathering:
         `None` where they drive several robots: then none of these is meant.
         """
         said = [tuple(evidence_of_parts(robots, speech)) for speech in self._beside]
-        spoken = [[one for one in each if one.points > LEAST] for each in said]
-        speaking = [{one.robot for one in each} for each in spoken if each]
+        spoken = [[one for one in evidences if one.points > LEAST] for evidences in said]
+        speaking = [{one.robot for one in evidences} for evidences in spoken if evidences]
         if speaking and not frozenset.intersection(*map(frozenset, speaking)):
             return None
-        return [replace(one, points=one.points / len(speaking)) for each in spoken for one in each]
+        return [
+            replace(one, points=one.points / len(speaking))
+            for evidences in spoken
+            for one in evidences
+        ]
 
     def _of_driver(self) -> Iterator[Evidence]:
         """Yield what the one driver says whose messages the controller imports."""
         imported = imported_names(self.whole.source.decode(errors="replace"))
         project = self._controller.project
         drivers = read_drivers(driver_files(project, self._settings), project.root)
-        found = {
-            each.robot: each
-            for each in (*shipped_drivers(), *drivers)
-            if each.robot is not None and imported & set(each.packages)
+        table = {
+            shipped_driver.robot: shipped_driver
+            for shipped_driver in (*shipped_drivers(), *drivers)
+            if shipped_driver.robot is not None and imported & set(shipped_driver.packages)
         }
-        for name, driver in found.items() if len(found) == 1 else ():
+        for name, driver in table.items() if len(table) == 1 else ():
             assert name is not None
             words = f"{name} is what driver {driver.name} is for"
             yield Evidence(name, words, driver.file, None, DRIVER, "driver")
@@ -264,15 +280,15 @@ def _copies(described: Sequence[Parts], shipped: Sequence[Parts]) -> dict[str, l
     A name of that robot is as much the description's, which may have other groups. The gripper
     may be another one.
     """
-    found: dict[str, list[str]] = {}
+    copies: dict[str, list[str]] = {}
     arms = {
         one.key: {joint for joint in one.joints if not is_finger_name(joint)} for one in shipped
     }
     for parts in described:
         like = [name for name, joints in arms.items() if joints and joints <= parts.joints]
         if len(like) == 1:
-            found.setdefault(like[0], []).append(parts.key)
-    return found
+            copies.setdefault(like[0], []).append(parts.key)
+    return copies
 
 
 def _says_joints(robots: Sequence[Parts], speech: Speech) -> bool:

@@ -42,7 +42,7 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     own = _read(controller.source, tree)
     direct = imported_directly(controller)
     known = {part for path in direct for part in (path.stem, path.parent.name)}
-    yield Hint("its imports", {name: "\n".join(each for each in own.imported if each in known)})
+    yield Hint("its imports", {name: "\n".join(text for text in own.imported if text in known)})
     yield Hint("its source", {name: own.spoken})
     top, package = controller.project.top, controller_root(controller.path).resolve()
     modules = {path: _read(path.read_bytes(), tree) for path in own_modules(controller)}
@@ -50,7 +50,7 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     for what, paths in (("a module of its own", direct), ("a module of its package", near)):
         spoken = {path.relative_to(top).as_posix(): modules[path].spoken for path in sorted(paths)}
         yield Hint(what, spoken)
-    others = "\n".join(each for each in own.imported if each not in known)
+    others = "\n".join(text for text in own.imported if text not in known)
     yield Hint("a library that it imports", {name: others})
     needs = [name for name in declared_needs(controller.root) if _OF_A_ROBOT.search(name)]
     yield Hint("what its package depends on", {PACKAGE_FILE: "\n".join(needs)})
@@ -59,7 +59,7 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     said = {path.relative_to(top).as_posix(): modules[path].said for path in sorted(direct)}
     yield Hint("a module's comments", said)
     beside = sibling_programs(controller)
-    said = {each.path.name: _read(each.source, tree).spoken for each in beside}
+    said = {item.path.name: _read(item.source, tree).spoken for item in beside}
     yield Hint("a program beside it", said)
     yield from _project(controller)
 
@@ -134,7 +134,7 @@ def _project(controller: Controller) -> Iterator[Hint]:
         commands = {name: _commands(text) for name, text in _texts(read, top)}
         yield Hint("a command of a readme", commands, has_lines=True)
         for what, pattern in _KINDS:
-            chosen = [each for each in files if pattern.fullmatch(each.name)][:_MOST_FILES]
+            chosen = [path for path in files if pattern.fullmatch(path.name)][:_MOST_FILES]
             if chosen:
                 yield Hint(what, dict(_texts(chosen, top)), has_lines=True)
 

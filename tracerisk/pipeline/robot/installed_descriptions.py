@@ -44,15 +44,17 @@ def installed_descriptions(
     named = named_packages(root, from_prefixes, strings) & installed.keys()
     named |= packages_in(filter(_may_name, strings)) & installed.keys()
     may_build = installed if _BUILDER in source else from_prefixes
-    of_moveit = {f"{each}{_OF_MOVEIT}" for each in strings} & may_build.keys() & installed.keys()
+    of_moveit = (
+        {f"{string}{_OF_MOVEIT}" for string in strings} & may_build.keys() & installed.keys()
+    )
     waiting = sorted(named | of_moveit)
     seen = set(waiting)
-    found: dict[str, Path] = {}
+    descriptions: dict[str, Path] = {}
     for count, name in enumerate(waiting):
         folder = installed[name]
         describes = _describes(folder)
         if describes:
-            found[name] = folder
+            descriptions[name] = folder
         if count >= _MOST_READ or not (describes or name in named):
             continue
         noted = noted_package(folder)
@@ -60,14 +62,14 @@ def installed_descriptions(
             if need in installed and need not in seen:
                 seen.add(need)
                 waiting.append(need)
-    for name in sorted(installed.keys() - from_prefixes.keys() - found.keys()):
+    for name in sorted(installed.keys() - from_prefixes.keys() - descriptions.keys()):
         folder = installed[name]
         if name.endswith(_OF_MOVEIT) and any(
-            need in found and found[need].parent == folder.parent
+            need in descriptions and descriptions[need].parent == folder.parent
             for need in (*declared_needs(folder), noted_package(folder))
         ):
-            found[name] = folder
-    return found
+            descriptions[name] = folder
+    return descriptions
 
 
 def installed_in(files: Iterable[Path], prefixes: Iterable[Prefix]) -> str:

@@ -91,11 +91,11 @@ def evidence_of_parts(robots: Sequence[Parts], speech: Speech) -> Iterator[Evide
     any arm could have (`elbow_joint`) count where half of an arm's joints are named. A source
     that lists joints speaks against a robot that has none of them.
     """
-    found = [_named(robot, speech) for robot in robots]
+    nameds = [_named(robot, speech) for robot in robots]
     listed = frozenset(name for name in speech.listed if not is_finger_name(name))
-    most = max([len(listed), *(len(one.joints) for one in found if one.is_telling)], default=0)
-    widest = max((len(_proper(one)) for one in found), default=0)
-    for one in found:
+    most = max([len(listed), *(len(one.joints) for one in nameds if one.is_telling)], default=0)
+    widest = max((len(_proper(one)) for one in nameds), default=0)
+    for one in nameds:
         key = one.parts.key
         if one.joints and most:
             names = sorted(one.joints)
@@ -205,7 +205,7 @@ def evidence_of_names(
     for name, places in votes.items():
         if alone and name not in alone:
             continue  # a list of a maker's variants says nothing beside a text that names one
-        place, _ = min(places, key=lambda each: (-each[1], len(each[0]), each[0]))
+        place, _ = min(places, key=lambda pair: (-pair[1], len(pair[0]), pair[0]))
         points = NAMES[hint.what] * sum(share for _, share in places) / telling
         words = f"{name} is named in {hint.what}"
         yield Evidence(name, words, place, _line(hint, place, name), points, "name")

@@ -72,12 +72,12 @@ def _generic(
     controller: Controller, whole: Controller, spoken: Spoken, asked: NamesAsked, chosen_by: str
 ) -> RobotChoice:
     packages = controller.workspace.packages
-    found = spoken_srdf((controller.root, *packages.values()), spoken, controller.path)
-    robot = None if found is None else srdf_stand_in(found[0], asked)
-    if found is None or robot is None:
+    pair = spoken_srdf((controller.root, *packages.values()), spoken, controller.path)
+    robot = None if pair is None else srdf_stand_in(pair[0], asked)
+    if pair is None or robot is None:
         return RobotChoice(replace(generic_arm(asked), chosen_by=chosen_by))
-    origin = f"{chosen_by}, with the names of {found[0].file}"
-    return RobotChoice(equipped(replace(robot, chosen_by=origin), whole), files=(found[1],))
+    origin = f"{chosen_by}, with the names of {pair[0].file}"
+    return RobotChoice(equipped(replace(robot, chosen_by=origin), whole), files=(pair[1],))
 
 
 class _Search:
@@ -98,7 +98,7 @@ class _Search:
 
     def run(self) -> RobotChoice:
         gathered = self._gathering.gathered()
-        known = (each.key for each in gathered.found.described)
+        known = (described_robot.key for described_robot in gathered.found.described)
         ranking = ranked(gathered.evidence, (*known, *_USUAL))
         choice = self._taken(gathered, ranking)
         if ranking.best:
@@ -108,22 +108,28 @@ class _Search:
 
     def _taken(self, gathered: Gathered, ranking: Ranking) -> RobotChoice:
         """Return the robot that the ranking means, with its doubts."""
-        found = gathered.found
-        described = {each.key: each for each in found.described}
+        workspace_robots = gathered.found
+        described = {
+            described_robot.key: described_robot for described_robot in workspace_robots.described
+        }
         best = described.get(ranking.best)
         if best is not None and not self._is_any_arm(best, gathered):
             return self._of_workspace(best, gathered, ranking)
         if best is not None:
             reason = f"{best.key}: no URDF or known robot has its joints"
-            return self._unknown(ranking, (*found.unreadable, reason))
+            return self._unknown(ranking, (*workspace_robots.unreadable, reason))
         if not ranking.best:
-            return self._unknown(ranking, found.unreadable)
-        if found.unreadable and not self._is_that(ranking.best, gathered):
-            return self._unknown(ranking, found.unreadable)
+            return self._unknown(ranking, workspace_robots.unreadable)
+        if workspace_robots.unreadable and not self._is_that(ranking.best, gathered):
+            return self._unknown(ranking, workspace_robots.unreadable)
         robot = self._shipped_robot(ranking.best, gathered)
         doubts = [*_doubts(ranking, gathered)]
-        if found.unreadable and not (ranking.is_sure and self._names_joints(gathered, ranking)):
-            doubts.append(f"that of the workspace cannot be read: {_listed(found.unreadable)}")
+        if workspace_robots.unreadable and not (
+            ranking.is_sure and self._names_joints(gathered, ranking)
+        ):
+            doubts.append(
+                f"that of the workspace cannot be read: {_listed(workspace_robots.unreadable)}"
+            )
         return RobotChoice(equipped(_doubted(robot, doubts), self._whole))
 
     def _is_that(self, name: str, gathered: Gathered) -> bool:
@@ -134,7 +140,7 @@ class _Search:
         own = (one for one in gathered.evidence if one.robot == name)
         if any(one.kind == "joints" and one.points > DRIVER for one in own):
             return True
-        return any(name in mentioned(each, self._shipped) for each in gathered.found.unreadable)
+        return any(name in mentioned(text, self._shipped) for text in gathered.found.unreadable)
 
     def _names_joints(self, gathered: Gathered, ranking: Ranking) -> bool:
         return any(
@@ -219,7 +225,7 @@ def _reason(robot: str, gathered: Gathered) -> str:
 
 def _doubts(ranking: Ranking, gathered: Gathered) -> Iterator[str]:
     """Yield why the robot of a ranking is an assumption."""
-    keys = {each.key for each in gathered.found.described}
+    keys = {described_robot.key for described_robot in gathered.found.described}
     if ranking.rivals:
         others = ", ".join(ranking.rivals[:_MOST_SHOWN])
         where = " in the workspace" if keys.issuperset(ranking.rivals) else ""

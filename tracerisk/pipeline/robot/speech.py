@@ -46,12 +46,12 @@ class Speech:
     @cached_property
     def _lines(self) -> dict[str, int]:
         """The first line of each of its strings, and of their parts."""
-        found: dict[str, int] = {}
+        lines: dict[str, int] = {}
         for node in ast.walk(self.tree or ast.Module([], [])):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 for word in words_in([node.value]):
-                    found[word] = min(node.lineno, found.get(word, node.lineno))
-        return found
+                    lines[word] = min(node.lineno, lines.get(word, node.lineno))
+        return lines
 
     def line_of(self, names: Iterable[str]) -> int | None:
         """Return the first line with one of some names as a string, `None` for none."""
@@ -100,9 +100,11 @@ def own_speeches(controller: Controller, also_named: tuple[str, ...] = ()) -> tu
 
 def speeches_beside(controller: Controller) -> Iterator[Speech]:
     """Yield what the other programs of a controller's folder say; all of them count as one."""
-    for each in sibling_programs(controller):
-        name = each.path.name
-        yield _speech(f"{name} beside it", name, each.source, _BESIDE, controller.project)
+    for sibling_program in sibling_programs(controller):
+        name = sibling_program.path.name
+        yield _speech(
+            f"{name} beside it", name, sibling_program.source, _BESIDE, controller.project
+        )
 
 
 def _speech(who: str, file: str, text: bytes, share: float, project: Project) -> Speech:

@@ -82,16 +82,16 @@ def trace_attempts(
             return done.trace
         if _lacks(done) in kept.in_vain:
             return done.trace
-        found = _with_companions(
+        accompanied = _with_companions(
             controller, settings, done, lambda companions: run(choice, None, companions), may_go_on
         )
-        if found.trace is None:
-            if not found.has_helped:
+        if accompanied.trace is None:
+            if not accompanied.has_helped:
                 kept.in_vain.add(_lacks(done))
             return done.trace
-        if keep is None or _is_cut_short(found.trace):
-            return found.trace
-        return run(choice, keep, found.companions).trace
+        if keep is None or _is_cut_short(accompanied.trace):
+            return accompanied.trace
+        return run(choice, keep, accompanied.companions).trace
 
     choice = kept.launch(controller, settings)
     trace = attempt(choice, options.keep)
@@ -155,8 +155,8 @@ def _with_companions(
         if _is_cut_short(done.trace):
             return _Accompanied(done.trace, companions)
         if _shows_risk(done.trace):
-            theirs = {each.told for each in companions}
-            is_own = not any(each.ref.file in theirs for each in done.trace.functions)
+            theirs = {companion.told for companion in companions}
+            is_own = not any(function.ref.file in theirs for function in done.trace.functions)
             return _Accompanied(done.trace if is_own else None, companions)
         if _lacks(done) == _lacks(before):
             # Nor would another node that says it provides the same.

@@ -109,7 +109,7 @@ class ControllerEnd:
         if judged.scenario:
             self.recorder.note(SCENARIO, lines=judged.scenario)
         if judged.needs:
-            needs = [[each.kind, each.name, each.type_name] for each in judged.needs]
+            needs = [[need.kind, need.name, need.type_name] for need in judged.needs]
             self.recorder.note(NEEDS, needs=needs)
         self.run_over(judged.cause)
         self.recorder.run_ended(judged.cause, judged.message, judged.location)
@@ -226,14 +226,14 @@ class ControllerEnd:
 
     def _place_of(self, error: BaseException) -> Location | None:
         """Return the controller's innermost place in the error, or in one that led to it."""
-        found: BaseException | None = error
+        cause: BaseException | None = error
         for _ in range(_CONTEXTS):
-            if found is None:
+            if cause is None:
                 return None
-            place = self._innermost(found.__traceback__)
+            place = self._innermost(cause.__traceback__)
             if place is not None:
                 return place
-            found = found.__cause__ or found.__context__
+            cause = cause.__cause__ or cause.__context__
         return None
 
     def _innermost(self, trace: TracebackType | None) -> Location | None:

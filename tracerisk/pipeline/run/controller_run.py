@@ -128,7 +128,7 @@ def run_controller(
             distro=choose_distro(controller, settings),
             drafts=options.drafts,
             idle_s=options.idle_s,
-            packages={name: str(each) for name, each in workspace.packages.items()},
+            packages={name: str(package) for name, package in workspace.packages.items()},
             prefixes=workspace.prefixes,
             live_speed=options.live_speed,
         )
@@ -233,13 +233,17 @@ def _workspace(request: RunRequest) -> tuple[str, ...]:
     """Return what a controller's process may read besides Python and the system."""
     root = Path(request.root)
     named = [request.controller, request.scene, request.scenario, *request.params]
-    companions = [path for each in request.companions for path in (each.script, each.root)]
-    files = [] if request.launch is None else [str(root / each) for each in request.launch.sources]
+    companions = [
+        path for companion in request.companions for path in (companion.script, companion.root)
+    ]
+    files = (
+        [] if request.launch is None else [str(root / source) for source in request.launch.sources]
+    )
     around = (root, Project(root).top, Path(request.controller).parent, Path(os.curdir).absolute())
     installed = map(str, readable_of(request.prefixes))
     packages = request.packages.values()
-    found = (*map(str, around), *packages, *installed, *named, *companions, *files)
-    return tuple(dict.fromkeys(each for each in found if each is not None))
+    texts = (*map(str, around), *packages, *installed, *named, *companions, *files)
+    return tuple(dict.fromkeys(name for name in texts if name is not None))
 
 
 def _run_child(
@@ -387,11 +391,11 @@ def place_in(stacks: Path, root: Path) -> Location | None:
     except OSError:
         return None
     threads = text.split("\n\n")
-    current = [each for each in threads if each.startswith("Current thread")]
+    current = [name for name in threads if name.startswith("Current thread")]
     for thread in [*current, *threads]:
         for line in thread.splitlines():
-            found = _STACK_LINE.match(line)
-            if found is not None and Path(found["file"]).is_relative_to(root):
-                file = Path(found["file"]).relative_to(root).as_posix()
-                return Location(file, int(found["line"]))
+            matched = _STACK_LINE.match(line)
+            if matched is not None and Path(matched["file"]).is_relative_to(root):
+                file = Path(matched["file"]).relative_to(root).as_posix()
+                return Location(file, int(matched["line"]))
     return None

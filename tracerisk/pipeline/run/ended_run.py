@@ -200,7 +200,7 @@ def _read(
         process_end.start_s,
         None
         if noted.get("reach") is None
-        else Reach(**{name: tuple(each) for name, each in noted["reach"].items()}),
+        else Reach(**{name: tuple(item) for name, item in noted["reach"].items()}),
     )
 
 
@@ -212,39 +212,39 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
     """
     check_left(folder)
     events = folder / EVENTS
-    found = read_recording(events) if events.exists() else Recording()
-    files = {site.ref.file for site in found.functions_ran}
-    commands = (*found.commands, *found.refused)
+    recording = read_recording(events) if events.exists() else Recording()
+    files = {site.ref.file for site in recording.functions_ran}
+    commands = (*recording.commands, *recording.refused)
     files |= {frame.function.file for command in commands for frame in command.stack}
     root = Path(request.root)
     within = list(map(Path, request.readable)) or [root, *map(Path, request.packages.values())]
-    known = regular_within((str(root / each) for each in files), within)
+    known = regular_within((str(root / name) for name in files), within)
     if request.written is not None and len(known) < len(files):
-        strange = sorted(each for each in files if root / each not in known)
+        strange = sorted(name for name in files if root / name not in known)
         raise errors.LogError(
             f"speaks of {strange[0]}, which is not a file of the workspace", Location(EVENTS)
         )
     # What it was given is not for it to say.
-    notes = tuple(note for note in found.notes if note.kind != LAUNCH)
-    lines = [*request.launch_notes, *(each.line for each in request.companions)]
+    notes = tuple(note for note in recording.notes if note.kind != LAUNCH)
+    lines = [*request.launch_notes, *(companion.line for companion in request.companions)]
     files_read = [] if request.launch is None else list(request.launch.sources)
-    files_read += [file for each in request.companions for file in each.files]
-    for each in found.notes:
-        if each.kind == AROUND and (read := regular_within(map(str, each.data["files"]), within)):
+    files_read += [file for companion in request.companions for file in companion.files]
+    for item in recording.notes:
+        if item.kind == AROUND and (read := regular_within(map(str, item.data["files"]), within)):
             given = shown(read, root)
             line = (
-                f"launch: parameter {each.data['name']} from {given[0]}, which starts other "
+                f"launch: parameter {item.data['name']} from {given[0]}, which starts other "
                 "nodes; --no-launch leaves it out"
             )
             lines += [] if line in lines else [line]
             files_read += given
-    used, of_prefixes = _installed(found, request, within)
+    used, of_prefixes = _installed(recording, request, within)
     lines += used
     files_read += of_prefixes
-    if (lines or files_read) and found.note(STARTED) is not None:
+    if (lines or files_read) and recording.note(STARTED) is not None:
         inputs = tuple(dict.fromkeys(files_read))
         notes += (Note(LAUNCH, {"notes": tuple(lines), "inputs": inputs}),)
-    return replace(found, notes=notes)
+    return replace(recording, notes=notes)
 
 
 def _installed(

@@ -45,27 +45,31 @@ class FaultRun:
     @property
     def words(self) -> str:
         """The faults in words: `panda_joint4 dead at 3.500 s`."""
-        return ", ".join(each.words for each in self.faults)
+        return ", ".join(fault.words for fault in self.faults)
 
     @property
     def reported(self) -> tuple[Finding, ...]:
         """The failures reported to the controller, beyond those without the faults."""
-        return tuple(each for each in self._more_findings() if each.kind in REPORTED)
+        return tuple(finding for finding in self._more_findings() if finding.kind in REPORTED)
 
     @property
     def other_findings(self) -> tuple[Finding, ...]:
         """The other findings that the faults add: contacts, errors of callbacks."""
-        return tuple(each for each in self._more_findings() if each.kind not in REPORTED | NOTES)
+        return tuple(
+            finding for finding in self._more_findings() if finding.kind not in REPORTED | NOTES
+        )
 
     @property
     def other_reasons(self) -> tuple[Reason, ...]:
         """The other reasons that the faults add to the verdict: things that fell."""
         before = _reasons(self.nominal)
-        known = {each.message for each in self.trace.findings}
+        known = {finding.message for finding in self.trace.findings}
         return tuple(
-            each
-            for each in _reasons(self.trace)
-            if each not in before and not each.code.startswith("run-") and each.words not in known
+            reason
+            for reason in _reasons(self.trace)
+            if reason not in before
+            and not reason.code.startswith("run-")
+            and reason.words not in known
         )
 
     def after_s(self, finding: Finding) -> float:
@@ -73,11 +77,12 @@ class FaultRun:
         return (finding.time_s or 0.0) - self.faults[0].time_s
 
     def _more_findings(self) -> tuple[Finding, ...]:
-        before = {finding_key(each) for each in self.nominal.findings}
+        before = {finding_key(finding) for finding in self.nominal.findings}
         return tuple(
-            each
-            for each in self.trace.findings
-            if (each.time_s or 0.0) >= self.faults[0].time_s and finding_key(each) not in before
+            finding
+            for finding in self.trace.findings
+            if (finding.time_s or 0.0) >= self.faults[0].time_s
+            and finding_key(finding) not in before
         )
 
 
@@ -90,7 +95,7 @@ def nominal_run(
     """
     runs: list[ControllerRun] = []
     trace = trace_attempts(controller, settings, replace(options, on_run=runs.append))
-    return next(each for each in runs if each.trace is trace)
+    return next(run for run in runs if run.trace is trace)
 
 
 def run_with_faults(
@@ -112,7 +117,7 @@ def run_with_faults(
 
 def with_faults_named(trace: Trace, faults: Sequence[Fault]) -> Trace:
     """Return the trace of a run with faults that names them."""
-    lines = tuple(f"fault: {each.words}, as asked for" for each in faults)
+    lines = tuple(f"fault: {fault.words}, as asked for" for fault in faults)
     return replace(trace, assumptions=(*lines, *trace.assumptions))
 
 

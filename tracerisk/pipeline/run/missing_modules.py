@@ -110,10 +110,10 @@ def _absent(names: Iterable[str], known: str) -> Iterator[str]:
 
 
 def _remedy_words(name: str, provided: Collection[str]) -> str:
-    found = remedy(name, provided)
-    if found.distribution is None:
-        return found.words
-    return f"`pip install {found.distribution}` in {_ENVIRONMENT} gives the real one"
+    result = remedy(name, provided)
+    if result.distribution is None:
+        return result.words
+    return f"`pip install {result.distribution}` in {_ENVIRONMENT} gives the real one"
 
 
 def _sentence(names: Sequence[str], provided: Collection[str]) -> str:
@@ -121,11 +121,11 @@ def _sentence(names: Sequence[str], provided: Collection[str]) -> str:
     groups: dict[str, list[str]] = {}
     commands: dict[str, str] = {}
     for name in names:
-        found = remedy(name, provided)
-        if found.distribution is not None:
-            commands[name] = found.distribution
+        result = remedy(name, provided)
+        if result.distribution is not None:
+            commands[name] = result.distribution
         else:
-            groups.setdefault(found.words, []).append(name)
+            groups.setdefault(result.words, []).append(name)
     parts = []
     if commands:
         distributions = " ".join(sorted(set(commands.values())))

@@ -47,10 +47,10 @@ def keep_recording(recording: Path, keep: Path) -> None:
     Raises InputError where the folder cannot be written.
     """
     try:
-        for each in sorted(recording.iterdir()):
-            if not each.is_symlink() and each.is_file():
-                (keep / each.name).unlink(missing_ok=True)
-                shutil.copyfile(each, keep / each.name, follow_symlinks=False)
+        for path in sorted(recording.iterdir()):
+            if not path.is_symlink() and path.is_file():
+                (keep / path.name).unlink(missing_ok=True)
+                shutil.copyfile(path, keep / path.name, follow_symlinks=False)
     except OSError as error:
         if error.errno == errno.ENOSPC:
             raise errors.disk_full(str(keep)) from error
@@ -65,15 +65,15 @@ def check_left(folder: Path) -> None:
     """
     if not folder.is_dir():
         return
-    for each in sorted(folder.iterdir()):
-        status = each.lstat()
+    for path in sorted(folder.iterdir()):
+        status = path.lstat()
         if not stat.S_ISREG(status.st_mode):
             raise errors.LogError(
-                f"{each.name} of the recording is not a regular file: the controller's process has "
+                f"{path.name} of the recording is not a regular file: the controller's process has "
                 "put it there",
             )
-        if status.st_size > (MOST_ROWS if each.suffix == ".bin" else MOST_TEXT):
+        if status.st_size > (MOST_ROWS if path.suffix == ".bin" else MOST_TEXT):
             raise errors.LimitError(
-                f"the run left {each.name} with {status.st_size} bytes, more than are read; "
+                f"the run left {path.name} with {status.st_size} bytes, more than are read; "
                 "let it end earlier, with --duration"
             )

@@ -230,7 +230,7 @@ class RunWatch:
         return loops[-1] if loops else None
 
     def _main(self) -> ControllerThread | None:
-        return next((each for each in self._scheduler.threads if each.is_main), None)
+        return next((thread for thread in self._scheduler.threads if thread.is_main), None)
 
     def _main_leaves_it_to_callbacks(self) -> bool:
         """Return whether the main thread loops without an end, and has never commanded anything."""
@@ -271,9 +271,9 @@ class RunWatch:
             loop.same_from = loop.current.number
         if self._scheduler.over is not None or self._is_expecting:
             return
-        found = _cycle_start(loop.past, loop.reached)
-        if found is not None:
-            start, seen = found
+        pair = _cycle_start(loop.past, loop.reached)
+        if pair is not None:
+            start, seen = pair
             self._recorder.note(CYCLE, start_ns=loop.past[start].start_ns, seen=seen)
             self._scheduler.end(
                 "cycles",
@@ -314,16 +314,18 @@ def _cycle_start(past: Sequence[_Iteration], reached: Sequence[int]) -> tuple[in
             if start < 0:
                 continue
             at = range(start, len(past), length)
-            if any(bisect(reached, each - 1) == bisect(reached, each + length - 1) for each in at):
+            if any(
+                bisect(reached, number - 1) == bisect(reached, number + length - 1) for number in at
+            ):
                 continue
-            cycles = [past[each : each + length] for each in at]
-            if all(is_same(each, cycles[0]) for each in cycles[1:]):
+            cycles = [past[number : number + length] for number in at]
+            if all(is_same(cycle, cycles[0]) for cycle in cycles[1:]):
                 return start, seen
     return None
 
 
 def _has_same_ways(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:
-    return [each.ways for each in cycle] == [each.ways for each in other]
+    return [iteration.ways for iteration in cycle] == [iteration.ways for iteration in other]
 
 
 def _is_same_cycle(cycle: Sequence[_Iteration], other: Sequence[_Iteration]) -> bool:

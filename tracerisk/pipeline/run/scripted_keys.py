@@ -110,7 +110,10 @@ class ScriptedKeys:
         return function
 
     def _get(self, _file: Any) -> list[Any]:
-        return [list(each) if isinstance(each, list) else each for each in self._attributes]
+        return [
+            list(attribute) if isinstance(attribute, list) else attribute
+            for attribute in self._attributes
+        ]
 
     def _set(self, _file: Any, _when: int, attributes: list[Any]) -> None:
         if not isinstance(attributes, list) or len(attributes) != len(_AT_FIRST):
@@ -129,14 +132,14 @@ class ScriptedKeys:
         def select_(
             read: Any, write: Any, exceptional: Any, timeout: float | None = None, /
         ) -> Any:
-            keyboards = [each for each in read if _is_stdin(each)]
+            keyboards = [item for item in read if _is_stdin(item)]
             if not keyboards or not self.is_raw or self._scheduler.current is None:
                 return real(read, write, exceptional, timeout)
             self._look()
-            others = [each for each in read if each not in keyboards]
+            others = [item for item in read if item not in keyboards]
             if others or write or exceptional:
-                found = real(others, write, exceptional, 0)
-                return ([*(keyboards if self._typed else ()), *found[0]], *found[1:])
+                result = real(others, write, exceptional, 0)
+                return ([*(keyboards if self._typed else ()), *result[0]], *result[1:])
             self._scheduler.wait_until(
                 lambda: bool(self._typed),
                 timeout_ns=None if timeout is None else round(timeout * 1e9),

@@ -63,16 +63,20 @@ class StallWatch:
         if self.watch.is_commanding or self.is_pending():
             self._waits.clear()
             return
-        threads = [each for each in self.scheduler.threads if each.is_controllers]
+        threads = [
+            controller_thread
+            for controller_thread in self.scheduler.threads
+            if controller_thread.is_controllers
+        ]
         for thread in threads:
             self._note(thread, now_ns)
         if now_ns - self.watch.last_event_ns < self.watch.idle_s * 1e9:
             return
         stalled = [thread for thread in threads if self._stalls(thread, now_ns)]
         if not stalled or any(
-            each.wait is None or each.wait.deadline_ns is not None
-            for each in threads
-            if each not in stalled
+            controller_thread.wait is None or controller_thread.wait.deadline_ns is not None
+            for controller_thread in threads
+            if controller_thread not in stalled
         ):
             return
         unmet = self.needs.waited_for()

@@ -96,7 +96,7 @@ class UnmetNeeds:
     def _keep(self) -> None:
         """Keep what is lacking now: a controller that is ended may still take down its node."""
         asked = (self._missed_now, self._all_now, self._unserved, self._uncalled)
-        self._at_end = {each: each() for each in asked}
+        self._at_end = {item: item() for item in asked}
 
     def _as_of_end(self, asked: _Asked) -> tuple[Missed, ...]:
         """Return what one of its methods returned when the run was over, or does now."""
@@ -112,9 +112,9 @@ class UnmetNeeds:
         """Return what a controller that only waits may be waiting for."""
         now_ns = self.runtime.scheduler.now_ns
         return tuple(
-            each
-            for each in self._all()
-            if each.need.kind in _LASTING or now_ns - each.last_ns < _ASKED_AGAIN_NS
+            missed
+            for missed in self._all()
+            if missed.need.kind in _LASTING or now_ns - missed.last_ns < _ASKED_AGAIN_NS
         )
 
     def judge(self, cause: EndCause, message: str, location: Location | None) -> JudgedEnd:
@@ -139,24 +139,24 @@ class UnmetNeeds:
             if cause in _LISTENING:
                 self._report_unpublished()
             return plain
-        found = self._led_to(cause, message)
-        if not found:
+        misseds = self._led_to(cause, message)
+        if not misseds:
             unheard = self._unheard() if cause in _DONE else ""
             return replace(plain, message=f"{message}{unheard}")
-        unmet = tuple(_typed(each) for each in found)
-        for before, after in zip(found, unmet, strict=True):
+        unmet = tuple(_typed(missed) for missed in misseds)
+        for before, after in zip(misseds, unmet, strict=True):
             message = message.replace(f"{before.need.words},", f"{after.need.words},")
-        plain = replace(plain, message=message, needs=tuple(each.need for each in unmet))
+        plain = replace(plain, message=message, needs=tuple(missed.need for missed in unmet))
         plain = replace(plain, location=location or self.below_root(unmet[0].location))
         # What it would wait for next is reported now, not after another run.
-        names = {(each.need.kind, each.need.name) for each in unmet}
+        names = {(missed.need.kind, missed.need.name) for missed in unmet}
         more = tuple(
-            each
-            for each in (
+            missed
+            for missed in (
                 *self._as_of_end(self._unserved),
                 *self._further(self.in_source(self.script)),
             )
-            if (each.need.kind, each.need.name) not in names
+            if (missed.need.kind, missed.need.name) not in names
         )
         lines = scenario_lines(drafts((*unmet, *more), self.interfaces, self.values))
         also = f"; nor does anything provide {self.listed(more, len(more))}" if more else ""
@@ -206,11 +206,13 @@ class UnmetNeeds:
     def _further(self, asked: Iterable[Missed]) -> tuple[Missed, ...]:
         """Return what of that which sources ask for by name nothing would give."""
         unserved = self._as_of_end(self._unserved)
-        waits = {(each.need.kind, each.need.name) for each in unserved}
-        read = [_plain(each.need.name) for each in self._missed() if each.need.kind == "parameter"]
-        found: dict[tuple[NeedKind, str], Missed] = {}
-        for each in asked:
-            need = each.need
+        waits = {(missed.need.kind, missed.need.name) for missed in unserved}
+        read = [
+            _plain(missed.need.name) for missed in self._missed() if missed.need.kind == "parameter"
+        ]
+        misseds: dict[tuple[NeedKind, str], Missed] = {}
+        for missed in asked:
+            need = missed.need
             if need.name.startswith("("):
                 continue
             name = _plain(need.name) if need.kind == "parameter" else need.name
@@ -219,19 +221,19 @@ class UnmetNeeds:
             need = replace(need, name=name)
             if (need.kind, name) in waits or self._is_given(need):
                 continue
-            if need.kind == "parameter" and any(f"/{each}".endswith(f"/{name}") for each in read):
+            if need.kind == "parameter" and any(f"/{text}".endswith(f"/{name}") for text in read):
                 continue
-            kept = replace(each.need, name=each.need.name if need.kind == "parameter" else name)
-            found.setdefault((need.kind, name), replace(each, need=kept))
-        return tuple(found.values())
+            kept = replace(missed.need, name=missed.need.name if need.kind == "parameter" else name)
+            misseds.setdefault((need.kind, name), replace(missed, need=kept))
+        return tuple(misseds.values())
 
     def _is_given(self, need: Need) -> bool:
         """Return whether somebody gives what a source asks for, or it cannot be known yet."""
         graph, actions = self.runtime.graph, self.runtime.client(Actions)
         if need.kind == "parameter":
-            given = {_plain(each.name) for each in self.runtime.parameters}
+            given = {_plain(parameter.name) for parameter in self.runtime.parameters}
             # A namespace is given by what it holds.
-            is_given = any(f"/{need.name}/" in f"/{each}/" for each in given)
+            is_given = any(f"/{need.name}/" in f"/{name}/" for name in given)
             return is_given or graph.parameters.has(f"/{need.name}")
         if need.name.startswith("~") or "/" not in need.type_name:
             return True
@@ -258,7 +260,9 @@ class UnmetNeeds:
 
         One that shows no risk may wait for a switch too.
         """
-        found = {(each.need.kind, each.need.name): each for each in map(_typed, self._missed())}
+        misseds = {
+            (missed.need.kind, missed.need.name): missed for missed in map(_typed, self._missed())
+        }
         needs = self.runtime.scheduler.needs
         left_off = () if shows_risk else needs.left_off
         if needs.came_nowhere is not None and not shows_risk:
@@ -269,17 +273,19 @@ class UnmetNeeds:
         obeyed = self._may_be_obeyed(shows_risk=shows_risk)
         unserved, uncalled = map(self._as_of_end, (self._unserved, self._uncalled))
         # Of a library's many clients only those are in use that are waited for or called.
-        own = [each for each in unserved if each.need.kind == "topic" or self._is_script(each)]
-        for each in (*self._modules, *own, *beside, *uncalled, *left_off, *obeyed):
-            found.setdefault((each.need.kind, each.need.name), each)
-        made = drafts(found.values(), self.interfaces, self.values, with_others=True)
+        own = [
+            missed for missed in unserved if missed.need.kind == "topic" or self._is_script(missed)
+        ]
+        for module in (*self._modules, *own, *beside, *uncalled, *left_off, *obeyed):
+            misseds.setdefault((module.need.kind, module.need.name), module)
+        made = drafts(misseds.values(), self.interfaces, self.values, with_others=True)
         for need, dimensions in needs.doubts.items():
             doubting = self.values.doubting(sorted(dimensions))
             made += drafts([Missed(need, 0, 0, None)], self.interfaces, doubting)
         if not shows_risk:
             made += tuple(drafts_instead(needs.taken))
-        placed = [replace(each, location=self.below_root(each.location)) for each in made]
-        fields = [asdict(each) for each in placed]
+        placed = [replace(draft, location=self.below_root(draft.location)) for draft in made]
+        fields = [asdict(draft) for draft in placed]
         reach = asdict(self.values.reach) if reads_command_line(self.script) else None
         self.runtime.recorder.note(DRAFTS, drafts=fields, shift=self.shift(), reach=reach)
 
@@ -292,19 +298,19 @@ class UnmetNeeds:
 
         What has moved it otherwise may publish a pose for a display.
         """
-        for each in self.runtime.graph.unheard():
-            if shows_risk and each.need.type_name in COMMANDING:
+        for missed in self.runtime.graph.unheard():
+            if shows_risk and missed.need.type_name in COMMANDING:
                 continue
-            obeyed = replace(each, need=replace(each.need, kind="command"))
+            obeyed = replace(missed, need=replace(missed.need, kind="command"))
             (draft,) = drafts([obeyed], self.interfaces, self.values)
             if draft.value is not None:
                 yield obeyed
 
     def _beside(self) -> Iterator[Missed]:
         """Yield the services that a function asks for which waits for one: it waits for each."""
-        for each in self._missed():
-            place = each.location
-            if each.need.kind != "service" or place is None:
+        for missed in self._missed():
+            place = missed.location
+            if missed.need.kind != "service" or place is None:
                 continue
             first, last = lines_of_function(place)
             for asked in self.in_source(Path(place.file)):
@@ -314,7 +320,9 @@ class UnmetNeeds:
 
     def listed(self, unmet: tuple[Missed, ...], most: int = _LISTED) -> str:
         """Return the needs in words, at most `most`, each with the place that asks for it."""
-        places = [(self._words(each.need), self.below_root(each.location)) for each in unmet[:most]]
+        places = [
+            (self._words(missed.need), self.below_root(missed.location)) for missed in unmet[:most]
+        ]
         lines = [name + (f", asked for at {place}" if place else "") for name, place in places]
         if len(unmet) > most:
             lines.append(f"{len(unmet) - most} more")
@@ -334,47 +342,48 @@ class UnmetNeeds:
 
     def _unheard(self) -> str:
         """Return in words that what a controller publishes reaches nobody, the twin included."""
-        needs = [each.need for each in self.runtime.graph.unheard()]
-        lines = [f"{each.name} ({each.type_name})" for each in needs[:_LISTED]]
+        needs = [missed.need for missed in self.runtime.graph.unheard()]
+        lines = [f"{need.name} ({need.type_name})" for need in needs[:_LISTED]]
         if len(needs) > _LISTED:
             lines.append(f"{len(needs) - _LISTED} more")
         return f"; nobody receives what it publishes on {', '.join(lines)}" if lines else ""
 
     def _report_unheard(self) -> None:
         """Report what a controller publishes as if to move something, and reaches nobody."""
-        for each in self.runtime.graph.unheard():
-            name, type_name = each.need.name, each.need.type_name
+        for missed in self.runtime.graph.unheard():
+            name, type_name = missed.need.name, missed.need.type_name
             if commands_something(name, type_name, self.interfaces.message(type_name)):
                 self.runtime.recorder.finding(
                     "unprovided",
                     f"nobody receives what it publishes on {name} ({type_name}): if that moves "
                     "anything, no figure has it",
-                    self.below_root(each.location),
+                    self.below_root(missed.location),
                     object_name=name,
                 )
 
     def _report_unpublished(self) -> None:
         """Report topics on which nobody publishes: the run may have ended because of them."""
-        for each in self.runtime.graph.unpublished():
+        for missed in self.runtime.graph.unpublished():
             self.runtime.recorder.finding(
                 "unprovided",
-                f"nothing provides {each.need.words}, to which the controller listens; a scenario "
+                f"nothing provides {missed.need.words}, to which the controller listens; a "
+                "scenario "
                 "(--scenario) can",
-                self.below_root(each.location),
-                object_name=each.need.name,
+                self.below_root(missed.location),
+                object_name=missed.need.name,
             )
 
     def _note_unmet(self) -> None:
         """Note what the controller asked for in vain and went on without."""
         needs = [
             {
-                "kind": each.need.kind,
-                "name": each.need.name,
-                "words": self._words(each.need),
+                "kind": missed.need.kind,
+                "name": missed.need.name,
+                "words": self._words(missed.need),
                 "location": None if place is None else [place.file, place.line, place.column],
             }
-            for each in map(_typed, self._missed())
-            for place in (self.below_root(each.location),)
+            for missed in map(_typed, self._missed())
+            for place in (self.below_root(missed.location),)
         ]
         if needs:
             self.runtime.recorder.note(UNMET, needs=needs)
@@ -384,11 +393,11 @@ class UnmetNeeds:
             now_ns = self.runtime.scheduler.now_ns
             missed = self._missed()
             return tuple(
-                each
-                for each in missed
-                if now_ns - each.last_ns <= _RECENT_NS
+                item
+                for item in missed
+                if now_ns - item.last_ns <= _RECENT_NS
                 # An answer that was only Enter shows in what is raised for it.
-                and (each.need.kind != "input" or cause == "exited" or _OF_ENTER.search(message))
+                and (item.need.kind != "input" or cause == "exited" or _OF_ENTER.search(message))
             )
         if cause == "deadlock":
             return self._missed() or self._all()
@@ -405,8 +414,8 @@ class UnmetNeeds:
     def _unserved(self) -> tuple[Missed, ...]:
         """Return what the controller has a client of, or listens to, and nobody provides."""
         graph, actions = self.runtime.graph, self.runtime.client(Actions)
-        found = (*graph.services.unserved(), *actions.unserved(), *graph.unpublished())
-        return tuple({(each.need.kind, each.need.name): each for each in found}.values())
+        misseds = (*graph.services.unserved(), *actions.unserved(), *graph.unpublished())
+        return tuple({(missed.need.kind, missed.need.name): missed for missed in misseds}.values())
 
     def _all_now(self) -> tuple[Missed, ...]:
         """Return what was asked for in vain, then the topics on which nobody publishes.
@@ -414,11 +423,11 @@ class UnmetNeeds:
         Where there is neither, what the controller serves and nobody calls.
         """
         missed = self._missed_now()
-        names = {(each.need.kind, each.need.name) for each in missed}
+        names = {(item.need.kind, item.need.name) for item in missed}
         topics: dict[str, Missed] = {}
-        for each in self.runtime.graph.unpublished():
-            if ("topic", each.need.name) not in names:
-                topics.setdefault(each.need.name, each)
+        for item in self.runtime.graph.unpublished():
+            if ("topic", item.need.name) not in names:
+                topics.setdefault(item.need.name, item)
         lacking = (*missed, *topics.values())
         # Who lacks nothing and serves something waits to be asked.
         return lacking or self._uncalled()
@@ -430,14 +439,16 @@ class UnmetNeeds:
     def _missed_now(self) -> tuple[Missed, ...]:
         graph, actions = self.runtime.graph, self.runtime.client(Actions)
         given: dict[NeedKind, Callable[[Missed], bool]] = {
-            "service": lambda each: self._is_served(each.need),
-            "action": lambda each: actions.server(each.need.name, each.need.type_name) is not None,
-            "parameter": lambda each: graph.parameters.has(each.need.name),
+            "service": lambda missed: self._is_served(missed.need),
+            "action": lambda missed: (
+                actions.server(missed.need.name, missed.need.type_name) is not None
+            ),
+            "parameter": lambda missed: graph.parameters.has(missed.need.name),
         }
         return tuple(
-            each
-            for each in self.runtime.scheduler.needs.missed
-            if not (each.need.kind in given and given[each.need.kind](each))
+            missed
+            for missed in self.runtime.scheduler.needs.missed
+            if not (missed.need.kind in given and given[missed.need.kind](missed))
         )
 
 

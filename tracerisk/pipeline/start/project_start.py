@@ -164,56 +164,56 @@ def _robots(
 
     if given is not None:
         return {load_named(given).name: controllers}, ""
-    found: dict[str, list[str]] = {}
+    texts: dict[str, list[str]] = {}
     why = "" if controllers else "no controller was found"
-    for each in controllers[:_MOST_READ]:
+    for text in controllers[:_MOST_READ]:
         try:
-            controller = load_controller(root / each)
+            controller = load_controller(root / text)
             robot = driven_robot(controller, controller.settings)
         except TraceRiskError as error:
-            why = why or f"{each}: {error.message}"
+            why = why or f"{text}: {error.message}"
             continue
         if robot.name == GENERIC:
-            why = why or f"{each} names none that is known"
+            why = why or f"{text} names none that is known"
             continue
-        found.setdefault(robot.name, []).append(each)
-    return {name: tuple(files) for name, files in found.items()}, why
+        texts.setdefault(robot.name, []).append(text)
+    return {name: tuple(files) for name, files in texts.items()}, why
 
 
 def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
     """Return what each source asks for that is no part of a robot or its drivers."""
     if "sim" in missing_extras():
         return {}
-    of_robots = _OF_ROBOTS.union(*(each.packages for each in shipped_drivers()))
-    found = {}
+    of_robots = _OF_ROBOTS.union(*(shipped_driver.packages for shipped_driver in shipped_drivers()))
+    texts = {}
     for name in controllers[:_MOST_READ]:
         try:
             asked = asked_in_source(load_controller(root / name))
         except TraceRiskError:
             continue
         told = tuple(
-            each.need.words
-            for each in asked
-            if each.need.kind in _OF_A_CELL
-            and each.need.type_name.partition("/")[0] not in of_robots
-            and each.need.type_name != "sensor_msgs/JointState"
+            missed.need.words
+            for missed in asked
+            if missed.need.kind in _OF_A_CELL
+            and missed.need.type_name.partition("/")[0] not in of_robots
+            and missed.need.type_name != "sensor_msgs/JointState"
         )
         if told:
-            found[name] = told
-    return found
+            texts[name] = told
+    return texts
 
 
 def _hardware(robot: str) -> str | None:
     if "sim" in missing_extras():
         return None
     try:
-        found = load_robot(robot)
+        result = load_robot(robot)
     except TraceRiskError:
         # A robot of the workspace itself has no name under which it could be read again.
         return None
-    joints = {name: group.joints for name, group in found.groups.items()}
-    description = starting_description(robot, found.elements, joints, hardware_of(robot))
-    return starting_yaml(description, found.title)
+    joints = {name: group.joints for name, group in result.groups.items()}
+    description = starting_description(robot, result.elements, joints, hardware_of(robot))
+    return starting_yaml(description, result.title)
 
 
 def _settings(
@@ -230,16 +230,16 @@ def _settings(
     root = root.resolve()
     names: dict[Path, dict[str, str]] = {} if controllers else {root: {}}
     robot_of = {file: name for name, files in robots.items() for file in files}
-    for each in controllers:
-        path = root / each
+    for controller in controllers:
+        path = root / controller
         folder = controller_root(path)
         if not is_root(folder):
             folder = root  # the settings written there will make it the root
         name = from_root(folder, path)
-        names.setdefault(folder, {})[name] = robot_of.get(each, "")
+        names.setdefault(folder, {})[name] = robot_of.get(controller, "")
     files: list[StartFile] = []
     lacking: list[str] = []
-    for folder, found in names.items():
+    for folder, item in names.items():
         paths = {robot: from_root(folder, root / file) for robot, file in described.items()}
         path = folder / "pyproject.toml"
         shown = from_root(root, path)
@@ -248,9 +248,9 @@ def _settings(
         named = given
         if given is not None and Path(given).is_file():
             named = from_root(folder, Path(given))
-        own = _lines_of(found, paths, named)
+        own = _lines_of(item, paths, named)
         if b"[tool.tracerisk" not in before:
-            files.append(_settings_of(shown, before, own, found, paths))
+            files.append(_settings_of(shown, before, own, item, paths))
         elif given is not None and settings.robot is None:
             lacking.append(f"{shown} is kept as it is; add to [tool.tracerisk]: {', '.join(own)}")
     return files, lacking
@@ -263,7 +263,7 @@ def _lines_of(
     own = [] if given is None else [f"robot = {json.dumps(given)}"]
     used = set(robot_of.values()) or set(described)
     if len(used) == 1:
-        own += [f"hardware = {json.dumps(described[each])}" for each in used & set(described)]
+        own += [f"hardware = {json.dumps(described[key])}" for key in used & set(described)]
     return own
 
 
@@ -304,8 +304,8 @@ def _action() -> str:
         urls = metadata.metadata("tracerisk").get_all("Project-URL") or []
     except metadata.PackageNotFoundError:
         urls = []
-    found = (_ON_GITHUB.fullmatch(each) for each in urls)
-    owner = next((each[1] for each in found if each is not None), None)
+    fullmatches = (_ON_GITHUB.fullmatch(url) for url in urls)
+    owner = next((hit[1] for hit in fullmatches if hit is not None), None)
     if owner is None:
         return _ANY_ACTION
     is_release = re.fullmatch(r"[0-9.]+", metadata.version("tracerisk")) is not None

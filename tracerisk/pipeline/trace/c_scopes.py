@@ -36,9 +36,11 @@ def with_scopes(controller: Controller, trace: Trace) -> Trace:
     return replace(
         trace,
         functions=tuple(
-            replace(each, ref=full.get(each.ref, each.ref)) for each in trace.functions
+            replace(traced_function, ref=full.get(traced_function.ref, traced_function.ref))
+            for traced_function in trace.functions
         ),
         visits=tuple(
-            replace(each, function=full.get(each.function, each.function)) for each in trace.visits
+            replace(visit, function=full.get(visit.function, visit.function))
+            for visit in trace.visits
         ),
     )

@@ -48,7 +48,7 @@ def with_contacts(
     activity, samples = seen.activity, seen.samples
     n_steps, step_ns = samples.n_steps, samples.header.step_ns
     log = read_contacts(folder, n_steps)
-    untouched = {each.name: Exposure() for each in elements if each.kind == "contact"}
+    untouched = {element.name: Exposure() for element in elements if element.kind == "contact"}
     if not len(log.rows) and not log.welds:
         return {**active, **untouched}, visits, None
     owners: dict[str | None, NDArray[np.int64]] = {
@@ -68,12 +68,12 @@ def with_contacts(
     payloads = visit_payloads(run, activity, owners)
     touching = contact_activity(run, elements)
     everywhere = np.ones(n_steps, dtype=np.bool_)
-    found: dict[str, Exposure] = {}
+    table: dict[str, Exposure] = {}
     by_visit: dict[int, dict[str, Exposure]] = {}
-    for name, each in touching.items():
-        owner = owners[moved_by(robot, each.element.part or "")]
-        exposures = ElementExposures(each, samples.step_s)
-        found[name] = exposures.over(everywhere)
+    for name, element_activity in touching.items():
+        owner = owners[moved_by(robot, element_activity.element.part or "")]
+        exposures = ElementExposures(element_activity, samples.step_s)
+        table[name] = exposures.over(everywhere)
         for index, own in enumerate(exposures.of_owners(owner, len(visits))):
             if own.grasping_s or own.releases:
                 by_visit.setdefault(index, {})[name] = own
@@ -86,7 +86,7 @@ def with_contacts(
         )
         for index, visit in enumerate(visits)
     ]
-    return {**active, **untouched, **found}, tuple(given), run
+    return {**active, **untouched, **table}, tuple(given), run
 
 
 def collisions(
@@ -98,16 +98,16 @@ def collisions(
     """
     lines = {function.ref: function.line for function in attribution.functions}
     links = frozenset(robot.link_names)
-    found = [
+    findings = [
         Finding(
             UNEXPECTED_CONTACT,
-            f"unexpected contact: {contact_text(each, contacts, links)}",
+            f"unexpected contact: {contact_text(unexpected_contact, contacts, links)}",
             min(contact.start_s for contact in contacts),
-            Location(each.function.file, lines[each.function]),
+            Location(unexpected_contact.function.file, lines[unexpected_contact.function]),
         )
-        for each, contacts in unexpected_contacts(visits).items()
+        for unexpected_contact, contacts in unexpected_contacts(visits).items()
     ]
-    return tuple(sorted(found, key=lambda each: (each.time_s or 0.0, each.message)))
+    return tuple(sorted(findings, key=lambda finding: (finding.time_s or 0.0, finding.message)))
 
 
 def _commanded(
@@ -115,9 +115,9 @@ def _commanded(
 ) -> NDArray[np.bool_]:
     """Return in which steps a command that addresses the gripper was live."""
     flags = np.zeros(n_steps, dtype=np.bool_)
-    for each in attribution.commands:
-        elements = each.command.elements
+    for command in attribution.commands:
+        elements = command.command.elements
         if gripper in elements:
-            until_ns = each.until_ns[elements.index(gripper)]
-            flags[-(-each.command.issue_ns // step_ns) : -(-until_ns // step_ns)] = True
+            until_ns = command.until_ns[elements.index(gripper)]
+            flags[-(-command.command.issue_ns // step_ns) : -(-until_ns // step_ns)] = True
     return flags

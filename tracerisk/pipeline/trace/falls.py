@@ -28,19 +28,19 @@ def falls(samples: Samples, contacts: RunContacts | None) -> tuple[Fall, ...]:
         return ()
     names = [body.name for body in contacts.log.bodies]
     slips = Slips(samples, contacts)
-    found = [
+    result = [
         fall
         for name, at in zip(samples.header.free_bodies, samples.header.free_at, strict=True)
         if name in names
         for fall in _falls_of(name, samples.poses[:, at : at + 7], slips)
     ]
-    return tuple(sorted(found, key=lambda each: (each.time_s, each.object)))
+    return tuple(sorted(result, key=lambda item: (item.time_s, item.object)))
 
 
 def _falls_of(name: str, poses: NDArray[np.float64], slips: Slips) -> Iterator[Fall]:
     samples, contacts = slips.samples, slips.contacts
     held = np.zeros(len(poses), dtype=np.bool_)
-    own = [each for each in contacts.holds if contacts.log.bodies[each.body].name == name]
+    own = [item for item in contacts.holds if contacts.log.bodies[item.body].name == name]
     for hold in own:
         held[hold.start // POSE_EVERY : -(-hold.stop // POSE_EVERY)] = True
     touched = [hold.start for hold in own]
@@ -56,7 +56,7 @@ def _falls_of(name: str, poses: NDArray[np.float64], slips: Slips) -> Iterator[F
         was_held = start > 0 and bool(held[start - 1])
         # It counts from the last pose in the hand, for it falls at once.
         begun = start - 1 if was_held else start
-        ended = [each for each in own if each.start // POSE_EVERY <= begun] if was_held else []
+        ended = [item for item in own if item.start // POSE_EVERY <= begun] if was_held else []
         slipped = bool(ended) and slips.has_slipped(ended[-1], poses)
         down = float(height[begun] - height[start:stop].min())
         stood = axis[begun]
@@ -83,7 +83,7 @@ def _tilt(axis: NDArray[np.float64]) -> float:
 
 def _first_touch(name: str, contacts: RunContacts) -> int | None:
     """Return the step in which the robot, or what it held, first touched a thing."""
-    steps = [int(each.steps[0]) for each in contacts.touches if name in (each.other, each.link)]
+    steps = [int(touch.steps[0]) for touch in contacts.touches if name in (touch.other, touch.link)]
     return min(steps, default=None)
 
 

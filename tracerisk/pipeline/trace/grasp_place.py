@@ -29,13 +29,13 @@ def grasp_place(robot: Robot, gripper: Gripper, samples: Samples, time_ns: int) 
         return ""
     at = dict(zip(samples.header.joints, samples.position[step].tolist(), strict=True))
     place = between_pads(robot, gripper, at, samples.header)
-    words = f"at ({', '.join(_millimetres(each) for each in place)}) m"
+    words = f"at ({', '.join(_millimetres(value) for value in place)}) m"
     things = _things(samples, step)
     if not things:
         return words
     name, far = min(
         ((name, math.dist(place, where)) for name, where in things.items()),
-        key=lambda each: each[1],
+        key=lambda pair: pair[1],
     )
     return f"{words}, {_millimetres(far)} m from {name}, the nearest object"
 

@@ -32,13 +32,20 @@ def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Ite
     holds anything although the user gave it something to grasp, where the arm had moved with
     the gripper open.
     """
-    closing = [each for each in commands if each.grip == "closes"]
-    held_at = {each.path for each in closing if each.holds}
+    closing = [issued_command for issued_command in commands if issued_command.grip == "closes"]
+    held_at = {issued_command.path for issued_command in closing if issued_command.holds}
     for number, command in enumerate(commands):
         if command.grip != "closes" or command.holds or not _is_carried_on(commands, number):
             continue
-        later = [each for each in commands[number + 1 :] if each.path == command.path]
-        if any(each.holds and is_near(each.posture, command.posture) for each in later):
+        later = [
+            issued_command
+            for issued_command in commands[number + 1 :]
+            if issued_command.path == command.path
+        ]
+        if any(
+            issued_command.holds and is_near(issued_command.posture, command.posture)
+            for issued_command in later
+        ):
             continue
         if held_at:
             if command.path in held_at:
@@ -55,19 +62,19 @@ def closed_on_nothing(command: IssuedCommand) -> str:
 def _is_carried_on(commands: Sequence[IssuedCommand], number: int) -> bool:
     """Return whether the arm moves after a command, and the gripper then opens."""
     has_moved = False
-    for each in commands[number + 1 :]:
-        if each.gripper == commands[number].gripper:
-            return has_moved and each.grip == "opens"
-        has_moved |= not each.gripper
+    for command in commands[number + 1 :]:
+        if command.gripper == commands[number].gripper:
+            return has_moved and command.grip == "opens"
+        has_moved |= not command.gripper
     return False
 
 
 def _is_approached(commands: Sequence[IssuedCommand], number: int) -> bool:
     """Return whether the arm moved between the gripper's command before and this one."""
-    for each in reversed(commands[:number]):
-        if each.gripper == commands[number].gripper:
+    for command in reversed(commands[:number]):
+        if command.gripper == commands[number].gripper:
             return False
-        if not each.gripper:
+        if not command.gripper:
             return True
     return False
 
@@ -86,14 +93,14 @@ class GripperFault:
 
 def gripper_faults(run: RecordedRun) -> Iterator[GripperFault]:
     """Yield what is wrong with how the grippers were used."""
-    for each in empty_grasps(run.commands, has_objects=run.has_objects):
-        if each.intended:
-            told = closed_on_nothing(each.command)
+    for empty_grasp in empty_grasps(run.commands, has_objects=run.has_objects):
+        if empty_grasp.intended:
+            told = closed_on_nothing(empty_grasp.command)
             words = f"{told}, and the controller went on as if it held"
-            yield GripperFault("grasped-nothing", words, each.command)
-    is_vain = run.has_objects and not any(each.holds for each in run.commands)
-    for name in dict.fromkeys(each.gripper for each in run.commands if each.gripper):
-        own = [each for each in run.commands if each.gripper == name]
+            yield GripperFault("grasped-nothing", words, empty_grasp.command)
+    is_vain = run.has_objects and not any(command.holds for command in run.commands)
+    for name in dict.fromkeys(command.gripper for command in run.commands if command.gripper):
+        own = [command for command in run.commands if command.gripper == name]
         if is_vain and _is_used(run.commands, own) and not _closes(own):
             words = "never closed"
         elif _is_idle(run.commands, own):
@@ -112,19 +119,21 @@ def gripper_faults(run: RecordedRun) -> Iterator[GripperFault]:
 
 def _is_used(commands: Sequence[IssuedCommand], own: Sequence[IssuedCommand]) -> bool:
     """Return whether the arm moves between commands to a gripper that say where it should go."""
-    if not all(each.goal for each in own):
+    if not all(issued_command.goal for issued_command in own):
         return False
     between = commands[commands.index(own[0]) : commands.index(own[-1])]
-    return any(not each.gripper for each in between)
+    return any(not issued_command.gripper for issued_command in between)
 
 
 def _closes(own: Sequence[IssuedCommand]) -> bool:
-    return any(each.grip == "closes" for each in own)
+    return any(issued_command.grip == "closes" for issued_command in own)
 
 
 def _is_idle(commands: Sequence[IssuedCommand], own: Sequence[IssuedCommand]) -> bool:
     """Return whether none of a gripper's commands but the first moves it, nor holds anything."""
-    is_moved = any(each.grip for each in own[1:]) or any(each.holds for each in own)
+    is_moved = any(issued_command.grip for issued_command in own[1:]) or any(
+        issued_command.holds for issued_command in own
+    )
     return _is_used(commands, own) and not is_moved
 
 

@@ -91,15 +91,15 @@ def judge(run: RecordedRun, acceptances: Sequence[Acceptance] = ()) -> Verdict:
 
 def with_acceptances(verdict: Verdict, acceptances: Sequence[Acceptance]) -> Verdict:
     """Return the verdict under these acceptances alone; what is stuck is never accepted."""
-    words = {each.key: each.words for each in acceptances}
+    words = {acceptance.key: acceptance.words for acceptance in acceptances}
     judged = [
-        replace(each, accepted="" if each.verdict == "stuck" else words.get(each.key, ""))
-        for each in verdict.reasons
+        replace(reason, accepted="" if reason.verdict == "stuck" else words.get(reason.key, ""))
+        for reason in verdict.reasons
     ]
     kind: VerdictKind = "complete"
-    for each in judged:
-        if not each.accepted and VERDICTS.index(each.verdict) > VERDICTS.index(kind):
-            kind = each.verdict
+    for reason in judged:
+        if not reason.accepted and VERDICTS.index(reason.verdict) > VERDICTS.index(kind):
+            kind = reason.verdict
     return Verdict(kind, _ordered(judged), verdict.coverage, tuple(acceptances))
 
 
@@ -109,11 +109,11 @@ def _ordered(reasons: Iterable[Reason]) -> tuple[Reason, ...]:
         time_s = float("inf") if reason.time_s is None else reason.time_s
         return bool(reason.accepted), -VERDICTS.index(reason.verdict), time_s
 
-    found: dict[tuple[object, ...], Reason] = {}
-    for each in sorted(reasons, key=rank):
+    table: dict[tuple[object, ...], Reason] = {}
+    for item in sorted(reasons, key=rank):
         # What happens again and again at one place is one reason, of its first time.
-        found.setdefault((each.key, each.location), each)
-    return tuple(found.values())
+        table.setdefault((item.key, item.location), item)
+    return tuple(table.values())
 
 
 def _reason(
@@ -184,24 +184,24 @@ def _of_commands(run: RecordedRun) -> Iterator[Reason]:
 
 def _of_unfinished(run: RecordedRun) -> Iterator[Reason]:
     """Yield commands that were replaced or cut on their way, and did not succeed later either."""
-    for found in unfinished(run):
-        command = found.command
+    for result in unfinished(run):
+        command = result.command
         if not _retry(command, run.commands[run.commands.index(command) + 1 :]):
             name = ", ".join(command.elements)
-            yield replace(_command_reason(found.code, found.words, command, name), by=found.by)
+            yield replace(_command_reason(result.code, result.words, command, name), by=result.by)
 
 
 def _retry(command: IssuedCommand, later: Sequence[IssuedCommand]) -> IssuedCommand | None:
     """Return the command of the same kind, function and goal that later succeeded."""
     return next(
         (
-            each
-            for each in later
-            if each.end == "arrived"
-            and each.kind == command.kind
-            and each.function == command.function
-            and each.elements == command.elements
-            and is_near(each.goal, command.goal)
+            issued_command
+            for issued_command in later
+            if issued_command.end == "arrived"
+            and issued_command.kind == command.kind
+            and issued_command.function == command.function
+            and issued_command.elements == command.elements
+            and is_near(issued_command.goal, command.goal)
         ),
         None,
     )
@@ -268,14 +268,14 @@ def _of_findings(run: RecordedRun) -> Iterator[Reason]:
 
 def _is_reported_by_command(finding: Finding, commands: Sequence[IssuedCommand]) -> bool:
     """Return whether a finding is of an aborted command, or of a goal that was met later."""
-    if any(_is_about(finding, each) for each in commands):
+    if any(_is_about(finding, command) for command in commands):
         return True
     return bool(finding.target) and any(
-        each.end == "arrived"
-        and each.function == finding.function
-        and each.issue_s >= (finding.time_s or 0.0)
-        and is_near(each.goal, finding.target)
-        for each in commands
+        command.end == "arrived"
+        and command.function == finding.function
+        and command.issue_s >= (finding.time_s or 0.0)
+        and is_near(command.goal, finding.target)
+        for command in commands
     )
 
 
@@ -312,7 +312,7 @@ def _of_grippers(run: RecordedRun) -> Iterator[Reason]:
 
 def _of_falls(run: RecordedRun) -> Iterator[Reason]:
     for fall in run.falls:
-        before = [each for each in run.commands if each.issue_s <= fall.time_s]
+        before = [command for command in run.commands if command.issue_s <= fall.time_s]
         cause = before[-1] if before else None
         code, words = _how_it_fell(fall)
         yield _reason(
@@ -343,8 +343,8 @@ def _how_it_fell(fall: Fall) -> tuple[str, str]:
 
 
 def _of_needs(run: RecordedRun) -> Iterator[Reason]:
-    looked_up = {each.object for each in run.findings if each.kind == "lookup_failure"}
-    unprovided = {each.object for each in run.findings if each.kind == "unprovided"}
+    looked_up = {finding.object for finding in run.findings if finding.kind == "lookup_failure"}
+    unprovided = {finding.object for finding in run.findings if finding.kind == "unprovided"}
     for need in run.unmet:
         if (need.is_frame and need.object in looked_up) or need.object in unprovided:
             continue

@@ -19,8 +19,8 @@ def verdict_summary(verdict: Verdict | None) -> dict[str, Any]:
     if verdict is None:
         return {}
     reasons = tuple(
-        replace(each, time_s=None if each.time_s is None else round(each.time_s, _WHOLE_S))
-        for each in verdict.reasons
+        replace(item, time_s=None if item.time_s is None else round(item.time_s, _WHOLE_S))
+        for item in verdict.reasons
     )
     data = plain_data(replace(verdict, reasons=reasons))
     for reason in data["reasons"]:

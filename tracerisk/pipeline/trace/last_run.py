@@ -44,13 +44,13 @@ class UnexpectedContact:
 
 def unexpected_contacts(visits: Iterable[Visit]) -> dict[UnexpectedContact, list[Contact]]:
     """Return the contacts of a run that were not to be expected, in the order of the visits."""
-    found: dict[UnexpectedContact, list[Contact]] = {}
+    contacts: dict[UnexpectedContact, list[Contact]] = {}
     for visit in visits:
         for contact in visit.contacts:
             if not contact.expected:
                 pair = UnexpectedContact(visit.function, contact.link, contact.other)
-                found.setdefault(pair, []).append(contact)
-    return found
+                contacts.setdefault(pair, []).append(contact)
+    return contacts
 
 
 def contact_text(
@@ -58,14 +58,14 @@ def contact_text(
 ) -> str:
     """Return in words what touched, for how long and how hard; `links` are the arm's."""
     link, other, function = contact.link, contact.other, contact.function.name
-    seconds = sum(each.touching_s for each in touches)
+    seconds = sum(touch.touching_s for touch in touches)
     visits = "" if len(touches) == 1 else f" in {len(touches)} visits"
     if other in links:
         return (
             f"{link} overlaps {other}, of the arm itself, in {function}: for {seconds:.2f} s"
             f"{visits}; its force is not simulated"
         )
-    force = max(each.force_n for each in touches)
+    force = max(touch.force_n for touch in touches)
     text = f"{force:.0f}" if force >= _WHOLE_N else f"{force:.2g}"
     what = link if link in links else f"{link}, which is held,"
     return f"{what} touches {other} in {function}: up to {text} N, {seconds:.2f} s{visits}"
@@ -78,14 +78,16 @@ def last_run_summary(trace: Trace) -> dict[str, Any]:
     bodies that touched.
     """
     uncovered: dict[str, list[str]] = {}
-    for ref in sorted({each.ref for each in trace.uncovered}):
+    for ref in sorted({item.ref for item in trace.uncovered}):
         uncovered.setdefault(ref.file, []).append(ref.name)
     contacts: dict[str, dict[str, list[list[str]]]] = {}
-    for each in sorted(unexpected_contacts(trace.visits)):
-        functions = contacts.setdefault(each.function.file, {})
-        functions.setdefault(each.function.name, []).append([each.link, each.other])
-    found = {_UNCOVERED: uncovered, _CONTACTS: contacts}
-    return {key: value for key, value in found.items() if value}
+    for unexpected_contact in sorted(unexpected_contacts(trace.visits)):
+        functions = contacts.setdefault(unexpected_contact.function.file, {})
+        functions.setdefault(unexpected_contact.function.name, []).append(
+            [unexpected_contact.link, unexpected_contact.other]
+        )
+    table = {_UNCOVERED: uncovered, _CONTACTS: contacts}
+    return {key: value for key, value in table.items() if value}
 
 
 def kept_uncovered(summary: Mapping[str, Any]) -> tuple[FunctionRef, ...]:

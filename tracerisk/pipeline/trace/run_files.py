@@ -119,7 +119,7 @@ class Branch:
     @property
     def leaves_s(self) -> float:
         """The instant before which it leaves the run [s]."""
-        return min((each.time_s for each in self.faults), default=self.seconds)
+        return min((fault.time_s for fault in self.faults), default=self.seconds)
 
 
 def claimed(claims: str, index: int) -> bool:
@@ -164,7 +164,7 @@ class BranchPlan:
     @property
     def writable(self) -> tuple[str, ...]:
         """The folders that the run may write into, and replace none of them."""
-        of_branches = (each for branch in self.branches for each in self.folders(branch.index))
+        of_branches = (folder for branch in self.branches for folder in self.folders(branch.index))
         return (str(Path(self.log).parent), *([self.claims] if self.claims else []), *of_branches)
 
 

@@ -74,7 +74,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
             # After it the controller only idled.
             samples = until(samples, mission_end["ns"])
         # A judgement asks of activity what a gripper grasps, and no more.
-        grippers = [] if beside is None else [each.name for each in robot.grippers]
+        grippers = [] if beside is None else [gripper.name for gripper in robot.grippers]
         activity = element_activity(samples, robot, only=grippers)
         measured = activity if beside is None else {}
         active, visits = exposures_of(attribution, measured, samples)
@@ -87,8 +87,8 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
         libraries = Libraries(controller.path, controller.project, settings.states)
         coverage = _coverage(controller, recording, libraries)
     collided = collisions(robot, attribution, visits)
-    found = _in_time((*recording.findings, *attribution.findings, *collided))
-    findings = placed_findings(found, controller)
+    in_time = _in_time((*recording.findings, *attribution.findings, *collided))
+    findings = placed_findings(in_time, controller)
     verdict, more = run_verdict(ran, findings, coverage, samples, contacts, visits)
     return Trace(
         controller=controller.file,
@@ -136,8 +136,8 @@ def exposures_of(
     everywhere = np.ones(n_steps, dtype=np.bool_)
     active: dict[str, Exposure] = {}
     of_elements: dict[str, tuple[Exposure, ...]] = {}
-    for name, each in activity.items():
-        exposures = ElementExposures(each, samples.step_s)
+    for name, of_element in activity.items():
+        exposures = ElementExposures(of_element, samples.step_s)
         active[name] = exposures.over(everywhere)
         owner = attribution.assign(name, n_steps, step_ns)
         of_elements[name] = exposures.of_owners(owner, len(steps_of))
@@ -148,7 +148,9 @@ def exposures_of(
             duration_s=float(steps_of[index]) * samples.step_s,
             outcome=visit.outcome,
             exposures={
-                name: each[index] for name, each in of_elements.items() if each[index] != Exposure()
+                name: of_element[index]
+                for name, of_element in of_elements.items()
+                if of_element[index] != Exposure()
             },
         )
         for index, visit in enumerate(attribution.visits)
@@ -181,11 +183,11 @@ def _coverage(controller: Controller, recording: Recording, libraries: Libraries
         called = {name for calls in graph.calls.values() for name in calls.others}
         motion |= like_commands(called, [controller.source_of(file) for file in files])
     ran = {site.ref for site in recording.functions_ran}
-    never_ran = tuple(each for each in uncovered(graph, motion, ran) if each.ref.file in own)
+    never_ran = tuple(item for item in uncovered(graph, motion, ran) if item.ref.file in own)
     # What the run has seen to command counts, however it came to.
     seen = {frame.function for command in recording.commands for frame in command.stack[:-1]}
     issuers = {command.stack[-1].function for command in recording.commands}
-    reaching = {each.ref for each in motion_reaching(graph, motion)} | seen
+    reaching = {function_site.ref for function_site in motion_reaching(graph, motion)} | seen
     able = {ref for ref in reaching if ref.name != MODULE and ref.file in own} | issuers
     return Coverage(len(able) - len(never_ran), len(able), never_ran)
 
@@ -196,7 +198,7 @@ def _in_time(findings: Sequence[Finding]) -> tuple[Finding, ...]:
 
 def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
     note = recording.note(OBJECTS)
-    return () if note is None else tuple(ObjectOffset(**each) for each in note["found"])
+    return () if note is None else tuple(ObjectOffset(**item) for item in note["found"])
 
 
 def _with_objects(scene: str, recording: Recording) -> str:

@@ -61,7 +61,7 @@ _AFTER_S = 1.0  # a grip shows no later than this after the gripper's command en
 
 def placed_findings(findings: Sequence[Finding], controller: Controller) -> tuple[Finding, ...]:
     """Return the findings with places below the controller's root, and the function of each."""
-    return tuple(_placed(each, controller) for each in findings)
+    return tuple(_placed(finding, controller) for finding in findings)
 
 
 def _placed(finding: Finding, controller: Controller) -> Finding:
@@ -108,8 +108,8 @@ def run_verdict(
     controller, settings, recording = ran.controller, ran.settings, ran.recording
     given = recording.note(GIVEN) or {"objects": (), "accept": (), "unconfirmed": ()}
     # What nobody has confirmed and the run made no use of decides nothing.
-    unused = {each.object for each in findings if each.kind == UNUSED and each.object}
-    used = [each for each in findings if each.kind != UNUSED or not each.object]
+    unused = {finding.object for finding in findings if finding.kind == UNUSED and finding.object}
+    used = [finding for finding in findings if finding.kind != UNUSED or not finding.object]
     commands = tuple(_commands(ran, samples, contacts))
     note = recording.note(CALLS)
     calls = None if note is None else Calls.of(note)
@@ -131,19 +131,20 @@ def run_verdict(
         is_duration_given=settings.duration_s is not None,
         is_speed_known=ran.robot.name != GENERIC,
     )
-    accepted = (*settings.accept, *(Acceptance(**each) for each in given["accept"]))
+    accepted = (*settings.accept, *(Acceptance(**item) for item in given["accept"]))
     noted = tuple(
         Finding(
             NOTHING_TO_GRASP,
-            f"{closed_on_nothing(each.command)}: the scene gives it nothing to grasp, so no load "
+            f"{closed_on_nothing(empty_grasp.command)}: the scene gives it nothing to grasp, so "
+            "no load "
             "is in the figures; objects in a scenario (--scenario) would",
-            each.command.issue_s,
-            each.command.location,
-            each.command.function,
-            each.command.gripper,
+            empty_grasp.command.issue_s,
+            empty_grasp.command.location,
+            empty_grasp.command.function,
+            empty_grasp.command.gripper,
         )
-        for each in empty_grasps(commands, has_objects=run.has_objects)
-        if not each.intended
+        for empty_grasp in empty_grasps(commands, has_objects=run.has_objects)
+        if not empty_grasp.intended
     )
     verdict = judge(run, accepted)
     if settings.robot is None:
@@ -218,23 +219,23 @@ def _mission(
     if ran.end.is_good and samples is not None and not ran.has_faults:
         check_objects(scenario.success, facts.scene, facts.frames, facts.tracks)
     root = ran.controller.root.resolve()
-    for found in missed(scenario.success, facts):
-        condition, place = found.condition, found.condition.location
+    for result in missed(scenario.success, facts):
+        condition, place = result.condition, result.condition.location
         if place is not None:
             place = replace(place, file=from_root(root, Path(place.file).resolve()))
-        yield MissedCondition(condition.label, found.words, place, condition.is_assumed)
+        yield MissedCondition(condition.label, result.words, place, condition.is_assumed)
 
 
 def _unmet(recording: Recording, controller: Controller) -> Iterator[UnmetNeed]:
     note = recording.note(UNMET)
-    for each in note["needs"] if note is not None else ():
-        place = None if each["location"] is None else Location(*each["location"])
+    for item in note["needs"] if note is not None else ():
+        place = None if item["location"] is None else Location(*item["location"])
         yield UnmetNeed(
-            each["name"],
-            each["words"],
+            item["name"],
+            item["words"],
             place,
             function_of(controller, place),
-            is_frame=each["kind"] == "frame",
+            is_frame=item["kind"] == "frame",
         )
 
 
@@ -307,7 +308,7 @@ def _commands(
 
 def _past_limit(joints: Mapping[str, Joint], command: Command) -> tuple[str, str]:
     """Return the joint that a goal takes furthest past its limits, and words; empty for none."""
-    found, furthest = ("", ""), NEAR
+    past_limit, furthest = ("", ""), NEAR
     if len(command.goal) == len(command.elements):
         for name, goal in zip(command.elements, command.goal, strict=True):
             joint = joints.get(name)
@@ -316,8 +317,8 @@ def _past_limit(joints: Mapping[str, Joint], command: Command) -> tuple[str, str
             by = max(joint.lower - goal, goal - joint.upper)
             if by > furthest:
                 furthest = by
-                found = (name, f"to {past_limits(joint, goal, NEAR)}")
-    return found
+                past_limit = (name, f"to {past_limits(joint, goal, NEAR)}")
+    return past_limit
 
 
 def _positions(samples: Samples, time_ns: int) -> Mapping[str, float]:
@@ -348,7 +349,7 @@ def _holds(
     """Return whether the gripper held something before the arm went on after its command."""
     step_ns = samples.header.step_ns
     end_ns = command.end_ns if command.end_ns is not None else command.issue_ns
-    moved_ns = next((each.issue_ns for each in later if gripper.name not in each.elements), end_ns)
+    moved_ns = next((item.issue_ns for item in later if gripper.name not in item.elements), end_ns)
     until = (max(end_ns, moved_ns) + round(_AFTER_S * 1e9)) // step_ns
     return any(
         hold.holder == gripper.name and hold.start <= until and hold.stop > end_ns // step_ns

@@ -91,11 +91,12 @@ def with_sensors(
         shares = None
         if joint is not None:
             shares = [visit.exposures.get(joint) or Exposure() for visit in visits]
-        found = sensor_exposures(sensor, shares, owners, len(visits), samples.step_s)
-        for each, share in zip(exposures, found, strict=True):
+        result = sensor_exposures(sensor, shares, owners, len(visits), samples.step_s)
+        for exposure, share in zip(exposures, result, strict=True):
             if share != Exposure():
-                each[name] = share
+                exposure[name] = share
     with_them = tuple(
-        replace(visit, exposures=each) for visit, each in zip(visits, exposures, strict=True)
+        replace(visit, exposures=exposure)
+        for visit, exposure in zip(visits, exposures, strict=True)
     )
     return total, with_them

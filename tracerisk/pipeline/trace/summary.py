@@ -42,17 +42,17 @@ def trace_summary(
         visits = [visit for visit in trace.visits if visit.function == function.ref]
         elements: dict[str, Any] = {}
         for element in trace.elements:
-            found = [e for v in visits if (e := v.exposures.get(element.name)) is not None]
+            exposures = [e for v in visits if (e := v.exposures.get(element.name)) is not None]
             if element.kind == "sensor":
                 # One that is not read is in use with its joint, which stands here.
-                read_s = _rounded(math.fsum(e.reading_s for e in found))
+                read_s = _rounded(math.fsum(e.reading_s for e in exposures))
                 if read_s:
                     elements[element.name] = {"reading_s": read_s}
-            elif any(exposure.active_s for exposure in found):
+            elif any(exposure.active_s for exposure in exposures):
                 elements[element.name] = {
-                    "moving_s": _rounded(math.fsum(e.moving_s for e in found)),
-                    "holding_s": _rounded(math.fsum(e.holding_s for e in found)),
-                    "grasping_s": _rounded(math.fsum(e.grasping_s for e in found)),
+                    "moving_s": _rounded(math.fsum(e.moving_s for e in exposures)),
+                    "holding_s": _rounded(math.fsum(e.holding_s for e in exposures)),
+                    "grasping_s": _rounded(math.fsum(e.grasping_s for e in exposures)),
                 }
         known = [visit.duration_s for visit in visits if visit.duration_s is not None]
         name = names[function.ref]
@@ -76,8 +76,8 @@ def trace_summary(
 
 def _outcome(trace: Trace, kept: Mapping[str, Any], tolerances: Tolerances) -> dict[str, Any]:
     """Return the outcome as the lock keeps it: what it has, where that says the same."""
-    found = outcome_summary(trace.outcome, tolerances)
-    before, now = kept_outcome(kept), kept_outcome(found)
+    outcome = outcome_summary(trace.outcome, tolerances)
+    before, now = kept_outcome(kept), kept_outcome(outcome)
     if (
         before is not None
         and now is not None
@@ -85,7 +85,7 @@ def _outcome(trace: Trace, kept: Mapping[str, Any], tolerances: Tolerances) -> d
         and not outcome_changes(before, now, tolerances)
     ):
         return {OUTCOME: kept[OUTCOME]}
-    return found
+    return outcome
 
 
 def _instances(
@@ -93,15 +93,15 @@ def _instances(
     instances: Sequence[ComponentInstances],
     kept: Mapping[str, Mapping[str, float]],
 ) -> dict[str, dict[str, float]]:
-    found = {}
-    for each in instances:
-        values = each.in_function(function)
-        before = kept.get(each.component.name, {})
+    fieldses = {}
+    for instance in instances:
+        values = instance.in_function(function)
+        before = kept.get(instance.component.name, {})
         if values:
-            found[each.component.name] = {
+            fieldses[instance.component.name] = {
                 element: _steady(value, before.get(element)) for element, value in values.items()
             }
-    return found
+    return fieldses
 
 
 def _steady(value: float, before: float | None) -> float:

@@ -38,8 +38,8 @@ def console_scripts(folder: Path) -> Iterator[ConsoleScript]:
     What cannot be read, or is not a list of commands, names none.
     """
     for file in ("setup.py", "setup.cfg"):
-        for found in _ENTRY.finditer(read_or_nothing(folder / file)):
-            yield ConsoleScript(found["name"], found["module"], found["function"], file)
+        for match_ in _ENTRY.finditer(read_or_nothing(folder / file)):
+            yield ConsoleScript(match_["name"], match_["module"], match_["function"], file)
     file = "pyproject.toml"
     try:
         document = loads_toml(read_or_nothing(folder / file))

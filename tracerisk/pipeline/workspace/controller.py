@@ -179,7 +179,7 @@ def _forbid_made(source: bytes, shown: str) -> None:
             Location(shown),
         )
     if entry is not None:
-        package, name = (each.decode(errors="replace") for each in entry.groups())
+        package, name = (group.decode(errors="replace") for group in entry.groups())
         raise InputError(
             f"is a script that setuptools wrote for the entry point '{name}' of '{package}'; name "
             f"the module that entry_points in its setup.py gives '{name}'",

@@ -35,8 +35,8 @@ def driver_files(project: Project, settings: Settings) -> tuple[Path, ...]:
     Raises DriverError for an entry point that names no descriptions.
     """
     named = [Path(name).resolve() for name in settings.drivers]
-    found = dict.fromkeys([*named, *_in_workspace(project.top), *installed_files()])
-    return tuple(found)
+    fromkeys = dict.fromkeys([*named, *_in_workspace(project.top), *installed_files()])
+    return tuple(fromkeys)
 
 
 def check_driver(path: Path) -> Driver:
@@ -70,11 +70,11 @@ def _check(driver: Driver, messages: TwinMessages) -> None:
         unknown_package,
     )
 
-    for each in driver.interfaces:
-        for type_name in types_in_use(driver, each, messages):
-            check_interface(each, type_name, messages)
+    for interface in driver.interfaces:
+        for type_name in types_in_use(driver, interface, messages):
+            check_interface(interface, type_name, messages)
     if driver.interfaces and not any(
-        types_in_use(driver, each, messages) for each in driver.interfaces
+        types_in_use(driver, interface, messages) for interface in driver.interfaces
     ):
         raise unknown_package(driver.interfaces[0])
 
@@ -82,7 +82,7 @@ def _check(driver: Driver, messages: TwinMessages) -> None:
 def _in_workspace(top: Path) -> list[Path]:
     # A checkout of tracerisk itself holds those that it ships.
     shipped = {path.parts[-3:] for path in shipped_files()}
-    found: list[Path] = []
+    paths: list[Path] = []
     for folder, files in itertools.islice(searched(top, NOT_SEARCHED | TESTS), _MOST_FOLDERS):
-        found += [Path(folder, name) for name in files if name.endswith(ENDING)]
-    return sorted(path for path in found if path.parts[-3:] not in shipped)
+        paths += [Path(folder, name) for name in files if name.endswith(ENDING)]
+    return sorted(path for path in paths if path.parts[-3:] not in shipped)

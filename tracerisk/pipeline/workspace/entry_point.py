@@ -44,9 +44,9 @@ def find_entry_point(script: Path, source: bytes, root: Path) -> EntryPoint | No
     }
     if not startable or _starts_by_itself(tree):
         return None
-    for each in console_scripts(root):
-        if each.module == script.stem and each.function in startable:
-            return EntryPoint(each.function, each.file)
+    for console_script in console_scripts(root):
+        if console_script.module == script.stem and console_script.function in startable:
+            return EntryPoint(console_script.function, console_script.file)
     return EntryPoint(_MAIN, None) if _MAIN in startable else None
 
 

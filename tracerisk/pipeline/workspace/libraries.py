@@ -98,11 +98,11 @@ class Libraries:
     def _of_other_programs(self) -> frozenset[Path]:
         """The files that programs import which are no part of this controller."""
         mine = self._imported_by(self._script)
-        found: set[Path] = set()
+        other_programs: set[Path] = set()
         for program in self._programs:
             if program != self._script and program not in mine:
-                found |= self._imported_by(program)
-        return frozenset(found)
+                other_programs |= self._imported_by(program)
+        return frozenset(other_programs)
 
     @cached_property
     def _files(self) -> tuple[Path, ...]:
@@ -130,13 +130,13 @@ class Libraries:
         """Return what a program imports, in turn too, but for what the script alone does."""
         root = controller_root(program)
         bases = (program.parent, root, root / "src", *self._folders)
-        found: set[Path] = set()
+        paths: set[Path] = set()
         waiting = [program]
         while waiting:
-            new = self._imports(waiting.pop(), bases) - found - {program, self._script}
-            found |= new
+            new = self._imports(waiting.pop(), bases) - paths - {program, self._script}
+            paths |= new
             waiting += new
-        return frozenset(found)
+        return frozenset(paths)
 
     def _looked_for(self, file: Path, bases: tuple[Path, ...]) -> Iterator[Path]:
         """Yield what a file imports that is looked for in `bases`."""
@@ -166,17 +166,17 @@ def _named(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
         parts = tuple(name.split(".")) if name else ()
         if parts:
             yield len(dots), parts
-        for each in _NAMED.findall(imported.strip("() \t\r\n")):
-            yield len(dots), (*parts, each)
+        for item in _NAMED.findall(imported.strip("() \t\r\n")):
+            yield len(dots), (*parts, item)
     for names in _IMPORT.findall(text):
-        for each in names.split(","):
-            named = _NAMED.match(each.strip())
+        for part in names.split(","):
+            named = _NAMED.match(part.strip())
             if named is not None:
                 yield 0, tuple(named[1].split("."))
 
 
 def _modules_of_commands(root: Path) -> frozenset[str]:
-    return frozenset(each.module for each in console_scripts(root))
+    return frozenset(console_script.module for console_script in console_scripts(root))
 
 
 def _functions(path: Path) -> set[str]:
@@ -184,7 +184,7 @@ def _functions(path: Path) -> set[str]:
         tree = parse_python(path.read_bytes(), str(path)).tree
     except (OSError, TraceRiskError):
         return set()
-    return {str(each.name) for each in definitions(tree)}
+    return {str(definition.name) for definition in definitions(tree)}
 
 
 def _sources(top: Path) -> Iterator[Path]:

@@ -25,7 +25,7 @@ def like_commands(called: Collection[str], sources: Iterable[bytes]) -> frozense
     A call that sends a message or request counts by the type of its publisher or client in the
     sources: markers, transforms, states and edits of the planning scene move nothing.
     """
-    declared = [found for source in sources for found in _declared(source)]
+    declared = [pair for source in sources for pair in _declared(source)]
     moving = {name for name, moves in declared if moves}
     saying = {name for name, moves in declared if not moves} - moving
     names = {name for name in called if is_like_command(name) and not _ONLY_SAYS.search(name)}

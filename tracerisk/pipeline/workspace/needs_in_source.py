@@ -57,19 +57,21 @@ def asked_in_source(controller: Controller) -> tuple[Missed, ...]:
     Parameters with a default of their own are left out. Places are from the controller's root.
     """
     root, ros = controller.root.resolve(), controller.ros_version
-    found: dict[tuple[str, str, str], Missed] = {}
+    misseds: dict[tuple[str, str, str], Missed] = {}
     for path in (controller.path.resolve(), *own_modules(controller)):
         file = from_root(root, path)
-        for each in asked_in_file(path, ros, controller.project):
-            need, place = each.need, each.location
+        for missed in asked_in_file(path, ros, controller.project):
+            need, place = missed.need, missed.location
             if place is not None:
                 place = Location(file, place.line)
             line = str(place) if need.name.startswith("(") else ""
-            first = found.setdefault((need.kind, need.name, line), replace(each, location=place))
+            first = misseds.setdefault(
+                (need.kind, need.name, line), replace(missed, location=place)
+            )
             if not first.need.type_name and need.type_name:
                 # Waited for by its name alone, before a client of a type is made.
-                found[need.kind, need.name, line] = replace(first, need=need)
-    return tuple(found.values())
+                misseds[need.kind, need.name, line] = replace(first, need=need)
+    return tuple(misseds.values())
 
 
 def asked_in_file(path: Path, ros: Literal[1, 2], project: Project) -> Iterator[Missed]:
@@ -79,7 +81,7 @@ def asked_in_file(path: Path, ros: Literal[1, 2], project: Project) -> Iterator[
         return
     types = dict(_types(tree))
     signatures = {**_SIGNATURES[ros], **_BOTH}
-    calls = sorted(named_calls(tree, signatures), key=lambda each: each[3].lineno)
+    calls = sorted(named_calls(tree, signatures), key=lambda row: row[3].lineno)
     for kind, name, type_name, call in calls:
         if kind == "parameter" and _has_default(call):
             continue
@@ -122,14 +124,15 @@ def _has_default(call: ast.Call) -> bool:
     if len(call.args) >= _PART:
         # `declare_parameter("x", Parameter.Type.DOUBLE)` says its type alone.
         return ".Type." not in ast.unparse(call.args[1])
-    return any(each.arg in _DEFAULTS.get(name, ()) for each in call.keywords)
+    return any(keyword.arg in _DEFAULTS.get(name, ()) for keyword in call.keywords)
 
 
 def may_lack(controller: Controller) -> bool:
     """Return whether a script asks for something by name that somebody else has to give it."""
     script, ros = controller.path.resolve(), controller.ros_version
     return _ARGV.search(controller.source) is not None or any(
-        each.need.kind not in _LEFT_OUT for each in asked_in_file(script, ros, controller.project)
+        missed.need.kind not in _LEFT_OUT
+        for missed in asked_in_file(script, ros, controller.project)
     )
 
 

@@ -21,15 +21,15 @@ def own_modules(controller: Controller) -> tuple[Path, ...]:
     top, imports = controller.project.top, controller.project.imports
     bases = _bases(controller)
     script = controller.path.resolve()
-    found: dict[Path, None] = {}
+    modules: dict[Path, None] = {}
     waiting = list(_imported(imports(controller.source), script, bases))
-    while waiting and len(found) < _MOST_MODULES:
+    while waiting and len(modules) < _MOST_MODULES:
         path = waiting.pop(0)
-        if path in found or path == script or not path.is_relative_to(top):
+        if path in modules or path == script or not path.is_relative_to(top):
             continue
-        found[path] = None
+        modules[path] = None
         waiting += _imported(imports(source_bytes(path)), path, bases)
-    return tuple(found)
+    return tuple(modules)
 
 
 def imported_directly(controller: Controller) -> frozenset[Path]:
@@ -92,7 +92,9 @@ def names_in(folder: str) -> frozenset[str]:
     """Return the names in a folder, those of folders with a slash; none where it is not there."""
     try:
         with os.scandir(folder) as entries:
-            return frozenset(f"{each.name}/" if each.is_dir() else each.name for each in entries)
+            return frozenset(
+                f"{entry.name}/" if entry.is_dir() else entry.name for entry in entries
+            )
     except OSError:
         return frozenset()
 

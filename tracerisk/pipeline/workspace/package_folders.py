@@ -97,8 +97,8 @@ def packages_below(
 
 def name_of(folder: Path) -> str:
     """Return the name of the package in a folder: by its manifest, else the folder's."""
-    found = _NAME.search(manifest_text(folder))
-    return found[1] if found else folder.name
+    matched = _NAME.search(manifest_text(folder))
+    return matched[1] if matched else folder.name
 
 
 def ros_of_package(folder: Path) -> RosVersion | None:
@@ -155,8 +155,8 @@ class Siblings:
         height = list(self.project.parents).index(self.sources)
         above = self.project.parents[: height + 1]
         own = {self.project, *above}
-        found = (folder / name for folder in above for name in _folders_in(folder))
-        for folder in itertools.islice(found, _MOST_BESIDE):
+        generator = (folder / name for folder in above for name in _folders_in(folder))
+        for folder in itertools.islice(generator, _MOST_BESIDE):
             if folder not in own and folder.name not in NOT_SEARCHED:
                 yield folder
 
@@ -194,14 +194,14 @@ def needed_beside(root: Path, siblings: Siblings | None, ros: RosVersion | None)
         known = beside.setdefault(name_of(package), package)
         if known != package and is_of_other_ros(known, ros):
             beside[name_of(package)] = package
-    found: dict[str, Path] = {}
+    paths: dict[str, Path] = {}
     waiting = [root]
     while waiting:
         for name in _needs_of(waiting.pop()):
-            if name in beside and name not in found and beside[name] != root:
-                found[name] = beside[name]
+            if name in beside and name not in paths and beside[name] != root:
+                paths[name] = beside[name]
                 waiting.append(beside[name])
-    return found
+    return paths
 
 
 def imported_names(source: str) -> frozenset[str]:
@@ -224,7 +224,7 @@ def _needs_of(folder: Path) -> list[str]:
 def _folders_in(folder: Path) -> list[str]:
     try:
         with os.scandir(folder) as entries:
-            found = [entry.name for entry in entries if not entry.name.startswith(".")]
+            names = [entry.name for entry in entries if not entry.name.startswith(".")]
     except OSError:
         return []
-    return sorted(name for name in found if (folder / name).is_dir())
+    return sorted(name for name in names if (folder / name).is_dir())

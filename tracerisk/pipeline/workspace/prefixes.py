@@ -90,7 +90,7 @@ def find_prefixes(
     settings. `distro` is the distribution of which the installed ROS is taken first.
     """
     environment = os.environ if environment is None else environment
-    found: dict[str, Prefix] = {}
+    prefixes: dict[str, Prefix] = {}
     candidates = itertools.chain(
         (Prefix(path, _SETTING) for path in named),
         _beside(root.resolve(), top.resolve()),
@@ -101,11 +101,11 @@ def find_prefixes(
     for candidate in candidates:
         for prefix in _parts(candidate):
             key = os.path.realpath(prefix.path)
-            if key not in found and _ros_of(prefix) in (None, ros):
-                found[key] = replace(prefix, ros=ros) if prefix.is_sources else prefix
-            if len(found) >= _MOST_PREFIXES:
-                return tuple(found.values())
-    return tuple(found.values())
+            if key not in prefixes and _ros_of(prefix) in (None, ros):
+                prefixes[key] = replace(prefix, ros=ros) if prefix.is_sources else prefix
+            if len(prefixes) >= _MOST_PREFIXES:
+                return tuple(prefixes.values())
+    return tuple(prefixes.values())
 
 
 def _beside(root: Path, top: Path) -> Iterator[Prefix]:
@@ -123,8 +123,8 @@ def _beside(root: Path, top: Path) -> Iterator[Prefix]:
             if is_one_of_many:
                 yield Prefix(str(at), found_in, within=str(at.parent))
             break
-    sources = (each for each in (root, *root.parents[:_UPWARDS]) if each.name == SOURCES)
-    workspaces = dict.fromkeys((*(each.parent for each in sources), top))
+    sources = (parent for parent in (root, *root.parents[:_UPWARDS]) if parent.name == SOURCES)
+    workspaces = dict.fromkeys((*(source.parent for source in sources), top))
     for workspace in workspaces:
         if workspace in (Path.home(), Path("/")):
             continue
@@ -162,7 +162,7 @@ def _of_system(
     if any(f"{INSTALLED}{os.sep}" in environment.get(name, "") for name in PREFIX_VARIABLES):
         return
     folders = sorted(_folders_in(INSTALLED), reverse=True)
-    of_this = [each for each in folders if _ros_of(Prefix(str(INSTALLED / each), "")) == ros]
+    of_this = [folder for folder in folders if _ros_of(Prefix(str(INSTALLED / folder), "")) == ros]
     first = next((name for name in (environment.get("ROS_DISTRO"), distro) if name in of_this), "")
     for name in (first, *of_this)[not first :][:1]:
         yield Prefix(str(INSTALLED / name), str(INSTALLED))
@@ -201,14 +201,14 @@ def installed_packages(prefixes: Iterable[Prefix]) -> dict[str, Path]:
 
     One in sources that is built for the other ROS counts where no other has its name.
     """
-    found: dict[str, Path] = {}
+    paths: dict[str, Path] = {}
     of_other_ros: dict[str, Path] = {}
     for prefix in prefixes:
         for name, folder in _packages_of(prefix):
             is_other = prefix.is_sources and is_of_other_ros(folder, prefix.ros)
-            if len(found) < _MOST_PACKAGES:
-                (of_other_ros if is_other else found).setdefault(name, folder)
-    return dict(sorted({**of_other_ros, **found}.items()))
+            if len(paths) < _MOST_PACKAGES:
+                (of_other_ros if is_other else paths).setdefault(name, folder)
+    return dict(sorted({**of_other_ros, **paths}.items()))
 
 
 def _packages_of(prefix: Prefix) -> Iterator[tuple[str, Path]]:
@@ -250,11 +250,11 @@ def _is_within(path: Path, prefix: Prefix) -> bool:
 
 def readable_of(prefixes: Iterable[Prefix]) -> tuple[Path, ...]:
     """Return the folders in which the files of prefixes lie, and those to which they link."""
-    found: dict[Path, None] = {}
+    readable: dict[Path, None] = {}
     for prefix in prefixes:
         folders = prefix_folders(Path(prefix.path))
-        found.update((folder, None) for folder in folders if _is_within(folder, prefix))
-    return tuple(found)
+        readable.update((folder, None) for folder in folders if _is_within(folder, prefix))
+    return tuple(readable)
 
 
 def python_folders(prefixes: Iterable[Prefix]) -> tuple[Path, ...]:
@@ -264,12 +264,12 @@ def python_folders(prefixes: Iterable[Prefix]) -> tuple[Path, ...]:
     into its sources has the folder of these.
     """
     on_path = {os.path.realpath(path) for path in sys.path}
-    found: dict[Path, None] = {}
+    table: dict[Path, None] = {}
     for prefix in prefixes:
         for folder in _modules_of(prefix):
             if os.path.realpath(folder) not in on_path and _is_within(folder, prefix):
-                found.setdefault(folder)
-    return tuple(found)
+                table.setdefault(folder)
+    return tuple(table)
 
 
 def _modules_of(prefix: Prefix) -> Iterator[Path]:
@@ -293,8 +293,8 @@ def _modules_of(prefix: Prefix) -> Iterator[Path]:
 
 def _strangeness(version: str) -> tuple[bool, bool, int]:
     """Return a key that sorts folders of Python: this version's, that of none, newer ones."""
-    found = _PYTHON.fullmatch(version)
-    minor = int(found[1]) if found is not None and found[1] else 0
+    matched = _PYTHON.fullmatch(version)
+    minor = int(matched[1]) if matched is not None and matched[1] else 0
     return minor != sys.version_info.minor, minor != 0, -minor
 
 
@@ -321,8 +321,8 @@ def _names_in(folder: Path) -> list[str]:
     """Return the names of the files in a folder, hidden ones left out."""
     try:
         with os.scandir(folder) as entries:
-            found = (each.name for each in entries if _is_file(each))
-            return [name for name in found if not name.startswith(".")]
+            names = (entry.name for entry in entries if _is_file(entry))
+            return [name for name in names if not name.startswith(".")]
     except OSError:
         return []
 
@@ -331,7 +331,7 @@ def _folders_in(folder: Path) -> list[str]:
     try:
         with os.scandir(folder) as entries:
             return [
-                each.name for each in entries if not each.name.startswith(".") and _is_dir(each)
+                entry.name for entry in entries if not entry.name.startswith(".") and _is_dir(entry)
             ]
     except OSError:
         return []

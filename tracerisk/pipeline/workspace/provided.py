@@ -84,7 +84,7 @@ def provided_by(tree: ast.Module, ros: Literal[1, 2]) -> Provided:
     frames: set[str] = set()
     called = {last_name(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
     if called & _BROADCASTS:
-        frames = {each.strip("/") for each in texts_in(tree)}
+        frames = {text.strip("/") for text in texts_in(tree)}
     return Provided(frozenset(offers), frozenset(frames - {""}))
 
 
@@ -107,9 +107,9 @@ def named_calls(
 
 
 def _argument(call: ast.Call, position: int, keywords: tuple[str, ...]) -> ast.expr | None:
-    for each in call.keywords:
-        if each.arg in keywords:
-            return each.value
+    for keyword in call.keywords:
+        if keyword.arg in keywords:
+            return keyword.value
     if position < len(call.args) and not any(isinstance(a, ast.Starred) for a in call.args):
         return call.args[position]
     return None
@@ -137,13 +137,13 @@ def _constants(tree: ast.Module) -> dict[str, str]:
 
 def _declared(tree: ast.Module) -> dict[str, str]:
     """Return the parameters of a node of ROS 2 whose default is a text."""
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and last_name(node.func) == "declare_parameter":
-            name, default = (_constant(each) for each in (*node.args, None, None)[:2])
+            name, default = (_constant(argument) for argument in (*node.args, None, None)[:2])
             if name and default:
-                found[name] = default
-    return found
+                texts[name] = default
+    return texts
 
 
 def _literal(node: ast.expr, declared: dict[str, str]) -> str:

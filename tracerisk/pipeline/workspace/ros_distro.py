@@ -115,7 +115,7 @@ def _weighed(ros: RosVersion, mentions: list[_Mention]) -> DistroChoice:
     best = max(points, key=lambda name: (points[name], order.index(name)))
     chosen = [mention for mention in mentions if served[mention.name] == best]
     words = ", ".join(dict.fromkeys(mention.place for mention in chosen[:_SHOWN]))
-    others = [name for name, found in points.items() if name != best and found == points[best]]
+    others = [name for name, item in points.items() if name != best and item == points[best]]
     if others:
         return DistroChoice(best, f"named as often as {others[0]}: {words}", is_assumed=True)
     written = sorted({mention.name for mention in chosen})

@@ -18,16 +18,16 @@ def sibling_programs(controller: Controller) -> tuple[Controller, ...]:
     """
     script = controller.path.resolve()
     root = controller.root.resolve()
-    found: list[Controller] = []
+    controllers: list[Controller] = []
     for path in sorted(script.parent.glob("*.py")):
         is_other = path != script and path.name not in _NO_PROGRAMS
-        if not is_other or path.name.startswith("test_") or len(found) >= _MOST:
+        if not is_other or path.name.startswith("test_") or len(controllers) >= _MOST:
             continue
         source = _source(path)
         if source and controller.project.tree(source) is not None:
             file = path.relative_to(root).as_posix()
-            found.append(Controller(path, controller.project, file, source))
-    return tuple(found)
+            controllers.append(Controller(path, controller.project, file, source))
+    return tuple(controllers)
 
 
 def _source(path: Path) -> bytes:

@@ -56,8 +56,8 @@ class Workspace:
     @property
     def installed(self) -> dict[str, Path]:
         """The packages of the prefixes that the workspace does not have itself."""
-        found = installed_packages(self.prefixes)
-        return {name: folder for name, folder in found.items() if name not in self.packages}
+        paths = installed_packages(self.prefixes)
+        return {name: folder for name, folder in paths.items() if name not in self.packages}
 
     @property
     def findable(self) -> dict[str, Path]:
@@ -83,14 +83,14 @@ class Workspace:
     @property
     def python_packages(self) -> dict[str, Path]:
         """The Python packages of ROS packages, direct or in `src`, and the folder each is in."""
-        found: dict[str, Path] = {}
+        paths: dict[str, Path] = {}
         folders = [*self.packages.items(), *((folder.name, folder) for folder in self.import_paths)]
         for name, folder in folders:
-            for each in sorted(folder.iterdir()):
-                is_python = (each / "__init__.py").is_file() and each.name not in TESTS
-                if is_python or (each.name == name and any(each.glob("*.py"))):
-                    found.setdefault(each.name, folder)
-        return found
+            for path in sorted(folder.iterdir()):
+                is_python = (path / "__init__.py").is_file() and path.name not in TESTS
+                if is_python or (path.name == name and any(path.glob("*.py"))):
+                    paths.setdefault(path.name, folder)
+        return paths
 
     def folder_of_module(self, name: str, root: Path) -> Path | None:
         """Return the folder of a module that stands off the import path, `None` for none.
@@ -99,9 +99,9 @@ class Workspace:
         `root` goes before the rest of the workspace; of several the one whose path sorts first.
         """
         for folders in ([root.resolve()], list(self.packages.values())):
-            found = [each for folder in folders for each in _modules_named(name, folder)]
-            if found:
-                return min(found, key=lambda each: (len(each.parts), each))
+            paths = [path for folder in folders for path in _modules_named(name, folder)]
+            if paths:
+                return min(paths, key=lambda path: (len(path.parts), path))
         return _folder_above(name, root.resolve())
 
 
@@ -118,19 +118,19 @@ def searched(
         folder = waiting.pop()
         try:
             with os.scandir(folder) as listed:
-                entries = sorted(listed, key=lambda each: each.name)
+                entries = sorted(listed, key=lambda dir_entry: dir_entry.name)
         except OSError:
             continue
-        files = [each.name for each in entries if _is_file(each)]
+        files = [entry.name for entry in entries if _is_file(entry)]
         if not environments and ENVIRONMENT in files:
             continue
         yield folder, files
         waiting += [
-            each.path
-            for each in reversed(entries)
-            if each.is_dir(follow_symlinks=False)
-            and not each.name.startswith(".")
-            and each.name not in left_out
+            entry.path
+            for entry in reversed(entries)
+            if entry.is_dir(follow_symlinks=False)
+            and not entry.name.startswith(".")
+            and entry.name not in left_out
         ]
 
 
@@ -164,7 +164,7 @@ def _folder_above(name: str, root: Path) -> Path | None:
 
 
 def _holds_python(folder: Path) -> bool:
-    return folder.is_dir() and any(any(folder.glob(each)) for each in ("*.py", "*/*.py"))
+    return folder.is_dir() and any(any(folder.glob(name)) for name in ("*.py", "*/*.py"))
 
 
 def workspace_of(controller: Controller, settings: Settings) -> Workspace:
@@ -175,15 +175,15 @@ def workspace_of(controller: Controller, settings: Settings) -> Workspace:
     """
     from tracerisk.ros.messages.interface_texts import shipped_packages
 
-    found, prefixes = controller.workspace, prefixes_of(controller, settings)
+    workspace, prefixes = controller.workspace, prefixes_of(controller, settings)
     ros = controller.ros_version
-    other = {name for name, folder in found.packages.items() if is_of_other_ros(folder, ros)}
+    other = {name for name, folder in workspace.packages.items() if is_of_other_ros(folder, ros)}
     if other:
         # Only then: to list them all may take a moment.
         installed = installed_packages(prefixes).items()
         there = {name for name, folder in installed if not is_of_other_ros(folder, ros)}
         other &= there.union(*map(shipped_packages, DISTROS[ros]))
-    packages = {name: folder for name, folder in found.packages.items() if name not in other}
+    packages = {name: folder for name, folder in workspace.packages.items() if name not in other}
     return Workspace(packages, prefixes)
 
 
@@ -279,10 +279,10 @@ def project_top(root: Path) -> Path:
     upwards = above[:_UPWARDS] if height is None else above[: height + 1]
     if not (root / PACKAGE_FILE).is_file():
         # A script in no package may lie among those of a workspace all the same.
-        sources = next((each for each in upwards if each.name == SOURCES), None)
+        sources = next((upward for upward in upwards if upward.name == SOURCES), None)
         if sources is None:
             # Or beside its folder `src`.
-            top = next((each for each in upwards if _is_marked(each)), root)
+            top = next((upward for upward in upwards if _is_marked(upward)), root)
             return top if any(packages_below(top / SOURCES)) else root
         if not any(packages_below(sources)):
             return root

@@ -88,7 +88,9 @@ def differences(
         _WIDER * tolerances.place_m, _WIDER * tolerances.angle_deg, _WIDER * tolerances.joint
     )
     passed = _without_passed(nominal.outcome, trace.outcome, wide)
-    old, new = (kept_outcome(outcome_summary(_told(each))) for each in (passed, trace.outcome))
+    old, new = (
+        kept_outcome(outcome_summary(_told(outcome))) for outcome in (passed, trace.outcome)
+    )
     if old is None or new is None:
         return ()
     old, new = _without_streams(old, new)
@@ -162,7 +164,9 @@ def _without_streams(old: Outcome, new: Outcome) -> tuple[Outcome, Outcome]:
         return replace(
             outcome,
             cell=tuple(use for use in outcome.cell if use.interface not in many),
-            counts=tuple(each for each in outcome.counts if each.interface not in many),
+            counts=tuple(
+                cell_count for cell_count in outcome.counts if cell_count.interface not in many
+            ),
             streams=tuple(name for name in outcome.streams if name not in many),
         )
 

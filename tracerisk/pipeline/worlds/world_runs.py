@@ -96,11 +96,11 @@ def _run(
     asked = [world for world in worlds if may_differ(world, nominal)]
     folder = str(nominal.folder) if workers.executor is None else ""
     jobs = [WorldJob(str(controller), given, nominal.digest, folder, world.name) for world in asked]
-    found = {}
+    world_runs = {}
     workers = replace(workers, folder=nominal.folder)
     for job, run in workers.run(run_world, jobs, progress):
-        found[job.world] = run
-    return tuple(found[world.name] for world in asked if world.name in found)
+        world_runs[job.world] = run
+    return tuple(world_runs[world.name] for world in asked if world.name in world_runs)
 
 
 def may_differ(world: World, nominal: Nominal) -> bool:
@@ -151,12 +151,12 @@ def _lost(recording: Recording) -> tuple[Lost, ...]:
     note = recording.note(LOST_ON_THE_WAY)
     if not isinstance(note, dict):
         return ()
-    found = []
+    lost = []
     for entry in note.get("lost", ()):
         match entry:
             case [str(words), str(file), int(line)] | (str(words), str(file), int(line)):
-                found.append((words, file, line))
-    return tuple(found)
+                lost.append((words, file, line))
+    return tuple(lost)
 
 
 def with_worlds(

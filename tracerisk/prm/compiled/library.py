@@ -33,11 +33,11 @@ def library() -> ctypes.CDLL | None:
     import ctypes
 
     try:
-        found = ctypes.CDLL(str(FILE))
-        version = ctypes.c_int32.in_dll(found, "loops_version").value
+        l_l = ctypes.CDLL(str(FILE))
+        version = ctypes.c_int32.in_dll(l_l, "loops_version").value
     except (OSError, ValueError):
         return None
-    return found if version == VERSION else None
+    return l_l if version == VERSION else None
 
 
 def loop(name: str, takes: str, gives: type | None = None) -> Callable[..., Any]:
@@ -50,9 +50,9 @@ def loop(name: str, takes: str, gives: type | None = None) -> Callable[..., Any]
     """
     import ctypes
 
-    found = library()
-    assert found is not None
-    function = found[name]
+    cdll = library()
+    assert cdll is not None
+    function = cdll[name]
     numbers: dict[str, tuple[Any, ...]] = {"n": (ctypes.c_int64,), "r": (ctypes.c_double,)}
     sequence = (ctypes.c_void_p, ctypes.c_int64)
     function.argtypes = [kind for letter in takes for kind in numbers.get(letter, sequence)]

@@ -67,6 +67,6 @@ def assessment_text(assessment: Assessment) -> str:
 
 
 def _notes(assessment: Assessment) -> list[str]:
-    found = [*assessment.assumptions, *assessment.findings]
-    more = len(found) - _MOST_NOTES
-    return [*found[:_MOST_NOTES], f"and {more} more"] if more > 0 else found
+    texts = [*assessment.assumptions, *assessment.findings]
+    more = len(texts) - _MOST_NOTES
+    return [*texts[:_MOST_NOTES], f"and {more} more"] if more > 0 else texts

@@ -186,9 +186,9 @@ def _order(
             }
             row.sort(key=mean.__getitem__)
             place = {node: at / len(row) for at, node in enumerate(row)}
-        found = _crossings(layers, below)
-        if found < least:
-            best, least = [list(row) for row in layers], found
+        crossings = _crossings(layers, below)
+        if crossings < least:
+            best, least = [list(row) for row in layers], crossings
     layers[:] = best
 
 

@@ -17,7 +17,7 @@ def review_to_json(review: Review) -> dict[str, Any]:
     """
     plain = asdict(review)
     plain.pop("prefixes")
-    plain["controllers"] = [_diff_to_json(each) for each in review.controllers]
+    plain["controllers"] = [_diff_to_json(controller) for controller in review.controllers]
     readable: dict[str, Any] = _readable(plain)
     return readable
 
@@ -40,8 +40,8 @@ def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
         "new_acceptances": (
             [] if diff.verdicts is None else [asdict(e) for e in diff.verdicts.new_acceptances]
         ),
-        "functions": [{**data, "status": each.status} for data, each in functions],
-        "changes": [{**data, "causes": list(each.causes)} for data, each in changes],
+        "functions": [{**data, "status": function.status} for data, function in functions],
+        "changes": [{**data, "causes": list(change.causes)} for data, change in changes],
     }
 
 

@@ -29,7 +29,7 @@ def distribution_to_json(distribution: Distribution) -> dict[str, Any]:
         raise ModelError(f"{type(distribution).__name__} cannot be written to the JSON of a model")
     if isinstance(distribution, Uniform) and distribution.log:
         kind = "loguniform"
-    values = [getattr(distribution, each.name) for each in fields(distribution)]  # type: ignore[arg-type]
+    values = [getattr(distribution, entry.name) for entry in fields(distribution)]  # type: ignore[arg-type]
     return {kind: dict(zip(_PLAIN[kind][1], values, strict=False))}
 
 
@@ -49,8 +49,8 @@ def read_distribution(element: Element) -> Distribution:
         stated = inner.fields(("errorFactor",), optional=("valueIs",))
         return inner.guard(lambda: _lognormal(stated))
     make, keys = _PLAIN[name]
-    found = inner.fields(keys)
-    return inner.guard(lambda: make(*(found[key].number() for key in keys)))
+    fields = inner.fields(keys)
+    return inner.guard(lambda: make(*(fields[key].number() for key in keys)))
 
 
 def _lognormal(fields: Mapping[str, Element]) -> Lognormal:

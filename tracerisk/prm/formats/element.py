@@ -109,10 +109,10 @@ class Element:
 
     def choice(self, allowed: Collection[str]) -> str:
         """Return a string that is one of `allowed`."""
-        found = self.string()
-        if found not in allowed:
-            self.fail(f"is '{found}'; {one_of(allowed, found)}")
-        return found
+        text = self.string()
+        if text not in allowed:
+            self.fail(f"is '{text}'; {one_of(allowed, text)}")
+        return text
 
     def boolean(self) -> bool:
         """Return true or false."""
@@ -131,19 +131,19 @@ class Element:
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             self.fail(f"expected a number, found {kind_of(self.value)}")
         try:
-            found = float(self.value)
+            inf = float(self.value)
         except OverflowError:
-            found = math.inf
-        if not math.isfinite(found):
+            inf = math.inf
+        if not math.isfinite(inf):
             self.fail("is too large for double precision")
-        return found
+        return inf
 
     def probability(self) -> float:
         """Return a number from 0 to 1."""
-        found = self.number()
-        if not 0.0 <= found <= 1.0:
+        number = self.number()
+        if not 0.0 <= number <= 1.0:
             self.fail(f"probability {self.value!r} is outside [0, 1]")
-        return found
+        return number
 
 
 class _Document:
@@ -198,12 +198,12 @@ def kind_of(value: Any) -> str:
 
 
 def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    without_duplicates: dict[str, Any] = {}
     for key, value in pairs:
-        if key in found:
+        if key in without_duplicates:
             raise ModelError(f"duplicate key '{key}' in one object; remove one")
-        found[key] = value
-    return found
+        without_duplicates[key] = value
+    return without_duplicates
 
 
 def _no_constant(text: str) -> NoReturn:

@@ -38,14 +38,14 @@ def gate_to_json(gate: Gate, least: str, most: str) -> dict[str, Any]:
 
 def read_gate(element: Element, least: str, most: str) -> Gate:
     """Return the gate that an element states; `least` and `most` as in `gate_to_json`."""
-    found = element.fields(("name", "type", "inputs"), optional=(least, most))
+    fields = element.fields(("name", "type", "inputs"), optional=(least, most))
     kinds = {kind.value: kind for kind in GateKind}
     return Gate(
-        name=found["name"].string(),
-        kind=kinds[found["type"].choice(kinds)],
-        inputs=found["inputs"].each(Element.string),
-        k=found[least].integer() if least in found else None,
-        most=found[most].integer() if most in found else None,
+        name=fields["name"].string(),
+        kind=kinds[fields["type"].choice(kinds)],
+        inputs=fields["inputs"].each(Element.string),
+        k=fields[least].integer() if least in fields else None,
+        most=fields[most].integer() if most in fields else None,
     )
 
 

@@ -29,7 +29,7 @@ def model_data(model: HybridModel) -> dict[str, Any]:
         "version": VERSION,
         "name": model.name,
         "entry": model.entry,
-        "parameters": [_parameter_to_json(each) for each in model.parameters],
+        "parameters": [_parameter_to_json(parameter) for parameter in model.parameters],
         "states": [_state_to_json(state) for state in model.states],
         "latent": list(model.latent),
     }
@@ -99,25 +99,25 @@ def _state_to_json(state: FunctionState) -> dict[str, Any]:
     }
     if state.spares:
         written["spares"] = {
-            gate: {"dormancy": each.dormancy, "switch": each.switch}
-            for gate, each in state.spares.items()
+            gate: {"dormancy": spare.dormancy, "switch": spare.switch}
+            for gate, spare in state.spares.items()
         }
     return written
 
 
 def _model(top: Element) -> HybridModel:
     _check_version(top.entries())
-    found = top.fields(
+    fields = top.fields(
         {"schema", "version", "name", "entry", "parameters", "states", "latent"},
         optional={"counted"},
     )
     return HybridModel(
-        name=found["name"].string(),
-        entry=found["entry"].string(),
-        states=found["states"].each(_state),
-        parameters=found["parameters"].each(_parameter),
-        latent=found["latent"].each(Element.string),
-        counted="counted" in found and found["counted"].boolean(),
+        name=fields["name"].string(),
+        entry=fields["entry"].string(),
+        states=fields["states"].each(_state),
+        parameters=fields["parameters"].each(_parameter),
+        latent=fields["latent"].each(Element.string),
+        counted="counted" in fields and fields["counted"].boolean(),
     )
 
 
@@ -140,65 +140,65 @@ def _check_version(found: Mapping[str, Element]) -> None:
 
 
 def _parameter(element: Element) -> Parameter:
-    found = element.fields({"name", "theta"}, optional={"distribution"})
-    name = found["name"].string()
+    fields = element.fields({"name", "theta"}, optional={"distribution"})
+    name = fields["name"].string()
     component, share = share_named(name)
-    theta = found["theta"].probability()
+    theta = fields["theta"].probability()
     distribution = None
-    if "distribution" in found:
+    if "distribution" in fields:
         from tracerisk.prm.formats.distribution_json import read_distribution
 
-        distribution = read_distribution(found["distribution"])
+        distribution = read_distribution(fields["distribution"])
     return Parameter(name, theta, distribution, component, share)
 
 
 def _state(element: Element) -> FunctionState:
-    found = element.fields(
+    fields = element.fields(
         {"name", "call_sequence", "fault_tree", "probabilities", "next"}, optional={"spares"}
     )
     return FunctionState(
-        name=found["name"].string(),
-        call_sequence=found["call_sequence"].integer(),
-        tree=_tree(found["fault_tree"]),
+        name=fields["name"].string(),
+        call_sequence=fields["call_sequence"].integer(),
+        tree=_tree(fields["fault_tree"]),
         probabilities={
-            name: value.probability() for name, value in found["probabilities"].entries().items()
+            name: value.probability() for name, value in fields["probabilities"].entries().items()
         },
-        next=found["next"].each(_step),
+        next=fields["next"].each(_step),
         spares=(
-            {gate: _spares(each) for gate, each in found["spares"].entries().items()}
-            if "spares" in found
+            {gate: _spares(entry) for gate, entry in fields["spares"].entries().items()}
+            if "spares" in fields
             else {}
         ),
     )
 
 
 def _spares(element: Element) -> Spares:
-    found = element.fields({"dormancy", "switch"})
-    return Spares(found["dormancy"].probability(), found["switch"].probability())
+    fields = element.fields({"dormancy", "switch"})
+    return Spares(fields["dormancy"].probability(), fields["switch"].probability())
 
 
 def _step(element: Element) -> NextStep:
-    found = element.fields({"target", "weight"})
-    weight = read_fraction(found["weight"], '"9/10" or "0.9"')
-    return NextStep(found["target"].string(), weight)
+    fields = element.fields({"target", "weight"})
+    weight = read_fraction(fields["weight"], '"9/10" or "0.9"')
+    return NextStep(fields["target"].string(), weight)
 
 
 def _tree(element: Element) -> FaultTree:
-    found = element.fields({"top", "gates", "basic_events"}, optional={"house_events"})
-    top = found["top"].string()
-    gates = found["gates"].each(lambda each: read_gate(each, "k", "most"))
-    events = found["basic_events"].each(_event)
-    houses = found["house_events"].each(_house) if "house_events" in found else ()
+    fields = element.fields({"top", "gates", "basic_events"}, optional={"house_events"})
+    top = fields["top"].string()
+    gates = fields["gates"].each(lambda item: read_gate(item, "k", "most"))
+    events = fields["basic_events"].each(_event)
+    houses = fields["house_events"].each(_house) if "house_events" in fields else ()
     return element.guard(lambda: FaultTree(top, gates, events, houses))
 
 
 def _event(element: Element) -> BasicEvent:
-    found = element.fields({"name", "parameter"})
-    parameter = found["parameter"].string()
+    fields = element.fields({"name", "parameter"})
+    parameter = fields["parameter"].string()
     component, share = share_named(parameter)
-    return BasicEvent(found["name"].string(), parameter, component=component, share=share)
+    return BasicEvent(fields["name"].string(), parameter, component=component, share=share)
 
 
 def _house(element: Element) -> HouseEvent:
-    found = element.fields({"name", "state"})
-    return HouseEvent(found["name"].string(), found["state"].boolean())
+    fields = element.fields({"name", "state"})
+    return HouseEvent(fields["name"].string(), fields["state"].boolean())

@@ -155,18 +155,18 @@ class Adjoint:
         """Return D by layer and function: what one more failed unit of a class costs."""
         if unit_class not in self._losses:
             states = self.chain.states
-            found: list[tuple[float, ...]] = [()] * len(states.hidden)
-            for layer in range(len(found) - 1, -1, -1):
+            valueses: list[tuple[float, ...]] = [()] * len(states.hidden)
+            for layer in range(len(valueses) - 1, -1, -1):
                 more = states.more[layer][unit_class]
-                worse = self._worse(found, layer, unit_class) if more >= 0 else []
+                worse = self._worse(valueses, layer, unit_class) if more >= 0 else []
                 # All of the success is lost where the visit fails for want of the unit.
-                found[layer] = tuple(
+                valueses[layer] = tuple(
                     total(weight * worse[target] for target, weight in function.steps)
                     if more >= 0 and states.held[number][more]
                     else self._success[layer][number]
                     for number, function in enumerate(states.functions)
                 )
-            self._losses[unit_class] = found
+            self._losses[unit_class] = valueses
         return self._losses[unit_class]
 
     def _worse(self, found: Sequence[Sequence[float]], layer: int, unit_class: int) -> list[float]:
@@ -256,7 +256,7 @@ class Slopes:
     def of(self, parameter: Parameter) -> list[tuple[str, str, float]]:
         """Return dF/dtheta by state and unit."""
         chain, name = self._chain, parameter.name
-        found = []
+        rows = []
         for number in chain.states.functions_with.get(name, ()):
             function = chain.states.functions[number]
             state = function.state
@@ -273,8 +273,8 @@ class Slopes:
                 order = [event.name for event in state.tree.events if event.name in slopes]
             else:
                 order = list(slopes)
-            found += [(state.name, event, share * slopes[event]) for event in order]
-        return found
+            rows += [(state.name, event, share * slopes[event]) for event in order]
+        return rows
 
     def _of_unit(self, number: int, unit_class: int) -> float:
         """Return what the failure of a latent unit costs, over all visits and working units.

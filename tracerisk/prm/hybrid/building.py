@@ -54,13 +54,13 @@ def state_parts(
                 f"state '{state}': 'next' is missing; give its successors, or '{DONE}'"
             )
         hours = hours_of.get(state) if isinstance(visit_h, Mapping) else visit_h
-        found = _visit_values(state, tree, values, hours)
-        for parameter, value in found.items():
+        visit_values = _visit_values(state, tree, values, hours)
+        for parameter, value in visit_values.items():
             theta[parameter] = max(theta.get(parameter, 0.0), value)
         steps = tuple(
             NextStep(target, share) for target, share in _shares(state, following[state]).items()
         )
-        states.append(FunctionState(state, rank, tree, found, steps))
+        states.append(FunctionState(state, rank, tree, visit_values, steps))
     return (
         tuple(states),
         tuple(

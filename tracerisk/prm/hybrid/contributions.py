@@ -18,7 +18,7 @@ def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
     A component that never fails has no hidden failures either.
     Groups that are solved by themselves each have their drop where no other one fails.
     """
-    found = _mean_drops(solved.chain, solved.flow, number)
+    values = _mean_drops(solved.chain, solved.flow, number)
     grouped = solved.grouped
     if grouped is not None:
         parts: dict[str, list[float]] = {}
@@ -28,9 +28,9 @@ def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
             for name in set(chain.states.functions[number].parameters.values()):
                 # What the rest of the tree falls by counts once.
                 before = parts.setdefault(name, [])
-                before.append(max(0.0, drops[name] - found[name]) if before else drops[name])
-        found |= {name: math.fsum(each) for name, each in parts.items()}
-    return found
+                before.append(max(0.0, drops[name] - values[name]) if before else drops[name])
+        values |= {name: math.fsum(part) for name, part in parts.items()}
+    return values
 
 
 def _mean_drops(chain: HiddenChain, flow: Flow, number: int) -> dict[str, float]:
@@ -40,18 +40,18 @@ def _mean_drops(chain: HiddenChain, flow: Flow, number: int) -> dict[str, float]
         return {name: chain.trees.drop(number, name) for name in values}
     met = [(layer, row[number]) for layer, row in enumerate(flow.visits[:-1]) if row[number] > 0.0]
     total = math.fsum(count for _, count in met)
-    found = {}
+    mean_drops = {}
     # What the latent units leave of the drop of any other component.
     left = math.fsum(count / total * chain.latent_failure(number, layer).q for layer, count in met)
     for name in values:
         if name not in function.parameters.values():
-            found[name] = chain.trees.drop(number, name) * left
+            mean_drops[name] = chain.trees.drop(number, name) * left
             continue
         rest = _rest(chain, number, name)
-        found[name] = math.fsum(
+        mean_drops[name] = math.fsum(
             count / total * _drop(chain, number, layer, name, rest) for layer, count in met
         )
-    return found
+    return mean_drops
 
 
 _Item = tuple[Probability, Probability, float]

@@ -76,24 +76,24 @@ def _passage(
             for target, weight in states.functions[number].steps
             if target in inside and not (is_round and target == entry)
         }
-        for number in sorted(inside, key=lambda each: (each != entry, each))
+        for number in sorted(inside, key=lambda item: (item != entry, item))
     }
     arriving = {entry: 1.0}
-    found: list[int | Loop] = []
+    passage: list[int | Loop] = []
     for component in reversed(strong_components(following)):
         heads = [number for number in component if number in arriving]
         if len(heads) != 1 or abs(arriving[heads[0]] - 1.0) > _ROUNDING:
             return None
         head = heads[0]
         if len(component) == 1 and head not in following[head]:
-            found.append(head)
+            passage.append(head)
             visits = {head: 1.0}
         else:
             visits = _sound_visits(states, component, head)
             rounds = round(visits[head])
             if abs(visits[head] - rounds) > _ROUNDING * rounds:
                 return None
-            found.append(
+            passage.append(
                 Loop(
                     Round(head, frozenset(component)),
                     rounds,
@@ -104,7 +104,7 @@ def _passage(
             for target, weight in following[number].items():
                 if target not in visits:
                     arriving[target] = arriving.get(target, 0.0) + count * weight
-    return tuple(found)
+    return tuple(passage)
 
 
 def _sound_visits(states: HiddenStates, component: Sequence[int], head: int) -> dict[int, float]:
@@ -125,15 +125,15 @@ def _sound_visits(states: HiddenStates, component: Sequence[int], head: int) -> 
 def _log_survival(chain: HiddenChain, passage: Passage) -> float:
     """Return the logarithm of survival where nothing is latent."""
     logs = []
-    for each in passage:
-        if isinstance(each, int):
-            logs.append(log_complement(chain.rest[each]))
-        elif each.body is not None:
-            logs.append(each.rounds * _log_survival(chain, each.body))
+    for item in passage:
+        if isinstance(item, int):
+            logs.append(log_complement(chain.rest[item]))
+        elif item.body is not None:
+            logs.append(item.rounds * _log_survival(chain, item.body))
         else:
-            flow = chain.flow(cut=each.round)
+            flow = chain.flow(cut=item.round)
             good = math.fsum((*flow.done, *flow.back))
-            logs.append(each.rounds * log_complement(Probability(failure_of(flow), good)))
+            logs.append(item.rounds * log_complement(Probability(failure_of(flow), good)))
     return math.fsum(logs)
 
 
@@ -142,11 +142,11 @@ def passed(
 ) -> tuple[list[float], float]:
     """Return what survives a passage, by layer, and what fails; `start` is by layer."""
     now, failed = list(start), []
-    for each in passage:
-        if isinstance(each, int):
-            now, lost = chain.pass_once(each, now)
+    for number in passage:
+        if isinstance(number, int):
+            now, lost = chain.pass_once(number, now)
         else:
-            now, lost = rounds_of(chain, each, now)
+            now, lost = rounds_of(chain, number, now)
         failed.append(lost)
     return now, math.fsum(failed)
 

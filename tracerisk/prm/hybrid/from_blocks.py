@@ -70,11 +70,11 @@ def build_model(
 def is_counted(blocks: Iterable[RiskBlock]) -> bool:
     """Whether the tool counted each `next` in one mission: shares like 9/10, none set by hand."""
     following = [block.next for block in blocks if block.next is not None]
-    shares = [line.rpartition(" ")[2] for each in following for line in each.text.split(", ")]
+    shares = [line.rpartition(" ")[2] for field in following for line in field.text.split(", ")]
     return (
         bool(following)
         and all(share.replace("/", "").isdigit() for share in shares)
-        and not any(each.pinned for each in following)
+        and not any(field.pinned for field in following)
     )
 
 
@@ -94,12 +94,12 @@ def model_of_states(
     """
     latent: dict[str, None] = {}
     groups = set()
-    components = [each for each in components if not each.omitted]
-    for each in components:
-        units = latent_units(each)
+    components = [component for component in components if not component.omitted]
+    for component in components:
+        units = latent_units(component)
         if units:
             latent |= dict.fromkeys(units)
-            groups.add(each.name)
+            groups.add(component.name)
     _check_spares(components, groups)
     states = [_with_renewed_spares(state, latent) for state in states]
     if groups:
@@ -133,14 +133,19 @@ def function_state(
 
 def _check_spares(components: Sequence[ComponentEntry], groups: Collection[str]) -> None:
     """Raise BlockError where functions use another number of units of one group with spares."""
-    quantities = {each.name: each.quantity.value for each in components if component_spares(each)}
-    for each in components:
-        expected = quantities.get(each.name, each.quantity.value)
-        if each.name in groups and each.quantity.value != expected:
+    quantities = {
+        component.name: component.quantity.value
+        for component in components
+        if component_spares(component)
+    }
+    for component in components:
+        expected = quantities.get(component.name, component.quantity.value)
+        if component.name in groups and component.quantity.value != expected:
             raise BlockError(
-                f"component '{each.name}': quantity is {each.quantity.value}, and {expected} in "
+                f"component '{component.name}': quantity is {component.quantity.value}, and "
+                f"{expected} in "
                 "another function with spares of it; use one quantity everywhere",
-                each.quantity.location or each.location,
+                component.quantity.location or component.location,
             )
 
 
@@ -281,13 +286,13 @@ def _check_components(block: RiskBlock) -> None:
             _fail(block, f"{where}: probability {value!r} is outside [0, 1]", place)
         if not 1 <= entry.quantity.value <= MAX_QUANTITY:
             place = entry.quantity.location or entry.location
-            found = entry.quantity.value
-            _fail(block, f"{where}: quantity is {found}; allowed: 1 to {MAX_QUANTITY}", place)
+            number = entry.quantity.value
+            _fail(block, f"{where}: quantity is {number}; allowed: 1 to {MAX_QUANTITY}", place)
         required = entry.redundancy.value.required
         if required > entry.quantity.value:
             place = entry.redundancy.location or entry.location
-            found = entry.quantity.value
-            _fail(block, f"{where}: required {required} of {found}; allowed: 1 to {found}", place)
+            number = entry.quantity.value
+            _fail(block, f"{where}: required {required} of {number}; allowed: 1 to {number}", place)
 
 
 def _fail(block: RiskBlock, message: str, place: Location | None = None) -> NoReturn:

@@ -155,7 +155,7 @@ def in_one_visit(state: FunctionState, gates: Collection[str] | None = None) -> 
         state,
         tree=tree,
         probabilities={name: values[name] for name in tree.parameters},
-        spares={name: each for name, each in state.spares.items() if name not in chosen},
+        spares={name: spare for name, spare in state.spares.items() if name not in chosen},
     )
 
 

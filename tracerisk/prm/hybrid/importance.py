@@ -31,19 +31,21 @@ def importances(model: HybridModel, solved: SolvedMission) -> tuple[ComponentImp
     grouped = solved.grouped
     base = _Base(solved.chain, solved.flow)
     if grouped is None:
-        found = [
-            _ranked(each, *_effect(base, each), base.failure, base.held)
-            for each in model.parameters
+        result = [
+            _ranked(parameter, *_effect(base, parameter), base.failure, base.held)
+            for parameter in model.parameters
         ]
     else:
-        own = [_Base(*each) for each in zip(grouped.own, grouped.own_flows, strict=True)]
-        failure, found = solved.failure.p, []
-        for each in model.parameters:
-            parts = [own[group] for group in grouped.groups_with.get(each.name, ())]
-            found.append(
-                _ranked(each, *_sum_of_groups(failure, base, parts, each), failure, failure)
+        own = [_Base(*flow) for flow in zip(grouped.own, grouped.own_flows, strict=True)]
+        failure, result = solved.failure.p, []
+        for parameter in model.parameters:
+            parts = [own[group] for group in grouped.groups_with.get(parameter.name, ())]
+            result.append(
+                _ranked(
+                    parameter, *_sum_of_groups(failure, base, parts, parameter), failure, failure
+                )
             )
-    return tuple(sorted(found, key=lambda i: (-i.fussell_vesely, -i.criticality, i.name)))
+    return tuple(sorted(result, key=lambda i: (-i.fussell_vesely, -i.criticality, i.name)))
 
 
 class _Base:
@@ -125,27 +127,27 @@ def _sum_of_groups(
     the rest of the trees does is in each of these, and counts once.
     """
     slopes, plain = _effect(base, parameter)
-    effects = [_effect(each, parameter) for each in own]
+    effects = [_effect(item, parameter) for item in own]
     if effects:
         summed: dict[tuple[str, str], list[float]] = {}
-        for found, _ in effects:
-            for state, unit, slope in found:
+        for effect, _ in effects:
+            for state, unit, slope in effect:
                 summed.setdefault((state, unit), []).append(slope)
         for state, unit, slope in slopes:
             summed[state, unit].append(-(len(own) - 1) * slope)
         slopes = [(*key, max(0.0, math.fsum(parts))) for key, parts in summed.items()]
 
     def added(rest: float, groups: list[float]) -> float:
-        return math.fsum([rest, *(each - rest for each in groups)]) if groups else rest
+        return math.fsum([rest, *(group - rest for group in groups)]) if groups else rest
 
-    now = added(base.failure, [each.failure for each in own])
+    now = added(base.failure, [item.failure for item in own])
     others = max(0.0, failure - now)
     changes = [change for _, change in effects]
     return slopes, _Change(
-        fall=max(0.0, min(failure, added(plain.fall, [each.fall for each in changes]))),
-        left=max(0.0, added(plain.left, [each.left for each in changes])) + others,
-        tenfold=min(1.0, added(plain.tenfold, [each.tenfold for each in changes]) + others),
-        surely=min(1.0, added(plain.surely, [each.surely for each in changes]) + others),
+        fall=max(0.0, min(failure, added(plain.fall, [item.fall for item in changes]))),
+        left=max(0.0, added(plain.left, [item.left for item in changes])) + others,
+        tenfold=min(1.0, added(plain.tenfold, [item.tenfold for item in changes]) + others),
+        surely=min(1.0, added(plain.surely, [item.surely for item in changes]) + others),
     )
 
 
@@ -177,9 +179,9 @@ def _ranked(
 
 def _change(base: _Base, name: str) -> _Change:
     numbers = base.chain.states.functions_with.get(name, ())
-    found = _change_in_one(base, name, numbers) if base.is_plain and len(numbers) < 2 else None
-    if found is not None:
-        return found
+    change = _change_in_one(base, name, numbers) if base.is_plain and len(numbers) < 2 else None
+    if change is not None:
+        return change
     without = HiddenChain(base.chain.states, {name: 0.0}, base=base.chain)
     flow = without.flow()
     return _Change(

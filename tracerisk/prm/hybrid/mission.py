@@ -276,5 +276,5 @@ def _joined_spares(
     return SpareGroup(
         groups[0].units,
         groups[0].units - threshold + 1,
-        Spares(max(each.dormancy for each in spares), max(each.switch for each in spares)),
+        Spares(max(spare.dormancy for spare in spares), max(spare.switch for spare in spares)),
     )

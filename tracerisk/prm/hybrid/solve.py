@@ -125,7 +125,7 @@ def _assumptions(
 def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateAssessment]:
     number_of = {f.state.name: number for number, f in enumerate(solved.states.functions)}
     failures = model.failure_states
-    found = []
+    state_assessments = []
     for state in model.states:
         name, values = state.name, state.probabilities
         if name in number_of:
@@ -139,7 +139,7 @@ def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateA
         for gate in state.tree.gates:
             for below in gate.inputs:
                 gates.setdefault(below, []).append(gate)
-        found.append(
+        state_assessments.append(
             StateAssessment(
                 name=name,
                 call_sequence=state.call_sequence,
@@ -149,37 +149,37 @@ def _state_assessments(model: HybridModel, solved: SolvedMission) -> list[StateA
                 absorption_probability=solved.absorption.get(name, 0.0),
                 components=tuple(
                     ComponentContribution(
-                        component=components[each],
-                        name=each,
-                        units=len(units[each]),
-                        required=_required(gates, units[each]),
-                        probability=values[each],
-                        contribution=drops[each],
+                        component=components[parameter],
+                        name=parameter,
+                        units=len(units[parameter]),
+                        required=_required(gates, units[parameter]),
+                        probability=values[parameter],
+                        contribution=drops[parameter],
                     )
-                    for each in state.tree.parameters
+                    for parameter in state.tree.parameters
                 ),
             )
         )
-    return found
+    return state_assessments
 
 
 def _drops(state: FunctionState) -> dict[str, float]:
     """Return by how much one visit's top falls without each parameter, no unit failed before."""
     here = in_one_visit(state)
-    found = {}
+    drops = {}
     for name in state.probabilities:
         without = replace(state, probabilities={**state.probabilities, name: 0.0})
         values = in_one_visit(without).probabilities
-        found[name] = here.tree.difference(here.probabilities, values)
-    return found
+        drops[name] = here.tree.difference(here.probabilities, values)
+    return drops
 
 
 def _units(tree: FaultTree) -> dict[str, set[str]]:
     """Return the events of each parameter."""
-    found: dict[str, set[str]] = {}
+    units: dict[str, set[str]] = {}
     for event in tree.events:
-        found.setdefault(event.parameter, set()).add(event.name)
-    return found
+        units.setdefault(event.parameter, set()).add(event.name)
+    return units
 
 
 def _required(gates: Mapping[str, Sequence[Gate]], units: set[str]) -> int | None:

@@ -103,7 +103,7 @@ def _add_linked(model: LinkedModel, graph: Any) -> None:
         graph.add_node(str(prepared.key), kind=prepared.key.kind, name=prepared.key.name)
     for name in model.figure_tapes:
         graph.add_node(f"figure '{name}'", kind="figure", name=name)
-    users = [(str(each.key), each.tapes) for each in model.prepared]
+    users = [(str(item.key), item.tapes) for item in model.prepared]
     users += [(f"figure '{name}'", (tape,)) for name, tape in model.figure_tapes.items()]
     for user, tapes in users:
         for tape in tapes:

@@ -73,10 +73,10 @@ def _choices(units: int) -> tuple[int, ...]:
 
     Each from the one before: of hundreds of units that is far sooner than each by itself.
     """
-    found = [1]
+    choices = [1]
     for chosen in range(units):
-        found.append(found[-1] * (units - chosen) // (chosen + 1))
-    return tuple(found)
+        choices.append(choices[-1] * (units - chosen) // (chosen + 1))
+    return tuple(choices)
 
 
 def group_failures(

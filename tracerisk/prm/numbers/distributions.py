@@ -133,8 +133,8 @@ class Beta:
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
 
-        found: Samples = special().betaincinv(self.alpha, self.beta, shares)
-        return found
+        betaincinv: Samples = special().betaincinv(self.alpha, self.beta, shares)
+        return betaincinv
 
     def mean(self, value: float) -> float:  # noqa: ARG002 - absolute
         """Return alpha / (alpha + beta)."""
@@ -165,8 +165,8 @@ class Gamma:
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
 
-        found: Samples = special().gammaincinv(self.shape, shares) * self.scale
-        return found
+        samples: Samples = special().gammaincinv(self.shape, shares) * self.scale
+        return samples
 
     def mean(self, value: float) -> float:  # noqa: ARG002 - absolute
         """Return shape times scale."""
@@ -194,8 +194,10 @@ class Normal:
 
         # From the upper end, so that the part above zero keeps its digits.
         above = special().ndtr(self.mean_value / self.deviation)
-        found: Samples = self.mean_value - self.deviation * special().ndtri((1.0 - shares) * above)
-        return np.maximum(found, 0.0)
+        samples: Samples = self.mean_value - self.deviation * special().ndtri(
+            (1.0 - shares) * above
+        )
+        return np.maximum(samples, 0.0)
 
     def mean(self, value: float) -> float:  # noqa: ARG002 - absolute
         """Return the mean of the part from zero up."""

@@ -162,22 +162,22 @@ class Elimination:
         K. Takahashi, J. Fagan and M.-S. Chin, 8th PICA Conference (1973).
         """
         # found[a][b] is how often b is visited from a.
-        found: list[dict[int, float]] = [{} for _ in self._done]
+        tables: list[dict[int, float]] = [{} for _ in self._done]
         for state, leaving, ((sources, incoming), (following, outgoing)) in reversed(self._done):
-            onward = found[state]
+            onward = tables[state]
             for source in sources:
                 onward[source] = (
                     sum(
-                        way * found[target][source]
+                        way * tables[target][source]
                         for target, way in zip(following, outgoing, strict=True)
                     )
                     / leaving
                 )
             for target in following:
-                there = found[target]
+                there = tables[target]
                 there[state] = (
                     sum(there[s] * way for s, way in zip(sources, incoming, strict=True)) / leaving
                 )
-            back = (way * found[t][state] for t, way in zip(following, outgoing, strict=True))
+            back = (way * tables[t][state] for t, way in zip(following, outgoing, strict=True))
             onward[state] = (1.0 + sum(back)) / leaving
-        return [row[state] for state, row in enumerate(found)]
+        return [row[state] for state, row in enumerate(tables)]

@@ -51,7 +51,7 @@ def within(strata: NDArray[np.int64], generator: Generator) -> Samples:
     from tracerisk.prm.numbers.arrays import np
 
     size = len(strata)
-    found: Samples = (strata + generator.random(size)) / size
+    samples: Samples = (strata + generator.random(size)) / size
     # The ends themselves have no quantile.
     tiny = np.finfo(np.float64)
-    return np.clip(found, tiny.tiny, 1.0 - tiny.epsneg)
+    return np.clip(samples, tiny.tiny, 1.0 - tiny.epsneg)

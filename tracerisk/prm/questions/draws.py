@@ -69,18 +69,18 @@ class UncertainInput:
         """Return the values at uniform numbers, and how many were above one and are taken so."""
         from tracerisk.prm.numbers.arrays import np
 
-        found = self.distribution.quantiles(uniform, self.value)
+        quantiles = self.distribution.quantiles(uniform, self.value)
         if not self.is_probability:
-            return found, 0
-        cut = int((found > 1.0).sum())
-        return np.minimum(found, 1.0) if cut else found, cut
+            return quantiles, 0
+        cut = int((quantiles > 1.0).sum())
+        return np.minimum(quantiles, 1.0) if cut else quantiles, cut
 
     def levels(self, percentiles: Sequence[float]) -> tuple[float, ...]:
         """Return the percentiles of the distribution."""
         from tracerisk.prm.numbers.arrays import np
 
-        found, _ = self.values(np.array(percentiles) / 100.0)
-        return tuple(map(float, found))
+        array, _ = self.values(np.array(percentiles) / 100.0)
+        return tuple(map(float, array))
 
 
 class InputDraws:
@@ -113,8 +113,8 @@ class InputDraws:
         from tracerisk.prm.numbers.strata import generator_of
 
         laws: dict[object, list[str]] = {}
-        for name, each in self.inputs.items():
-            laws.setdefault(each.law, []).append(name)
+        for name, uncertain_input in self.inputs.items():
+            laws.setdefault(uncertain_input.law, []).append(name)
         names = tuple(name for group in laws.values() for name in group)
         makers = [generator_of(_key(name), self._seed) for name in names]
         room = np.empty((len(names), max(self._sizes)))
@@ -166,10 +166,10 @@ class InputDraws:
             uniform = np.concatenate(parts, axis=1)
         else:
             uniform = np.stack([stratified(maker, self._samples) for maker in makers])
-        found = {}
+        arrays = {}
         for name, row in zip(names, uniform, strict=True):
-            found[name], self.cut[name] = self.inputs[name].values(row)
-        return found
+            arrays[name], self.cut[name] = self.inputs[name].values(row)
+        return arrays
 
     def _table(self, number: int, size: int) -> Samples:
         """Return the uniform numbers that a block takes its own from, in order."""

@@ -88,7 +88,7 @@ def pair_importances(
     alone = {name: fall(name) for name in chosen}
     latent = {name for f in chain.states.functions for name in f.parameters.values()}
     tilted: dict[str, Slopes] = {}
-    found = []
+    importances = []
     for first, second in combinations(chosen, 2):
         along, of = (first, second) if second in latent else (second, first)
         if along not in tilted:
@@ -97,7 +97,7 @@ def pair_importances(
         joint = math.fsum(tilt.imag for tilt in tilts) / _STEP
         both = fall(first, second)
         scale = parameters[first].theta * parameters[second].theta
-        found.append(
+        importances.append(
             PairImportance(
                 first=first,
                 second=second,
@@ -107,7 +107,9 @@ def pair_importances(
                 interaction=math.fsum((alone[first], alone[second], -both)),
             )
         )
-    return tuple(sorted(found, key=lambda pair: (-pair.fussell_vesely, pair.first, pair.second)))
+    return tuple(
+        sorted(importances, key=lambda pair: (-pair.fussell_vesely, pair.first, pair.second))
+    )
 
 
 def _slopes_along(states: HiddenStates, parameter: Parameter) -> Slopes:
@@ -177,8 +179,8 @@ def _opposed(pair: Probability) -> Probability:
 
 
 def _slopes(tree: FaultTree, values: Mapping[str, float]) -> dict[str, float]:
-    found = slopes(tree.upwards, tree.top, _sweep(tree, values))
-    return {event.name: found[event.name] for event in tree.events}
+    table = slopes(tree.upwards, tree.top, _sweep(tree, values))
+    return {event.name: table[event.name] for event in tree.events}
 
 
 def _shared_slopes(tree: FaultTree, values: Mapping[str, float]) -> dict[str, float]:

@@ -66,12 +66,12 @@ def _sources(
     rows: Mapping[Hashable, Mapping[Hashable, Values]],
 ) -> dict[Hashable, dict[Hashable, None]]:
     """Return for each transient state those that lead to it, in order."""
-    found: dict[Hashable, dict[Hashable, None]] = {state: {} for state in rows}
+    sources: dict[Hashable, dict[Hashable, None]] = {state: {} for state in rows}
     for state, row in rows.items():
         for target in row:
-            if target in found:
-                found[target][state] = None
-    return found
+            if target in sources:
+                sources[target][state] = None
+    return sources
 
 
 def _total(values: Iterable[Values]) -> Values:

@@ -55,10 +55,10 @@ def failure_sampler(model: HybridModel) -> Callable[[Mapping[str, Samples]], Sam
     """Return `failure_samples` of a model, for block after block of draws."""
     states = hidden_states(model, MOST_STATES)
     groups: list[HiddenStates] = []
-    if states.most is not None and len(found := groups_of(states)) > 1:
-        groups = [states_with(states, group) for group in found]
+    if states.most is not None and len(numberses := groups_of(states)) > 1:
+        groups = [states_with(states, group) for group in numberses]
         states = states_with(states, ())
-    layers = max(len(each.hidden) for each in (states, *groups))
+    layers = max(len(item.hidden) for item in (states, *groups))
     ways = sum(len(function.steps) + 4 for function in states.functions)
     step = max(64, _CELLS // (ways * layers))
     before = {parameter.name: parameter.theta for parameter in model.parameters}
@@ -70,7 +70,7 @@ def failure_sampler(model: HybridModel) -> Callable[[Mapping[str, Samples]], Sam
             rests = _rests(states, before, drawn)
             failed = _failed(states, rests)
             if groups:
-                more = [np.maximum(_failed(each, rests) - failed, 0.0) for each in groups]
+                more = [np.maximum(_failed(item, rests) - failed, 0.0) for item in groups]
                 failed = np.minimum(failed + sum(more), 1.0)
             parts.append(np.broadcast_to(failed, len(next(iter(drawn.values())))))
         return np.concatenate(parts)
@@ -81,13 +81,13 @@ def failure_sampler(model: HybridModel) -> Callable[[Mapping[str, Samples]], Sam
 def _rests(
     states: HiddenStates, before: Mapping[str, float], drawn: Mapping[str, Samples]
 ) -> _Rests:
-    found = []
+    rests = []
     for function in states.functions:
         values = _values(function.state, before, drawn)
         # Of the values only those of latent units are asked for again.
         units = {name: values[name] for name in _latent_parameters(function)}
-        found.append((tree_samples(function.rest, values), units))
-    return found
+        rests.append((tree_samples(function.rest, values), units))
+    return rests
 
 
 def _latent_parameters(function: Function) -> set[str]:
@@ -178,8 +178,8 @@ def _visit(
 
 
 def _binomial(units: int, failed: int, p: Values) -> Values:
-    found: Values = math.comb(units, failed) * p**failed * (1.0 - p) ** (units - failed)
-    return found
+    binomial: Values = math.comb(units, failed) * p**failed * (1.0 - p) ** (units - failed)
+    return binomial
 
 
 def _values(

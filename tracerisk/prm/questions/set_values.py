@@ -71,12 +71,12 @@ def with_values(model: HybridModel, values: Mapping[str, float]) -> HybridModel:
     for name, value in values.items():
         if not 0.0 <= value <= 1.0:
             raise ModelError(f"'{name}' is set to {value!r}; allowed: 0 to 1")
-        found = parameters_of(model, name)
-        total = math.fsum(parameter.theta for parameter in found)
-        for parameter in found:
+        parameters = parameters_of(model, name)
+        total = math.fsum(parameter.theta for parameter in parameters)
+        for parameter in parameters:
             if parameter.name in thetas:
                 raise ModelError(f"'{parameter.name}' is set twice; set it once")
-            share = parameter.theta / total if total > 0.0 else 1.0 / len(found)
+            share = parameter.theta / total if total > 0.0 else 1.0 / len(parameters)
             thetas[parameter.name] = value * share
     before = {parameter.name: parameter.theta for parameter in model.parameters}
     return replace(
@@ -127,16 +127,16 @@ def groups_of(model: HybridModel) -> dict[str, tuple[Parameter, ...]]:
     under the component's name.
     """
     names = {parameter.name for parameter in model.parameters}
-    with_spares = {each.component for each in model.parameters if each.share is Share.SPARES}
-    found: dict[str, tuple[Parameter, ...]] = {}
+    with_spares = {item.component for item in model.parameters if item.share is Share.SPARES}
+    groups: dict[str, tuple[Parameter, ...]] = {}
     for parameter in model.parameters:
         component = parameter.component
         whole = (
             parameter.share in _PARTS and component not in names and component not in with_spares
         )
         key = component if whole else parameter.name
-        found[key] = (*found.get(key, ()), parameter)
-    return found
+        groups[key] = (*groups.get(key, ()), parameter)
+    return groups
 
 
 def parameters_of(model: HybridModel, name: str) -> tuple[Parameter, ...]:

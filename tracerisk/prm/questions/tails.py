@@ -33,19 +33,19 @@ def intervals(results: Samples, percentiles: Sequence[float]) -> tuple[Interval,
 
     ordered, count = np.sort(results), len(results)
     ranks = np.arange(count)
-    found = []
+    rows = []
     for level in percentiles:
         below = special().bdtr(ranks, count, level / 100.0)
         # P(at most i draws are below): the draw of rank i + 1 from below, and that from above.
         low = int(np.searchsorted(below, (1.0 - _CONFIDENCE) / 2.0, side="right"))
         high = int(np.searchsorted(below, (1.0 + _CONFIDENCE) / 2.0))
-        found.append(
+        rows.append(
             (
                 float(ordered[low - 1]) if low > 0 else None,
                 float(ordered[high]) if high < count else None,
             )
         )
-    return tuple(found)
+    return tuple(rows)
 
 
 class TailMean(NamedTuple):
@@ -88,9 +88,9 @@ def tail_mean(
         density += (end - start) / samples * np.exp(by * scores[name] - by * by / 2.0)
     most = 1.0 - np.finfo(np.float64).epsneg
     values = {}
-    for name, each in inputs.items():
-        values[name], _ = each.values(np.minimum(special().ndtr(scores[name]), most))
-    found = figure(values) / density
-    total, scale = float(found.sum()), float(found.max()) or 1.0
-    error = float((found / scale).std(ddof=1)) * scale / math.sqrt(samples)
-    return TailMean(total / samples, error, float(found.max()) / total if total > 0.0 else 0.0)
+    for name, uncertain_input in inputs.items():
+        values[name], _ = uncertain_input.values(np.minimum(special().ndtr(scores[name]), most))
+    result = figure(values) / density
+    total, scale = float(result.sum()), float(result.max()) or 1.0
+    error = float((result / scale).std(ddof=1)) * scale / math.sqrt(samples)
+    return TailMean(total / samples, error, float(result.max()) / total if total > 0.0 else 0.0)

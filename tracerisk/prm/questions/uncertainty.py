@@ -163,19 +163,29 @@ def propagate(
         own = [given.get(part.name) for part in parts]
         spreads = (figures or {}).get(name, ()) if own == [None] * len(own) else ()
         stated = (one or part.distribution for one, part in zip(own, parts, strict=True))
-        known = next((each for each in stated if each is not None), None)
+        known = next((item for item in stated if item is not None), None)
         if not spreads and known is not None:
             spreads = (FigureSpread("", 1.0, known),)
         if not spreads:
             continue
-        named = {f"{name}: {each.name}" if each.name else name: each for each in spreads}
-        for key, each in named.items():
-            point = each.share if each.is_factor else each.share * value
-            inputs[key] = UncertainInput(point, each.distribution)
-        summed = {key: each for key, each in named.items() if not each.is_factor}
-        certain = max(0.0, 1.0 - math.fsum(each.share for each in summed.values()))
+        named = {f"{name}: {spread.name}" if spread.name else name: spread for spread in spreads}
+        for key, figure_spread in named.items():
+            point = figure_spread.share if figure_spread.is_factor else figure_spread.share * value
+            inputs[key] = UncertainInput(point, figure_spread.distribution)
+        summed = {
+            key: figure_spread
+            for key, figure_spread in named.items()
+            if not figure_spread.is_factor
+        }
+        certain = max(
+            0.0, 1.0 - math.fsum(figure_spread.share for figure_spread in summed.values())
+        )
         sums[name] = (certain * value, list(summed))
-        factors[name] = [(key, each.share) for key, each in named.items() if each.is_factor]
+        factors[name] = [
+            (key, figure_spread.share)
+            for key, figure_spread in named.items()
+            if figure_spread.is_factor
+        ]
         shares[name] = {
             part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
         }
@@ -233,22 +243,22 @@ def spread_of(
     rows = [
         InputShare(
             name=name,
-            value=each.value,
+            value=uncertain_input.value,
             percentiles=percentiles_of(values[name])
             if name in values
-            else each.levels(PERCENTILES),
+            else uncertain_input.levels(PERCENTILES),
             share=shares[name],
             cut=drawn.cut[name],
         )
-        for name, each in inputs.items()
+        for name, uncertain_input in inputs.items()
     ]
-    rows.sort(key=lambda each: (-each.share, each.name))
-    found = Uncertainty.of_draws(results, seed=seed, point=point, inputs=tuple(rows))
-    if found.knows_mean or drawn.are_many:
-        return found
-    tail = tail_mean(figure, inputs, [each.name for each in rows], samples, seed)
+    rows.sort(key=lambda row: (-row.share, row.name))
+    of_draws = Uncertainty.of_draws(results, seed=seed, point=point, inputs=tuple(rows))
+    if of_draws.knows_mean or drawn.are_many:
+        return of_draws
+    tail = tail_mean(figure, inputs, [row.name for row in rows], samples, seed)
     return replace(
-        found,
+        of_draws,
         mean=tail.mean,
         standard_error=tail.standard_error,
         greatest_share=tail.greatest_share,
@@ -269,4 +279,4 @@ def percentiles_of(values: Samples) -> tuple[float, ...]:
     """Return the values at `PERCENTILES`."""
     from tracerisk.prm.numbers.arrays import np
 
-    return tuple(float(each) for each in np.percentile(values, PERCENTILES))
+    return tuple(float(item) for item in np.percentile(values, PERCENTILES))

@@ -70,7 +70,7 @@ def compare(
         points = _new_single_points(earlier, after)
         changes, causes, noisy = _changes(earlier, after, points, cause_of)
         total = _mission(after) - _mission(earlier)
-        interaction = total - math.fsum(each.contribution or 0.0 for each in changes)
+        interaction = total - math.fsum(change.contribution or 0.0 for change in changes)
     return RiskDiff(
         name=name,
         was=was,
@@ -117,7 +117,7 @@ def _changes(
     marks = _Marks(before, after, points)
     parts = _solved([_component_part(group, marks) for group in alike(items)], before)
     of_flow = _solved([_flow_part(group, marks) for group in joined(flows)], before)
-    if any(each.change.contribution is None for each in of_flow):
+    if any(entry.change.contribution is None for entry in of_flow):
         # One of them alone leads nowhere: they are one change.
         of_flow = _solved([_flow_part(flows, marks)], before)
     parts += of_flow
@@ -139,7 +139,7 @@ def _causes(parts: Sequence[_Part], before: RiskVersion) -> tuple[CauseShare, ..
         change = part.change
         key: object = number if change.component is None else change.component
         groups.setdefault((key, *_kinds(change)), []).append(part)
-    found = []
+    cause_shares = []
     for group in groups.values():
         first = group[0].change
         functions = tuple(sorted({name for part in group for name in part.change.functions}))
@@ -149,8 +149,10 @@ def _causes(parts: Sequence[_Part], before: RiskVersion) -> tuple[CauseShare, ..
             together = contribution(before, edits)
             where = functions[0] if len(functions) == 1 else f"{len(functions)} functions"
             summary = f"{first.component} in {where}"
-        found.append(CauseShare(first.component, _kinds(first), functions, summary, together))
-    return tuple(sorted(found, key=_order_of_cause))
+        cause_shares.append(
+            CauseShare(first.component, _kinds(first), functions, summary, together)
+        )
+    return tuple(sorted(cause_shares, key=_order_of_cause))
 
 
 def _kinds(change: RiskChange) -> tuple[CauseKind, ...]:
@@ -255,25 +257,25 @@ class _Marks:
         self._points = {point.component: point.functions for point in points}
 
     def of_components(self, group: Sequence[ComponentItem]) -> tuple[Mark, ...]:
-        found: list[Mark] = []
+        marks: list[Mark] = []
         kind, component = group[0].kind, str(group[0].field.component)
         functions = [item.field.function for item in group]
         if kind in ("quantity", "redundancy") and any(
             self._lost(name, component) for name in functions
         ):
-            found.append("lost_redundancy")
+            marks.append("lost_redundancy")
         if kind in ("quantity", "redundancy", "component_added", "component_restored") and set(
             functions
         ) & set(self._points.get(component, ())):
-            found.append("single_point_of_failure")
-        return tuple(found)
+            marks.append("single_point_of_failure")
+        return tuple(marks)
 
     def of_flow(self, group: Sequence[FlowItem]) -> tuple[Mark, ...]:
-        found = {item.mark for item in group if item.mark is not None}
+        marks = {item.mark for item in group if item.mark is not None}
         added = {item.field.function for item in group if item.mark == "new_state"}
         if any(added & set(functions) for functions in self._points.values()):
-            found.add("single_point_of_failure")
-        return tuple(sorted(found))
+            marks.add("single_point_of_failure")
+        return tuple(sorted(marks))
 
     def _lost(self, function: str, component: str) -> bool:
         before = tolerated_failures(self._before[function].tree)

@@ -42,8 +42,8 @@ def component_items(before: RiskVersion, after: RiskVersion) -> tuple[list[Compo
     noisy = 0
     for name in after.states:
         if name in before.blocks:
-            found, quiet = _in_function(before.blocks[name], after.blocks[name])
-            items += found
+            result, quiet = _in_function(before.blocks[name], after.blocks[name])
+            items += result
             noisy += quiet
     return items, noisy
 
@@ -98,8 +98,8 @@ def _in_function(before: RiskBlock, after: RiskBlock) -> tuple[list[ComponentIte
             kind = "component_omitted" if name in omitted_after else "component_removed"
             items.append(_drop(kind, after.name, old[name], omitted_after.get(name)))
         else:
-            found, quiet = _fields(after.name, old[name], new[name])
-            items += found
+            component_items, quiet = _fields(after.name, old[name], new[name])
+            items += component_items
             noisy += quiet
     return items, noisy
 

@@ -55,7 +55,7 @@ def flow_items(before: RiskVersion, after: RiskVersion) -> tuple[list[FlowItem],
 
 def joined(items: Iterable[FlowItem]) -> list[list[FlowItem]]:
     """Return the items in groups that cannot be distinguished: each function is in one group."""
-    return [members for _, members in joined_parts((set(each.needs), [each]) for each in items)]
+    return [members for _, members in joined_parts((set(item.needs), [item]) for item in items)]
 
 
 def _added(after: RiskVersion, name: str, once: set[str]) -> FlowItem:

@@ -84,7 +84,9 @@ class ModelParts:
     def model(self) -> HybridModel:
         """Return the model that the parts make now; raise ModelError where they make none."""
         states = [self.state(name) for name in self.steps]
-        entries = [each for name in self.steps for each in self.components[name].values()]
+        entries = [
+            components for name in self.steps for components in self.components[name].values()
+        ]
         model = model_of_states(self._name, self.entry, states, entries)
         return replace(model, counted=self._counted)
 
@@ -125,20 +127,20 @@ def tolerated_failures(tree: FaultTree) -> dict[str, int]:
             tolerated = max(tolerated, above[name].threshold - 1)
             name = above[name].name
         least[event.parameter] = min(tolerated, least.get(event.parameter, tolerated))
-    found: dict[str, int] = {}
+    numbers: dict[str, int] = {}
     for parameter, tolerated in least.items():
         component = components[parameter]
-        found[component] = max(tolerated, found.get(component, 0))
-    return found
+        numbers[component] = max(tolerated, numbers.get(component, 0))
+    return numbers
 
 
 def single_points(model: HybridModel) -> dict[str, list[str]]:
     """Return each component one unit of which fails the mission alone, and in which functions."""
-    found: dict[str, list[str]] = {}
+    texts: dict[str, list[str]] = {}
     reached = set(model.reachable)
     for state in model.states:
         if state.name in reached:
             for component, tolerated in tolerated_failures(state.tree).items():
                 if tolerated == 0:
-                    found.setdefault(component, []).append(state.name)
-    return found
+                    texts.setdefault(component, []).append(state.name)
+    return texts

@@ -38,12 +38,12 @@ def pin_changes(
     """Return what changed of the pins of a controller, in the order of their paths."""
     old = {path: pin for block in before.values() for path, pin in _pins(block)}
     new = {path: pin for block in after.values() for path, pin in _pins(block)}
-    found = []
+    changes = []
     for path in sorted({*old, *new}):
         change = _change(path, old.get(path), new.get(path))
         if change is not None:
-            found.append(change)
-    return tuple(found)
+            changes.append(change)
+    return tuple(changes)
 
 
 def _change(path: str, old: _Pin | None, new: _Pin | None) -> PinChange | None:

@@ -227,7 +227,7 @@ class RunVerdicts:
     @property
     def does_less(self) -> bool:
         """Whether the later run lacks what the earlier had, beside functions that never ran."""
-        return self.in_before and any(each.code not in GAPS for each in self.broke)
+        return self.in_before and any(reason.code not in GAPS for reason in self.broke)
 
     @property
     def repaired(self) -> tuple[Reason, ...]:
@@ -245,8 +245,10 @@ class RunVerdicts:
         """What the later version accepts and the earlier one did not."""
         if self.after is None:
             return ()
-        known = {each.key for each in self.before.acceptances} if self.before else set()
-        return tuple(each for each in self.after.acceptances if each.key not in known)
+        known = {acceptance.key for acceptance in self.before.acceptances} if self.before else set()
+        return tuple(
+            acceptance for acceptance in self.after.acceptances if acceptance.key not in known
+        )
 
 
 def _is_news(verdicts: RunVerdicts) -> bool:
@@ -277,14 +279,14 @@ def _only_in(
         else:
             alone.append(reason)
     moved = Counter(_thing(key) for key in left.elements())
-    found = []
+    reasons = []
     for reason in alone:
         thing = _thing(_key(reason, renamed))
         if thing[1] and moved[thing] > 0:
             moved[thing] -= 1
         else:
-            found.append(reason)
-    return tuple(found)
+            reasons.append(reason)
+    return tuple(reasons)
 
 
 def _thing(key: tuple[str, str, str]) -> tuple[str, str]:
@@ -426,7 +428,7 @@ class Review:
         the figure does, controllers that come or go, redundancy that is lost, new single points
         of failure, values set by hand and what a run newly showed are reported.
         """
-        return any(each.is_worth_telling(threshold) for each in self.controllers)
+        return any(controller.is_worth_telling(threshold) for controller in self.controllers)
 
     def place(self, location: Location | None, *, is_gone: bool = False) -> str:
         """Return a place as the user finds it: `place.py:12`, `HEAD:place.py:12` if it is gone."""

@@ -90,7 +90,7 @@ def _parted(
     kind = kinds[formula[0]]
     count = _NUMBERS.get(kind, 0)
     given = formula[1 : 1 + count]
-    numbers = [int(each) for each in given if _is_whole(each)]
+    numbers = [int(text) for text in given if _is_whole(text)]
     if len(numbers) < count:
         raise ModelError(
             f"gate '{name}': {kind.value} needs {count} number{'s' * (count > 1)} before its "

@@ -42,13 +42,13 @@ def conditional_tops(tree: FaultTree, nodes: Mapping[str, Probability]) -> dict[
 
     `nodes` are the pairs of all gates, events and house events.
     """
-    found = {tree.top: Conditional(SURE, NEVER)}
+    row = {tree.top: Conditional(SURE, NEVER)}
     for gate in reversed(tree.upwards):
-        above = found[gate.name]
+        above = row[gate.name]
         inputs = [nodes[name] for name in gate.inputs]
         for name, own in zip(gate.inputs, gate_conditionals(gate, inputs), strict=True):
-            found[name] = Conditional(_mixed(own.given, above), _mixed(own.without, above))
-    return {event.name: found[event.name] for event in tree.events}
+            row[name] = Conditional(_mixed(own.given, above), _mixed(own.without, above))
+    return {event.name: row[event.name] for event in tree.events}
 
 
 def shared_conditional_tops(
@@ -60,7 +60,7 @@ def shared_conditional_tops(
     than half of a figure, the tree is solved anew.
     """
     top, slopes = shared.probability(events), shared.sensitivities(events)
-    found = {}
+    conditional_tops = {}
     for name, pair in events.items():
         rise, fall = slopes[name] * pair.q, slopes[name] * pair.p
         given = Probability(top.p + rise, top.q - rise)
@@ -69,8 +69,8 @@ def shared_conditional_tops(
             given = shared.probability({**events, name: SURE})
         if not _kept(without, top):
             without = shared.probability({**events, name: NEVER})
-        found[name] = Conditional(given, without)
-    return found
+        conditional_tops[name] = Conditional(given, without)
+    return conditional_tops
 
 
 def _kept(found: Probability, top: Probability) -> bool:
@@ -82,7 +82,7 @@ def gate_conditionals(gate: Gate, inputs: Sequence[Probability]) -> list[Conditi
     kind, count = gate.kind, len(inputs)
     if kind in (GateKind.XOR, GateKind.IFF):
         odd = [Conditional(other.complement, other) for other in _others(inputs, _either, NEVER)]
-        return odd if kind is GateKind.XOR else [each.complement for each in odd]
+        return odd if kind is GateKind.XOR else [probability.complement for probability in odd]
     if kind in (GateKind.IMPLY, GateKind.CARDINALITY) or 1 < gate.threshold < count:
         return [
             Conditional(
@@ -97,7 +97,7 @@ def gate_conditionals(gate: Gate, inputs: Sequence[Probability]) -> list[Conditi
         dual = _any_others([pair.complement for pair in inputs])
         joined = [Conditional(other.complement, NEVER) for other in dual]
     if kind in (GateKind.NOT, GateKind.NAND, GateKind.NOR):
-        return [each.complement for each in joined]
+        return [probability.complement for probability in joined]
     return joined
 
 

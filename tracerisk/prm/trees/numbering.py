@@ -39,15 +39,15 @@ class Numbering:
         for inputs in self.inputs:
             for number in inputs:
                 counts[number] = min(2, counts[number] + 1)
-        found: dict[str, list[str]] = {
+        texts: dict[str, list[str]] = {
             self.names[number]: [] for number, count in enumerate(counts) if count > 1
         }
-        if found:
+        if texts:
             for gate in self.gates:
                 for name in gate.inputs:
-                    if name in found:
-                        found[name].append(gate.name)
-        return {name: tuple(gates) for name, gates in found.items()}
+                    if name in texts:
+                        texts[name].append(gate.name)
+        return {name: tuple(gates) for name, gates in texts.items()}
 
 
 def numbered(tree: FaultTree) -> Numbering:

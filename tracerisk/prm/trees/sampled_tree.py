@@ -30,7 +30,7 @@ def top_samples(
             raise ModelError(f"parameter '{name}' has no value; {one_of(values, name)}")
     arrays, count = samples_of({name: values[name] for name in tree.parameters})
     step = max(64, _CELLS // (len(tree.events) + len(tree.gates)))
-    found = np.empty((count, 2))
+    empty = np.empty((count, 2))
     for start in range(0, count, step):
         part: dict[str, Any] = {
             name: np.broadcast_to(array, (count,))[start : start + step]
@@ -38,11 +38,11 @@ def top_samples(
         }
         if shared is not None:
             events = {event.name: part[event.parameter] for event in tree.events}
-            found[start : start + step] = shared.probabilities(events)
+            empty[start : start + step] = shared.probabilities(events)
         else:
             top = tree_samples(tree, part)
-            found[start : start + step, 0], found[start : start + step, 1] = top
-    return found
+            empty[start : start + step, 0], empty[start : start + step, 1] = top
+    return empty
 
 
 def samples_of(
@@ -77,9 +77,9 @@ def tree_samples(tree: FaultTree, values: Mapping[str, Values]) -> Probability:
     `values` gives each parameter its probability.
     """
     if tree.shared:
-        found = tree.probabilities(values)
+        probabilities = tree.probabilities(values)
         # The pair's type is of numbers; its algebra is that of arrays as well.
-        return Probability(found[:, 0], found[:, 1])  # type: ignore[arg-type]
+        return Probability(probabilities[:, 0], probabilities[:, 1])  # type: ignore[arg-type]
     nodes = {event.name: _pair(values[event.parameter]) for event in tree.events}
     nodes |= {house.name: Probability.of(float(house.state)) for house in tree.houses}
     return swept(tree.upwards, nodes)[tree.top]

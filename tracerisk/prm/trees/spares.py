@@ -140,7 +140,7 @@ class SpareGroup(NamedTuple):
                 number >= greatest + 10.0 * math.sqrt(greatest) + 20.0 + 2 * count
             ):
                 break
-        return [np.where(sure, 0.0, each) for each in survived], np.where(sure, 1.0, failed)
+        return [np.where(sure, 0.0, array) for array in survived], np.where(sure, 1.0, failed)
 
 
 def spare_group_failure(p: float, *, units: int, required: int, spares: Spares) -> Probability:
@@ -182,7 +182,7 @@ def _tilted(
         entering = more * share
     fails = total(share * end for share, (_, end) in zip(here.survived, rates, strict=True))
     return Outcome(
-        tuple(cast(float, each) for each in tilted), cast(float, complex(here.failed, step * fails))
+        tuple(cast(float, item) for item in tilted), cast(float, complex(here.failed, step * fails))
     )
 
 

@@ -24,26 +24,26 @@ def render_diff_markdown(review: Review) -> str:
     shown = review.controllers[:MOST_CONTROLLERS]
     lines = [TAG]
     verdicts = sentences.verdict_lines(review)[:MOST_CONTROLLERS]
-    accepted = [line for each in shown for line in sentences.acceptances(each)]
+    accepted = [line for risk_diff in shown for line in sentences.acceptances(risk_diff)]
     for line in (*verdicts, *accepted):
         lines += [_escaped(line), ""]
     lines += [f"**{_escaped(sentences.headline(review, below_verdicts=True))}**", ""]
-    for each in shown:
-        for title, entries in sentences.of_missions(each):
-            of = "" if len(shown) == 1 else f", {each.name}"
+    for risk_diff in shown:
+        for title, entries in sentences.of_missions(risk_diff):
+            of = "" if len(shown) == 1 else f", {risk_diff.name}"
             lines += _list(title + _escaped(of), entries)
     if review.controllers:
         lines += _table(
             ("controller", _escaped(review.before), _escaped(review.after), "ratio", "per cycle"),
-            [_figures(each) for each in shown],
+            [_figures(risk_diff) for risk_diff in shown],
             right=(1, 2, 3, 4),
         )
-    for each in shown:
-        parts = list(_parts(review, each))
+    for risk_diff in shown:
+        parts = list(_parts(review, risk_diff))
         if parts:
             lines += [
                 "<details>",
-                f"<summary>What changed in {_html(each.name)}</summary>",
+                f"<summary>What changed in {_html(risk_diff.name)}</summary>",
                 "",
                 *parts,
                 "</details>",
@@ -96,13 +96,16 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
             text = "what they do only together, and noise"
             rows.append((sentences.difference(diff.interaction), text, "", ""))
         yield from _table(("alone", "change", "cause", "where"), rows, right=(0,))
-    functions = [each for each in diff.functions if each.status != "unchanged"]
+    functions = [function for function in diff.functions if function.status != "unchanged"]
     if functions and diff.is_comparable:
         yield from _table(
             ("function", "a visit, before", "after", "visits, before", "after"),
             [
-                (_escaped(sentences.name_of(each)), *_of_function(each.before, each.after))
-                for each in functions
+                (
+                    _escaped(sentences.name_of(function)),
+                    *_of_function(function.before, function.after),
+                )
+                for function in functions
             ],
             right=(1, 2, 3, 4),
         )

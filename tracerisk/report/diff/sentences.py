@@ -51,8 +51,8 @@ def headline(review: Review, *, below_verdicts: bool = False) -> str:
 
     Where it stands `below_verdicts`, a reason that is in these is not said again.
     """
-    changed = [each for each in review.controllers if not each.is_unchanged]
-    apart = [each for each in review.controllers if not each.is_comparable]
+    changed = [controller for controller in review.controllers if not controller.is_unchanged]
+    apart = [controller for controller in review.controllers if not controller.is_comparable]
     if not review.controllers:
         return f"No risk block differs between {review.before} and {review.after}."
     if len(review.controllers) == 1:
@@ -61,7 +61,7 @@ def headline(review: Review, *, below_verdicts: bool = False) -> str:
         lead = f"The runs of {len(apart)} of {len(review.controllers)} controllers"
         first = sentence(apart[0], below_verdict=below_verdicts)
         return f"{lead} cannot be compared. The first: {first}."
-    unrun = [each for each in review.controllers if each.unrun]
+    unrun = [controller for controller in review.controllers if controller.unrun]
     if not changed and unrun:
         lead = f"Not run since they changed: {len(unrun)} of {len(review.controllers)} controllers"
         return f"{lead}. The first: {sentence(unrun[0])}."
@@ -95,8 +95,8 @@ def _short(verdict: Verdict | None) -> str:
 
 def acceptances(diff: RiskDiff) -> list[str]:
     """Return what a change accepts of its own run, a line each."""
-    found = () if diff.verdicts is None else diff.verdicts.new_acceptances
-    return [f"newly accepted: {each}" for each in found]
+    new_acceptances = () if diff.verdicts is None else diff.verdicts.new_acceptances
+    return [f"newly accepted: {acceptance}" for acceptance in new_acceptances]
 
 
 def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
@@ -104,16 +104,16 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
 
     Each comes with its title, before any figure is shown.
     """
-    found: list[tuple[str, list[str]]] = []
+    pairs: list[tuple[str, list[str]]] = []
     if diff.outcome is not None:
         kinds = (diff.outcome.result, diff.outcome.lost, diff.outcome.added)
-        found.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
+        pairs.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
     if diff.verdicts is not None:
-        found += [
+        pairs += [
             ("What broke", [str(reason) for reason in diff.verdicts.broke]),
             ("What was repaired", [str(reason) for reason in diff.verdicts.repaired]),
         ]
-    return [(title, lines) for title, lines in found if lines]
+    return [(title, lines) for title, lines in pairs if lines]
 
 
 def of_pace(diff: RiskDiff) -> tuple[str, ...]:
@@ -198,7 +198,7 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
         f"({ratio(old, new)})"
     )
     # What works against the change is not what made it.
-    alike = [each for each in diff.causes if (each.contribution or 0.0) * diff.increase > 0.0]
+    alike = [cause for cause in diff.causes if (cause.contribution or 0.0) * diff.increase > 0.0]
     if alike:
         text += f", mostly through {alike[0].summary}{_because(alike[0])}"
         share = _share(alike[0], diff)
@@ -279,7 +279,11 @@ def small_changes(diff: RiskDiff) -> list[RiskChange]:
 
     What a user set or edited, and what stands out whatever the figure does, is none of them.
     """
-    figures = [each.failure_probability for each in (diff.before, diff.after) if each is not None]
+    figures = [
+        mission_figures.failure_probability
+        for mission_figures in (diff.before, diff.after)
+        if mission_figures is not None
+    ]
     return [
         change
         for change in diff.changes
@@ -292,7 +296,11 @@ def small_changes(diff: RiskDiff) -> list[RiskChange]:
 
 def has_interaction(diff: RiskDiff) -> bool:
     """Return whether changes do together what none does alone, more than noise."""
-    figures = [each.failure_probability for each in (diff.before, diff.after) if each is not None]
+    figures = [
+        mission_figures.failure_probability
+        for mission_figures in (diff.before, diff.after)
+        if mission_figures is not None
+    ]
     return abs(diff.interaction or 0.0) >= NOISE * max(figures, default=0.0) > 0.0
 
 
@@ -313,8 +321,8 @@ def ratio(before: float, after: float) -> str:
     """Return `x2.00`; `unchanged` within the noise, `from 0` where there was none."""
     if is_noise(before, after):
         return "unchanged"
-    found = ratio_of(before, after)
-    return "from 0" if found is None else f"x{found:.3g}"
+    value = ratio_of(before, after)
+    return "from 0" if value is None else f"x{value:.3g}"
 
 
 def count(value: float) -> str:
@@ -334,8 +342,8 @@ def marks(change: RiskChange) -> str:
 
 def places(review: Review, change: RiskChange) -> str:
     """Return where the fields of a change stand, at most three of them."""
-    found = [review.place(field.location, is_gone=field.is_gone) for field in change.fields]
-    return some([place for place in found if place])
+    texts = [review.place(field.location, is_gone=field.is_gone) for field in change.fields]
+    return some([place for place in texts if place])
 
 
 def some(names: Sequence[str], most: int = 3) -> str:
@@ -352,8 +360,9 @@ def name_of(changed: RiskDiff | FunctionChange) -> str:
 def pins(review: Review, diff: RiskDiff) -> list[str]:
     """Return what became of each pin, and where that is."""
     return [
-        f"{pin(each)} ({review.place(each.location, is_gone=each.kind == 'removed')})"
-        for each in diff.pins
+        f"{pin(pin_change)} "
+        f"({review.place(pin_change.location, is_gone=pin_change.kind == 'removed')})"
+        for pin_change in diff.pins
     ]
 
 

@@ -21,14 +21,14 @@ def render_diff(review: Review, *, width: int = 80) -> str:
     lines = []
     for line in sentences.verdict_lines(review):
         lines += _wrapped(line, room, hanging=2)
-    for each in review.controllers:
-        for line in sentences.acceptances(each):
+    for controller in review.controllers:
+        for line in sentences.acceptances(controller):
             lines += _wrapped(line, room, hanging=2)
     lines += [*_wrapped(sentences.headline(review, below_verdicts=True), room), ""]
     if review.controllers:
         lines += [*_wrapped(f"before: {review.before}; after: {review.after}", room), ""]
-    for each in review.controllers:
-        lines += _controller(review, each, room)
+    for controller in review.controllers:
+        lines += _controller(review, controller, room)
     for note in review.notes:
         lines += _wrapped(f"- {note}", room, hanging=2)
     if review.notes:
@@ -42,8 +42,8 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         yield from _list(title, entries, room)
     yield from _row(sentences.name_of(diff), ("before", "after", "ratio"), room)
     missions = diff.before, diff.after
-    whole = [None if each is None else each.failure_probability for each in missions]
-    cycle = [None if each is None else each.cycle_failure_probability for each in missions]
+    whole = [None if mission is None else mission.failure_probability for mission in missions]
+    cycle = [None if mission is None else mission.cycle_failure_probability for mission in missions]
     yield from _row("  mission failure", _cells(*whole, comparable=diff.is_comparable), room)
     yield from _row("  per cycle", _cells(*cycle, comparable=diff.is_comparable), room)
     yield ""
@@ -92,13 +92,16 @@ def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
 
 
 def _functions(functions: Sequence[FunctionChange], room: int) -> Iterator[str]:
-    reported = [each for each in functions if each.status != "unchanged"]
+    reported = [function for function in functions if function.status != "unchanged"]
     if reported:
         yield from _row("  Functions, a visit", ("before", "after", "ratio"), room)
-        for each in reported:
-            tops = [None if it is None else it.top_event for it in (each.before, each.after)]
-            yield from _row(f"    {_name(each)}", _cells(*tops), room)
-            yield from _wrapped(f"      {_visits(each)}", room, hanging=6)
+        for function_change in reported:
+            tops = [
+                None if it is None else it.top_event
+                for it in (function_change.before, function_change.after)
+            ]
+            yield from _row(f"    {_name(function_change)}", _cells(*tops), room)
+            yield from _wrapped(f"      {_visits(function_change)}", room, hanging=6)
         yield ""
 
 
@@ -110,10 +113,14 @@ def _name(function: FunctionChange) -> str:
 
 def _visits(function: FunctionChange) -> str:
     before, after = function.before, function.after
-    found = [each.expected_visits for each in (before, after) if each is not None]
-    if len(found) == 2 and is_noise(*found):
-        found = found[1:]
-    text = " -> ".join(map(sentences.count, found))
+    expected_visitses = [
+        function_figures.expected_visits
+        for function_figures in (before, after)
+        if function_figures is not None
+    ]
+    if len(expected_visitses) == 2 and is_noise(*expected_visitses):
+        expected_visitses = expected_visitses[1:]
+    text = " -> ".join(map(sentences.count, expected_visitses))
     return f"{text} visit" if text == "1" else f"{text} visits"
 
 

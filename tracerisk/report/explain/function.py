@@ -42,7 +42,7 @@ def render_derivation(derivation: FunctionDerivation) -> str:
         lines += ["", *_component(component, derivation)]
     if derivation.by_hand:
         lines += ["", f"{', '.join(derivation.by_hand)}: by hand, nothing is computed"]
-    return "".join(f"{each}\n" for line in lines for each in _wrapped(line))
+    return "".join(f"{name}\n" for line in lines for name in _wrapped(line))
 
 
 def _wrapped(line: str) -> list[str]:
@@ -157,7 +157,7 @@ def _term_table(
         row += [math.fsum(unit.counted)] if is_loaded else []
         row += [_ending_share(unit)] if has_evidence else []
         row += [whole.in_use_s, unit.rate] if ages else []
-        rows.append([number(each) for each in (*row, math.fsum(unit.hazards))])
+        rows.append([number(value) for value in (*row, math.fsum(unit.hazards))])
     total = None
     if component.group.quantity > 1:
         counts = [unit.count for unit in component.units]

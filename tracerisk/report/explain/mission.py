@@ -15,9 +15,18 @@ from tracerisk.report.explain.words import number
 
 def render_mission(model: HybridModel, assessment: Assessment, function: str) -> str:
     """Return how the blocks make the top event of a function, and that the mission's figure."""
-    state = next((each for each in model.states if each.name == function), None)
-    found = next((each for each in assessment.states if each.name == function), None)
-    if state is None or found is None:
+    state = next(
+        (function_state for function_state in model.states if function_state.name == function), None
+    )
+    result = next(
+        (
+            state_assessment
+            for state_assessment in assessment.states
+            if state_assessment.name == function
+        ),
+        None,
+    )
+    if state is None or result is None:
         return ""
     first = in_one_visit(state)
     top = first.tree.probability(first.probabilities).p
@@ -29,9 +38,9 @@ def render_mission(model: HybridModel, assessment: Assessment, function: str) ->
         *aligned_table(headings, names, [row[1:] for row in rows], None),
         f"  top event, 1 - product of (1 - fails with): {number(top)}",
         "the mission:",
-        f"  visits expected: {number(found.expected_visits)}, each failing in the mean with "
-        f"{number(found.top_event)}",
-        f"  it ends here with their product: {number(found.absorption_probability)}",
+        f"  visits expected: {number(result.expected_visits)}, each failing in the mean with "
+        f"{number(result.top_event)}",
+        f"  it ends here with their product: {number(result.absorption_probability)}",
         f"  and in any function, the sum of these: {number(assessment.mission.geometric_cycles)}",
     ]
     if assessment.mission.reading == FIXED and model.has_cycle:

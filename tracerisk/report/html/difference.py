@@ -38,7 +38,8 @@ def difference_section(report: ReportInput) -> Section | None:
         before=review.before,
         after=review.after,
         controllers=[
-            _controller(review, index, each) for index, each in enumerate(review.controllers)
+            _controller(review, index, controller)
+            for index, controller in enumerate(review.controllers)
         ],
         notes=review.notes,
     )
@@ -50,7 +51,7 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
     tables = [_missions(name, review, diff)]
     if diff.changes:
         tables.append(_changes(name, review, diff))
-    if any(each.status != "unchanged" for each in diff.functions):
+    if any(function.status != "unchanged" for function in diff.functions):
         tables.append(_functions(name, diff))
     lines = [
         f"{point.component} is a single point of failure now, in {sentences.some(point.functions)}"
@@ -111,13 +112,13 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
 def _functions(name: str, diff: RiskDiff) -> Table:
     rows = tuple(
         row_of(
-            Cell(sentences.name_of(each), note=each.status),
-            *_of_function(each.before),
-            *_of_function(each.after),
-            function=each.name,
+            Cell(sentences.name_of(function), note=function.status),
+            *_of_function(function.before),
+            *_of_function(function.after),
+            function=function.name,
         )
-        for each in diff.functions
-        if each.status != "unchanged"
+        for function in diff.functions
+        if function.status != "unchanged"
     )
     columns = (
         Column("function"),

@@ -50,15 +50,15 @@ def evidence_section(
     """
     pages = pages or {}
     cells = found.cells
-    harmless = [each for each in cells if not each.is_idle and not each.fails]
-    needed = [each for each in cells if each.is_idle and each.fails]
+    harmless = [cell for cell in cells if not cell.is_idle and not cell.fails]
+    needed = [cell for cell in cells if cell.is_idle and cell.fails]
     html = rendered(
         "evidence.html.j2",
         lines=summary_lines(found),
         success=found.success,
         is_used=is_used,
         matrix=_matrix(found, pages),
-        legend=[(each, WORDS[each]) for each in EFFECTS],
+        legend=[(effect, WORDS[effect]) for effect in EFFECTS],
         delays=_delays(cells),
         harmless=_listed("evidence-harmless", "In use, but harmless", harmless, pages),
         needed=_listed("evidence-needed", "Idle, but needed", needed, pages),
@@ -70,8 +70,8 @@ def evidence_section(
 
 def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
     """Return the worst effect of each component in each function, with its share of failures."""
-    functions = _ordered(each.function for each in _by_time(found.cells))
-    kinds = _ordered((each.component, each.mode) for each in found.cells)
+    functions = _ordered(cell.function for cell in _by_time(found.cells))
+    kinds = _ordered((cell.component, cell.mode) for cell in found.cells)
     tried = {(row.component, row.mode, row.function): row for row in fmea_rows(found)}
     rows = []
     for component, mode in kinds:
@@ -82,7 +82,7 @@ def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
                 entries.append(("none", "", "", ""))
                 continue
             failed = f"{row.failed} of {len(row.cells)}"
-            link = next((pages[each.key] for each in row.cells if each.key in pages), "")
+            link = next((pages[cell.key] for cell in row.cells if cell.key in pages), "")
             entries.append((str(row.worst.effect), end_effect(row.cells), failed, link))
         rows.append((component, mode.replace("_", " "), entries))
     return {"functions": functions, "rows": rows}
@@ -90,11 +90,11 @@ def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
 
 def _delays(cells: Sequence[Cell]) -> object:
     """Return a drawing of when the controller was notified of each failure, a row for each mode."""
-    notified = [each for each in cells if each.told_after_s is not None]
+    notified = [cell for cell in cells if cell.told_after_s is not None]
     if not notified:
         return ""
-    most = max(each.told_after_s or 0.0 for each in notified) or 1.0
-    kinds = _ordered((each.component, each.mode) for each in cells)
+    most = max(cell.told_after_s or 0.0 for cell in notified) or 1.0
+    kinds = _ordered((cell.component, cell.mode) for cell in cells)
     drawing = Drawing(
         "evidence-delays",
         "When the controller was notified",
@@ -108,14 +108,14 @@ def _delays(cells: Sequence[Cell]) -> object:
         label = SubElement(group, "text", {"x": "0", "y": number(y + 4.0)})
         label.text = name if len(name) <= 36 else f"{name[:35]}…"
         drawing.path(f"M{number(_LABEL)} {number(y)} H{number(_WIDTH)}", "edge")
-        mine = [each for each in cells if (each.component, each.mode) == (component, mode)]
-        for each in mine:
-            if each.told_after_s is not None:
-                x = _LABEL + (_WIDTH - _LABEL) * each.told_after_s / most
-                kind = "fails" if each.fails else "harmless"
+        mine = [cell for cell in cells if (cell.component, cell.mode) == (component, mode)]
+        for cell in mine:
+            if cell.told_after_s is not None:
+                x = _LABEL + (_WIDTH - _LABEL) * cell.told_after_s / most
+                kind = "fails" if cell.fails else "harmless"
                 place = {"cx": number(x), "cy": number(y), "r": "3.5", "class": kind}
                 SubElement(group, "circle", place)
-        never = sum(1 for each in mine if each.told_after_s is None)
+        never = sum(1 for cell in mine if cell.told_after_s is None)
         if never:
             note = SubElement(group, "text", {"x": number(_WIDTH + 12.0), "y": number(y + 4.0)})
             note.text = f"{never} not notified"
@@ -141,16 +141,16 @@ def _listed(name: str, caption: str, cells: Sequence[Cell], pages: Pages) -> Tab
     )
     rows = tuple(
         row_of(
-            TableCell(f"{each.component} {each.mode.replace('_', ' ')}", note=each.unit),
-            each.function,
-            f"{each.time_s:.3f}",
-            TableCell(end_effect((each,)), note="; ".join(each.lost)),
+            TableCell(f"{cell.component} {cell.mode.replace('_', ' ')}", note=cell.unit),
+            cell.function,
+            f"{cell.time_s:.3f}",
+            TableCell(end_effect((cell,)), note="; ".join(cell.lost)),
             TableCell(
-                f"--fault {each.unit}:{each.mode}@{each.time_s:g}", link=pages.get(each.key, "")
+                f"--fault {cell.unit}:{cell.mode}@{cell.time_s:g}", link=pages.get(cell.key, "")
             ),
-            function=each.function,
+            function=cell.function,
         )
-        for each in cells
+        for cell in cells
     )
     return Table(name, caption, columns, rows)
 
@@ -167,7 +167,7 @@ def _table(found: Evidence, pages: Pages) -> Table:
     rows = []
     for row in fmea_rows(found):
         low, high = row.interval
-        shown = (pages[each.key] for each in row.cells if each.key in pages)
+        shown = (pages[cell.key] for cell in row.cells if cell.key in pages)
         rows.append(
             row_of(
                 f"{row.component} {row.mode.replace('_', ' ')}",
@@ -185,7 +185,7 @@ def _table(found: Evidence, pages: Pages) -> Table:
 
 
 def _by_time(cells: Iterable[Cell]) -> list[Cell]:
-    return sorted(cells, key=lambda each: each.time_s)
+    return sorted(cells, key=lambda cell: cell.time_s)
 
 
 def _ordered(values: Iterable[T]) -> list[T]:

@@ -25,9 +25,9 @@ def render_fault_report(
     )
     outcome = rendered("list.html.j2", lines=lines, lead="", empty="")
     assumed = rendered("list.html.j2", lines=trace.assumptions, lead="", empty="Nothing.")
-    found = (
+    result = (
         Section("outcome", "Effect", outcome),
         *sections,
         Section("assumptions", "Assumptions", assumed),
     )
-    return page(f"{trace.controller} with {fault or 'no fault'}", lead, found)
+    return page(f"{trace.controller} with {fault or 'no fault'}", lead, result)

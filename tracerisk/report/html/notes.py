@@ -50,7 +50,8 @@ def coverage_section(report: ReportInput) -> Section:
     if trace is not None and trace.uncovered:
         columns = (*texts("function", "file"), *numbers("line"))
         rows = tuple(
-            row_of(each.ref.name, each.ref.file, str(each.line)) for each in trace.uncovered
+            row_of(uncovered.ref.name, uncovered.ref.file, str(uncovered.line))
+            for uncovered in trace.uncovered
         )
         table = Table("coverage", "Functions without risk data", columns, rows)
     html = rendered(

@@ -45,7 +45,7 @@ def page(title: str, lead: Markup, sections: Sequence[Section], *, connects: boo
         "page.html.j2",
         title=title,
         lead=lead,
-        sections=[each for each in sections if not each.is_bare],
+        sections=[section for section in sections if not section.is_bare],
         connects=connects,
         script=Markup(script),
         style=Markup(style),
@@ -88,7 +88,7 @@ def _with_code(text: str) -> Markup:
     if len(parts) % 2 == 0:
         return escape(text)
     shown = (Markup("<code>{}</code>") if i % 2 else Markup("{}") for i in range(len(parts)))
-    return Markup().join(each.format(part) for each, part in zip(shown, parts, strict=True))
+    return Markup().join(markup.format(part) for markup, part in zip(shown, parts, strict=True))
 
 
 def _attributes(values: Mapping[str, object]) -> Markup:
@@ -107,7 +107,7 @@ def _attribute(name: str, value: object) -> Markup:
 
 def _each(sections: Sequence[Section], kind: str) -> list[str]:
     """Return the styles or scripts of the sections, each once, for two may share one."""
-    return list(dict.fromkeys(text for each in sections if (text := getattr(each, kind))))
+    return list(dict.fromkeys(text for section in sections if (text := getattr(section, kind))))
 
 
 def _function_of(script: str) -> str:
@@ -116,9 +116,9 @@ def _function_of(script: str) -> str:
 
 def policy_of(text: str) -> str:
     """Return the policy that a page has in its head, for a server to send."""
-    found = _POLICY.search(text)
-    assert found is not None, "every page has one"
-    return unescape(found[1])
+    matched = _POLICY.search(text)
+    assert matched is not None, "every page has one"
+    return unescape(matched[1])
 
 
 def _policy(script: str, style: str, *, connects: bool) -> str:
@@ -131,5 +131,5 @@ def _policy(script: str, style: str, *, connects: bool) -> str:
 
 
 def _digest(text: str) -> str:
-    found = hashlib.sha256(text.encode("utf-8")).digest()
-    return f"sha256-{base64.b64encode(found).decode('ascii')}"
+    digest = hashlib.sha256(text.encode("utf-8")).digest()
+    return f"sha256-{base64.b64encode(digest).decode('ascii')}"

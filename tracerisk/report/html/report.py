@@ -24,11 +24,11 @@ from tracerisk.report.html.summary import lead
 
 def render_report(report: ReportInput) -> str:
     """Return the report as one HTML page, the same for the same input."""
-    run = [each for each in report.sections if each.name == RUN]
+    run = [section for section in report.sections if section.name == RUN]
     sections = (
         *run,
         difference_section(report),
-        *(each for each in report.sections if each.name != RUN),
+        *(section for section in report.sections if section.name != RUN),
         brought_about_section(report),
         functions_section(report),
         touches_section(report),
@@ -42,6 +42,6 @@ def render_report(report: ReportInput) -> str:
         assumptions_section(report),
         sources_section(report),
     )
-    shown = tuple(each for each in sections if each is not None)
-    connects = any(each.is_bare for each in shown)
+    shown = tuple(section for section in sections if section is not None)
+    connects = any(section.is_bare for section in shown)
     return page(f"Risk of {report.model.name}", lead(report), shown, connects=connects)

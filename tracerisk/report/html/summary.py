@@ -49,7 +49,7 @@ def _cause(report: ReportInput) -> str:
     first = assessment.components[0]
     text = f"Without failures of {first.name}, {figures.percent(first.fussell_vesely)} of that "
     text += "probability would be gone"
-    riskiest = max(assessment.states, key=lambda each: each.absorption_probability)
+    riskiest = max(assessment.states, key=lambda state: state.absorption_probability)
     share = riskiest.absorption_probability / assessment.mission.geometric_cycles
     return f"{text}; {figures.percent(share)} of it falls in {riskiest.name}."
 
@@ -58,13 +58,13 @@ def _assumed(report: ReportInput) -> str:
     """Return how much of the figure rests on figures without a source; empty for nothing."""
     if report.figures is None or not report.figures.assumed:
         return ""
-    found = report.figures.assumed
-    first = found[0]
+    assumed_figures = report.figures.assumed
+    first = assumed_figures[0]
     text = (
         f"Figures without a source that could be read, assumed ones, are behind {first.component}"
     )
     text += f" ({figures.percent(first.fussell_vesely)} of that probability)"
-    return f"{text}{'' if len(found) == 1 else f' and {len(found) - 1} more'}."
+    return f"{text}{'' if len(assumed_figures) == 1 else f' and {len(assumed_figures) - 1} more'}."
 
 
 def _context(report: ReportInput) -> tuple[str, ...]:
@@ -128,7 +128,7 @@ def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
 
 def _counts(report: ReportInput) -> tuple[tuple[str, int, str], ...]:
     """Return how many of each thing there are, and where to read on; those of none left out."""
-    found = (
+    row = (
         ("function", len(report.assessment.states), "#functions"),
         ("component", len(report.assessment.components), "#importance"),
         ("value set by hand", len(report.pins), "#pins"),
@@ -144,7 +144,7 @@ def _counts(report: ReportInput) -> tuple[tuple[str, int, str], ...]:
             "#assumptions",
         ),
     )
-    return tuple((_plural(name, count), count, link) for name, count, link in found if count)
+    return tuple((_plural(name, count), count, link) for name, count, link in row if count)
 
 
 def _plural(name: str, count: int) -> str:

@@ -71,7 +71,7 @@ class Row:
 
 def row_of(*cells: Cell | str, function: str | None = None, component: str | None = None) -> Row:
     """Return a row; a text is a cell that has nothing else."""
-    whole = (each if isinstance(each, Cell) else Cell(each) for each in cells)
+    whole = (cell if isinstance(cell, Cell) else Cell(cell) for cell in cells)
     return Row(tuple(whole), function, component)
 
 

@@ -39,10 +39,12 @@ def camera_of(bodies: Sequence[Body], pictures: Sequence[Sequence[Placed]]) -> C
     robot = _corners(bodies, pictures, "robot")
     low, high = ([pick(axis) for axis in zip(*robot, strict=True)] for pick in (min, max))
     middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
-    reach = _ABOUT * max(math.dist(middle, each) for each in robot)
+    reach = _ABOUT * max(math.dist(middle, row) for row in robot)
     things = [*_corners(bodies, pictures, "object"), *_corners(bodies, pictures, "declared")]
-    seen = [*robot, *(each for each in things if math.dist(middle, each) <= reach)]
-    yaw = max(_YAWS, key=lambda each: (round(_width(bodies, pictures, each), 6), -abs(each - 0.4)))
+    seen = [*robot, *(thing for thing in things if math.dist(middle, thing) <= reach)]
+    yaw = max(
+        _YAWS, key=lambda value: (round(_width(bodies, pictures, value), 6), -abs(value - 0.4))
+    )
     right, up, back = _axes(yaw)
     spans = []
     for axis in (right, up, back):
@@ -77,7 +79,7 @@ def _width(bodies: Sequence[Body], pictures: Sequence[Sequence[Placed]], yaw: fl
             if body.kind == "robot"
         ]
         mean = sum(along) / len(along)
-        total += math.sqrt(sum((each - mean) ** 2 for each in along) / len(along))
+        total += math.sqrt(sum((value - mean) ** 2 for value in along) / len(along))
     return total
 
 

@@ -52,7 +52,7 @@ def main() -> int:
     pictures = request["pictures"]
     images = (_drawn(picture, width, height) for picture in pictures)
     if request["films"]:
-        frames = [framed(image, each) for image, each in zip(images, pictures, strict=True)]
+        frames = [framed(image, item) for image, item in zip(images, pictures, strict=True)]
         for name in request["films"]:
             write = {"gif": write_gif, "mp4": write_mp4}[name]
             write(frames, folder / f"film.{name}", request["frame_s"])

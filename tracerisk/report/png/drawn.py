@@ -60,7 +60,7 @@ def filmed(
 
 
 def _request(pictures: Sequence[Picture], size: tuple[int, int]) -> dict[str, object]:
-    return {"size": size, "pictures": [_data(each) for each in pictures], "films": []}
+    return {"size": size, "pictures": [_data(picture) for picture in pictures], "films": []}
 
 
 def _written(data: dict[str, object], names: Sequence[str], limits: Limits) -> tuple[bytes, ...]:

@@ -57,17 +57,17 @@ def make_film(trace: Trace, run: RecordedRun) -> tuple[Picture, ...]:
     places = [placed_bodies(replay.bodies, values[frame].tolist()) for frame in at]
     camera = camera_of(replay.bodies, places[::_CAMERA_EVERY])
     names = model_names([function.ref for function in trace.functions])
-    found = []
+    film = []
     for time, frame, place in zip(times, at, places, strict=True):
         states = {name: counts.states(name, frame) for name in replay.activity}
-        seen = {name: each for name, each in states.items() if each}
+        seen = {name: state for name, state in states.items() if state}
         function = _function_at(trace, time, end_s)
         title = "no function" if function is None else printable(names[function])
         moment = Moment(trace.functions[0].ref, 1, 1, time, frame, seen)
         rows = (CaptionRow(f"{time:.1f} of {end_s:.1f} s{speed_text}"), *_rows(seen))
         solids = tuple(solids_of(replay.bodies, place, moment))
-        found.append(Picture("", title, rows, camera, solids, {}))
-    return tuple(found)
+        film.append(Picture("", title, rows, camera, solids, {}))
+    return tuple(film)
 
 
 def _function_at(trace: Trace, time_s: float, end_s: float) -> FunctionRef | None:
@@ -85,7 +85,7 @@ def _function_at(trace: Trace, time_s: float, end_s: float) -> FunctionRef | Non
 def _rows(states: Mapping[str, tuple[State, ...]]) -> tuple[CaptionRow, ...]:
     return tuple(
         CaptionRow(
-            f"{state} {sum(1 for each in states.values() if each[0] == state)}",
+            f"{state} {sum(1 for literals in states.values() if literals[0] == state)}",
             STATE_COLOURS[state],
         )
         for state in _NAMED

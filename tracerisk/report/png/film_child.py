@@ -50,10 +50,10 @@ def write_gif(frames: Sequence[Image.Image], path: Path, frame_s: float) -> None
     step = max(1, len(frames) // _PALETTE_FRAMES)
     chosen = frames[::step]
     sheet = Image.new("RGB", (frames[0].width, frames[0].height * len(chosen)))
-    for number, each in enumerate(chosen):
-        sheet.paste(each, (0, number * each.height))
+    for number, image in enumerate(chosen):
+        sheet.paste(image, (0, number * image.height))
     palette = sheet.quantize(_COLOURS, method=Image.Quantize.MEDIANCUT)
-    still = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in frames]
+    still = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     first, *others = still
     first.save(
         path,
@@ -77,8 +77,8 @@ def write_mp4(frames: Sequence[Image.Image], path: Path, frame_s: float) -> None
         stream.width, stream.height = (side // 2 * 2 for side in frames[0].size)
         stream.pix_fmt = "yuv420p"
         stream.options = {"crf": "23", "preset": "medium", "threads": "1"}
-        for each in frames:
-            pixels = np.asarray(each)[: stream.height, : stream.width]
+        for frame in frames:
+            pixels = np.asarray(frame)[: stream.height, : stream.width]
             for packet in stream.encode(av.VideoFrame.from_ndarray(pixels, format="rgb24")):
                 container.mux(packet)
         for packet in stream.encode():

@@ -70,7 +70,7 @@ def function_moments(trace: Trace, count: FrameCounts) -> tuple[Moment, ...]:
                 states[name] = count.states(name, frame)
             elif exposure is not None and exposure.active_s + exposure.reading_s > 0.0:
                 states[name] = ("in use",)
-        shown = {name: each for name, each in states.items() if each}
+        shown = {name: state for name, state in states.items() if state}
         time_s = round(frame * count.frame_s, 9)
         moments.append(Moment(function.ref, number, len(own), time_s, frame, shown))
     return tuple(moments)
@@ -90,14 +90,22 @@ class FrameCounts:
         step_s: float,
     ) -> None:
         stride = round(frame_s / step_s)
-        n_steps = min((len(each.moving) for each in activity.values()), default=0)
+        n_steps = min(
+            (len(element_activity.moving) for element_activity in activity.values()), default=0
+        )
         self.n_frames = max(min(n_frames, -(-n_steps // stride)), 1)
         self.frame_s = frame_s
         at = np.minimum(np.arange(self.n_frames) * stride, max(n_steps - 1, 0))
         self._flags: dict[str, NDArray[np.bool_]] = {
             # Moving, holding, grasping; (3, n_frames).
-            name: np.stack([each.moving[at], each.holding[at], each.grasping[at]])
-            for name, each in activity.items()
+            name: np.stack(
+                [
+                    element_activity.moving[at],
+                    element_activity.holding[at],
+                    element_activity.grasping[at],
+                ]
+            )
+            for name, element_activity in activity.items()
         }
 
     def follows(self, element: str) -> bool:
@@ -113,8 +121,8 @@ class FrameCounts:
         end = min(math.ceil(stop_s / self.frame_s - _ROUNDING), self.n_frames)
         last = max(end - 1, first)
         flags = [self._flags[name][:, first : last + 1] for name in elements if name in self._flags]
-        n_active = np.sum([each.any(axis=0) for each in flags], axis=0, dtype=np.int64)
-        n_busy = np.sum([each[0] | each[2] for each in flags], axis=0, dtype=np.int64)
+        n_active = np.sum([flag.any(axis=0) for flag in flags], axis=0, dtype=np.int64)
+        n_busy = np.sum([flag[0] | flag[2] for flag in flags], axis=0, dtype=np.int64)
         score = np.broadcast_to(n_active * (len(flags) + 1) + n_busy, (last - first + 1,))
         is_best = score == score.max()
         edges = np.flatnonzero(np.diff(is_best, prepend=False, append=False)).reshape(-1, 2)
@@ -127,11 +135,11 @@ class FrameCounts:
     def states(self, element: str, frame: int) -> tuple[State, ...]:
         """Return what an element does in a frame."""
         moving, holding, grasping = self._flags[element][:, frame]
-        found: list[State] = []
+        literals: list[State] = []
         if grasping:
-            found.append("grasping")
+            literals.append("grasping")
         if moving:
-            found.append("moving")
+            literals.append("moving")
         if holding:
-            found.append("holding")
-        return tuple(found)
+            literals.append("holding")
+        return tuple(literals)

@@ -109,7 +109,7 @@ def make_pictures(
     frames = replay.frames
     counts = FrameCounts(replay.activity, frames.count, frames.every_s, replay.step_s)
     moments = function_moments(trace, counts)
-    places = [placed_bodies(replay.bodies, values[each.frame].tolist()) for each in moments]
+    places = [placed_bodies(replay.bodies, values[item.frame].tolist()) for item in moments]
     camera = camera_of(replay.bodies, places)
     names = model_names([function.ref for function in trace.functions])
     pictures = []
@@ -164,7 +164,7 @@ def legend_data(trace: Trace, pictures: Iterable[Picture]) -> dict[str, Any]:
         "robot": trace.robot,
         "scene": trace.scene,
         "colours": dict(STATE_COLOURS),
-        "pictures": [dict(each.entry) for each in pictures],
+        "pictures": [dict(picture.entry) for picture in pictures],
     }
 
 
@@ -200,19 +200,19 @@ def _active(
 
     Elements that no component is bound to stand under an empty name.
     """
-    found: Active = {}
+    active: Active = {}
     for component, elements in components.items():
         own = {name: states[name] for name in elements if name in states}
         if own:
-            found[component] = own
+            active[component] = own
     bound = {name for elements in components.values() for name in elements}
     # A sensor or a finger that no component stands for is no part of the risk.
     loose = {
-        name: each for name, each in states.items() if name not in bound and each != ("in use",)
+        name: state for name, state in states.items() if name not in bound and state != ("in use",)
     }
     if loose:
-        found[""] = loose
-    return found, tuple(name for name, elements in components.items() if not elements)
+        active[""] = loose
+    return active, tuple(name for name, elements in components.items() if not elements)
 
 
 def _state_rows(states: Mapping[str, tuple[State, ...]], active: Active) -> list[CaptionRow]:
@@ -220,7 +220,7 @@ def _state_rows(states: Mapping[str, tuple[State, ...]], active: Active) -> list
     for state, colour in STATE_COLOURS.items():
         parts = []
         for component, elements in active.items():
-            own = [name for name, each in elements.items() if each[0] == state]
+            own = [name for name, element in elements.items() if element[0] == state]
             if own:
                 of = f"{printable(component)} " if component else "no component: "
                 parts.append(f"{of}({_listed(own)})" if component else f"{of}{_listed(own)}")
@@ -253,7 +253,7 @@ def solids_of(bodies: Sequence[Body], places: Sequence[Placed], moment: Moment) 
             colour = mixed(colour, STATE_COLOURS[moment.states[element][0]], _TINTS[turn])
         for shape in body.shapes:
             at = placed_shape(place, shape)
-            size = tuple(_INSET * each for each in shape.size) if turn else shape.size
+            size = tuple(_INSET * value for value in shape.size) if turn else shape.size
             yield Solid(shape.kind, size, at.xyz, at.quaternion, colour, element)
         if body.triangles:
             yield Solid(
@@ -273,11 +273,11 @@ def _housings(bodies: Sequence[Body]) -> dict[int, str]:
 
 def _depths(bodies: Sequence[Body]) -> list[int]:
     """Return how many driven joints stand before each body."""
-    found: list[int] = []
+    depths: list[int] = []
     for body in bodies:
-        before = found[body.parent] if body.parent >= 0 else 0
-        found.append(before + (body.joint is not None and body.kind == "robot"))
-    return found
+        before = depths[body.parent] if body.parent >= 0 else 0
+        depths.append(before + (body.joint is not None and body.kind == "robot"))
+    return depths
 
 
 def mixed(one: str, other: str, part: float) -> str:

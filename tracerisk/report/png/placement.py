@@ -38,9 +38,9 @@ def placed_bodies(bodies: Sequence[Body], values: Sequence[float]) -> tuple[Plac
 
     A body stands after its parent. A hinge turns [rad], and a slide shifts [m], along its axis.
     """
-    found: list[Placed] = []
+    s: list[Placed] = []
     for body in bodies:
-        parent = found[body.parent] if body.parent >= 0 else WORLD
+        parent = s[body.parent] if body.parent >= 0 else WORLD
         place = parent.then(body.xyz, body.quaternion)
         if body.joint == "free":
             x, y, z, *turn = (float(value) for value in values[body.column : body.column + 7])
@@ -52,8 +52,8 @@ def placed_bodies(bodies: Sequence[Body], values: Sequence[float]) -> tuple[Plac
         elif body.joint == "slide":
             by = float(values[body.column])
             place = place.then([by * part for part in body.axis], (1.0, 0.0, 0.0, 0.0))
-        found.append(place)
-    return tuple(found)
+        s.append(place)
+    return tuple(s)
 
 
 def placed_shape(place: Placed, shape: Shape) -> Placed:

@@ -23,8 +23,9 @@ def render_field(found: FieldProfile, paper: Paper = PAPER) -> str:
             _words(step.per_mission),
             "unknown" if step.duration_s is None else _words(step.duration_s),
             "\n".join(
-                f"{target} {float(each.share):.3g} ({each.low:.3g} to {each.high:.3g})"
-                for target, each in step.following.items()
+                f"{target} {float(following.share):.3g} ({following.low:.3g} to "
+                f"{following.high:.3g})"
+                for target, following in step.following.items()
             ),
         )
         for step in found.steps

@@ -50,14 +50,14 @@ def render_points(points: Sequence[SweepPoint], paper: Paper = PAPER) -> str:
     for heading, justify in (("p failure", "right"), ("verdict", "left"), ("run s", "right")):
         table.add_column(heading, justify=justify)  # type: ignore[arg-type]
     table.add_column("most through", overflow="fold")
-    for each in points:
-        p = each.failure_probability
-        most = each.error or f"{each.leading} {share_text(each.share)}"
+    for point in points:
+        p = point.failure_probability
+        most = point.error or f"{point.leading} {share_text(point.share)}"
         table.add_row(
-            *(str(each.values[name]) for name in names),
+            *(str(point.values[name]) for name in names),
             "none" if p is None else f"{p:.3e}",
-            each.verdict or "none",
-            "" if each.simulated_s is None else f"{each.simulated_s:.1f}",
+            point.verdict or "none",
+            "" if point.simulated_s is None else f"{point.simulated_s:.1f}",
             most,
         )
     return rendered(lambda console: console.print(table), paper)
@@ -76,11 +76,11 @@ def csv_text(points: Sequence[SweepPoint]) -> str:
         "error",
     )
     rows = []
-    for each in points:
-        p = "" if each.failure_probability is None else repr(each.failure_probability)
-        seconds = "" if each.simulated_s is None else repr(each.simulated_s)
-        row = [p, each.verdict, seconds, each.leading, repr(each.share), each.error]
-        rows.append([*(each.values[name] for name in names), *row])
+    for point in points:
+        p = "" if point.failure_probability is None else repr(point.failure_probability)
+        seconds = "" if point.simulated_s is None else repr(point.simulated_s)
+        row = [p, point.verdict, seconds, point.leading, repr(point.share), point.error]
+        rows.append([*(point.values[name] for name in names), *row])
     return csv_of(headings, rows)
 
 
@@ -101,30 +101,31 @@ def plot_svg(points: Sequence[SweepPoint]) -> str:
     )
     SubElement(root, "title").text = "Probability that a hardware failure ends the mission"
     SubElement(root, "rect", {"width": "100%", "height": "100%", "fill": "white"})
-    shown = [each for each in points if each.failure_probability]
+    shown = [point for point in points if point.failure_probability]
     if not shown:
         _text(root, _WIDTH / 2, _HEIGHT / 2, "no point has a figure", "middle")
         return _written(root)
     first, *others = list(shown[0].values)
-    xs = list(dict.fromkeys(each.values[first] for each in shown))
-    figures = [each.failure_probability or 0.0 for each in shown]
+    xs = list(dict.fromkeys(sweep_point.values[first] for sweep_point in shown))
+    figures = [sweep_point.failure_probability or 0.0 for sweep_point in shown]
     axis = _Axis(min(figures), max(figures))
     _axes(root, first, xs, axis)
     radius = "4" if len(xs) <= _FEW else "2"
     lines: dict[str, list[SweepPoint]] = {}
-    for each in shown:
-        label = ", ".join(f"{name} {each.values[name]}" for name in others)
-        lines.setdefault(label, []).append(each)
+    for sweep_point in shown:
+        label = ", ".join(f"{name} {sweep_point.values[name]}" for name in others)
+        lines.setdefault(label, []).append(sweep_point)
     for number, (label, line) in enumerate(lines.items()):
         colour = _COLOURS[number % len(_COLOURS)]
         places = [
-            (_x(xs, each.values[first]), axis.y(each.failure_probability or 0.0)) for each in line
+            (_x(xs, sweep_point.values[first]), axis.y(sweep_point.failure_probability or 0.0))
+            for sweep_point in line
         ]
         way = " ".join(f"{x:.1f},{y:.1f}" for x, y in places)
         SubElement(root, "polyline", {"points": way, "fill": "none", "stroke": colour})
-        for (x, y), each in zip(places, line, strict=True):
+        for (x, y), sweep_point in zip(places, line, strict=True):
             # A run that cannot be taken for the mission is hollow.
-            fill = "white" if each.verdict in ("faulted", "stuck") else colour
+            fill = "white" if sweep_point.verdict in ("faulted", "stuck") else colour
             SubElement(
                 root,
                 "circle",
@@ -172,7 +173,7 @@ def _axes(root: Element, name: str, xs: Sequence[Any], axis: _Axis) -> None:
         SubElement(root, "path", {"d": way, "fill": "none", "stroke": "#ddd"})
         _text(root, _LEFT - 8, y + 4, f"{value:.3g}", "end")
     # As many labels as have room beside each other.
-    label = _LETTER * max(len(str(each)) for each in xs) + 12.0
+    label = _LETTER * max(len(str(item)) for item in xs) + 12.0
     step = max(1, math.ceil(len(xs) * label / (right - _LEFT)))
     for value in xs[::step]:
         # A wide label at the right end stays within the picture.

@@ -172,8 +172,8 @@ class NeedLedger:
     def _sought_named_in(self, messages: Iterable[str]) -> tuple[Missed, ...]:
         text = "\n".join(messages)
         return tuple(
-            each
-            for (_, name), each in self._sought.items()
+            missed
+            for (_, name), missed in self._sought.items()
             if re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text)
         )
 
@@ -181,12 +181,12 @@ class NeedLedger:
         """Return what the message of an exception names: parameters left empty, and objects."""
         words = set(_WORD.findall(message))
         empty = tuple(
-            each
-            for name, each in self._left_empty.items()
+            missed
+            for name, missed in self._left_empty.items()
             if name.replace(".", "/").rpartition("/")[2] in words
         )
-        found = (*empty, *self._sought_named_in([message]))
-        return tuple(replace(each, last_ns=now_ns) for each in found)
+        misseds = (*empty, *self._sought_named_in([message]))
+        return tuple(replace(missed, last_ns=now_ns) for missed in misseds)
 
     def meet(self, need: Need) -> None:
         """Note that something that was asked for is there."""

@@ -117,10 +117,10 @@ def removed_name_hint(error: BaseException) -> str:
     if not isinstance(error, AttributeError | ImportError | TypeError):
         return ""
     text = str(error)
-    found = _NAME_OF_MODULE.search(text)
-    if found is not None:
-        module = found["module"] or found["source"]
-        name = found["name"] or found["imported"]
+    matched = _NAME_OF_MODULE.search(text)
+    if matched is not None:
+        module = matched["module"] or matched["source"]
+        name = matched["name"] or matched["imported"]
         if module == "collections" and re.fullmatch(_OF_COLLECTIONS, name):
             return f"write collections.abc.{name}: Python 3.10 has removed it from collections"
         instead = _INSTEAD.get(f"{module}.{name}")

@@ -56,16 +56,16 @@ class DistroRules:
         Call it where the outcome would be another under the other distribution, not where the rule
         is merely read.
         """
-        found = RULE_OF[rule]
-        if self._report is None or not found.differs or self.name == "noetic":
+        result = RULE_OF[rule]
+        if self._report is None or not result.differs or self.name == "noetic":
             return
         if (rule, location) in self._reported:
             return
         self._reported.add((rule, location))
         other: RosDistro = "humble" if self.name == "jazzy" else "jazzy"
         self._report(
-            f"{found.subject}: {in_words(found.of(self.name))} in {_TITLES[self.name]}, which is "
-            f"assumed, and {in_words(found.of(other))} in {_TITLES[other]}; set ros_distro in "
+            f"{result.subject}: {in_words(result.of(self.name))} in {_TITLES[self.name]}, which is "
+            f"assumed, and {in_words(result.of(other))} in {_TITLES[other]}; set ros_distro in "
             "[tool.tracerisk]",
             location,
             rule,

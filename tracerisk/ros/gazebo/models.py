@@ -112,9 +112,9 @@ def _shape_of(
     if kind is not None and kind.tag in _ROUND:
         sizes = [_number(length(kind, part), part) for part in _ROUND[kind.tag]]
         return _shape(kind.tag, sizes, place)
-    found = "nothing" if kind is None else f"<{kind.tag}>"
+    text = "nothing" if kind is None else f"<{kind.tag}>"
     raise ModelRefusedError(
-        f"a collision shape is {found}; tracerisk spawns bodies of box, sphere and cylinder"
+        f"a collision shape is {text}; tracerisk spawns bodies of box, sphere and cylinder"
     )
 
 
@@ -163,15 +163,15 @@ def _model_in(top: XmlElement) -> XmlElement | None:
 
 
 def _at(element: XmlElement, *tags: str) -> XmlElement | None:
-    found: XmlElement | None = element
+    first: XmlElement | None = element
     for tag in tags:
-        found = None if found is None else found.first(tag)
-    return found
+        first = None if first is None else first.first(tag)
+    return first
 
 
 def _text(element: XmlElement, *tags: str) -> str | None:
-    found = _at(element, *tags)
-    return None if found is None else found.text
+    xml_element = _at(element, *tags)
+    return None if xml_element is None else xml_element.text
 
 
 def _attribute(element: XmlElement | None, name: str) -> str | None:
@@ -193,7 +193,7 @@ def _number(text: str | None, what: str) -> float:
 
 def _numbers(text: str | None, count: int, what: str) -> list[float]:
     try:
-        values = [float(each) for each in (text or "").split()]
+        values = [float(word) for word in (text or "").split()]
     except ValueError:
         values = []
     if len(values) != count or not all(map(math.isfinite, values)):

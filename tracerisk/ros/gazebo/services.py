@@ -151,12 +151,12 @@ class GazeboServices(TwinNode):
         self._scheduler.touch()
         asked = f"GetLinkState of '{request.link_name}'"
         with self._doing(answer, asked, "GetLinkState: got state"):
-            found = self._world.link_pose(request.link_name)
-            if found is None:
+            link_pose = self._world.link_pose(request.link_name)
+            if link_pose is None:
                 raise ModelRefusedError(f"link '{request.link_name}' is not there")
             frame = self._world.frame(request.reference_frame)
             answer.link_state.link_name = request.link_name
-            answer.link_state.pose = self._pose(compose(inverse(frame), found))
+            answer.link_state.pose = self._pose(compose(inverse(frame), link_pose))
             answer.link_state.reference_frame = request.reference_frame
 
     def _get_world(self, request: Any, answer: Any) -> None:
@@ -194,7 +194,7 @@ class GazeboServices(TwinNode):
 
     def _welded(self, request: Any, model: str, link: str, is_on: bool) -> tuple[bool, str]:
         one, one_link, two, two_link = (
-            getattr(request, each.format(i)) for i in (1, 2) for each in (model, link)
+            getattr(request, name.format(i)) for i in (1, 2) for name in (model, link)
         )
         key = (one, one_link, two, two_link)
         change = self._world.attach if is_on else self._world.detach

@@ -79,9 +79,9 @@ class GazeboWorld:
     def link_pose(self, scoped: str) -> Pose | None:
         """Return where `model::link` is, or `link` of the robot, None for none."""
         model, _, link = scoped.rpartition("::")
-        found = self._link(link)
-        if found is not None and (not model or self.is_robot(model, link)):
-            return compose(self._base, self._twin.link_pose(found))
+        text = self._link(link)
+        if text is not None and (not model or self.is_robot(model, link)):
+            return compose(self._base, self._twin.link_pose(text))
         return self.pose(model) if model in self.names else None
 
     def frame(self, name: str) -> Pose:
@@ -92,8 +92,8 @@ class GazeboWorld:
         """
         if name in _WORLD:
             return Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
-        found = self.link_pose(name) if "::" in name else None
-        return found if found is not None else self.pose(name)
+        link_pose = self.link_pose(name) if "::" in name else None
+        return link_pose if link_pose is not None else self.pose(name)
 
     def spawn(self, name: str, text: str, pose: Pose, frame: str) -> None:
         """Put a model into the world.
@@ -182,8 +182,8 @@ class GazeboWorld:
     def _placed(self, pose: Pose, frame: str) -> Pose:
         """Return a pose that is given in a frame as one in the robot's base frame."""
         placed = compose(inverse(self._base), compose(self.frame(frame), pose))
-        if not all(abs(each) <= _FARTHEST_M for each in placed.position):
-            text = ", ".join(f"{each:g}" for each in pose.position)
+        if not all(abs(value) <= _FARTHEST_M for value in placed.position):
+            text = ", ".join(f"{value:g}" for value in pose.position)
             raise ModelRefusedError(f"({text}) m is not within {_FARTHEST_M:g} m of the robot")
         return placed
 

@@ -289,7 +289,11 @@ class Actions:
             call(goal)
 
     def _listens(self) -> bool:
-        return any(each.by_controller for known in self._servers.values() for each in known)
+        return any(
+            action_server_end.by_controller
+            for known in self._servers.values()
+            for action_server_end in known
+        )
 
     def watch(self, watcher: Callable[[ActionChange, str, str], None]) -> None:
         """Call `watcher` with change, name and type when a client or a server comes or goes.
@@ -361,27 +365,44 @@ class Actions:
 
     def server(self, name: str, type_name: str) -> ActionServerEnd | None:
         """Return who serves an action of a type: the controller, else a scenario, else the twin."""
-        fitting = [each for each in self._servers.get(name, ()) if each.type_name == type_name]
-        own = [each for each in fitting if each.by_controller]
-        candidates = own or [each for each in fitting if each.is_scenario] or fitting
+        fitting = [
+            action_server_end
+            for action_server_end in self._servers.get(name, ())
+            if action_server_end.type_name == type_name
+        ]
+        own = [
+            action_server_end for action_server_end in fitting if action_server_end.by_controller
+        ]
+        candidates = (
+            own
+            or [action_server_end for action_server_end in fitting if action_server_end.is_scenario]
+            or fitting
+        )
         return candidates[-1] if candidates else None
 
     def unserved(self) -> tuple[Missed, ...]:
         """Return the actions of which the controller has a client and that nobody serves."""
         return tuple(
-            Missed(each._need, 0, 0, each.place)
+            Missed(action_client_end._need, 0, 0, action_client_end.place)
             for known in self._clients.values()
-            for each in known
-            if each.place is not None and each._known_server is None
+            for action_client_end in known
+            if action_client_end.place is not None and action_client_end._known_server is None
         )
 
     def uncalled(self) -> tuple[Missed, ...]:
         """Return the controller's own servers to which nobody has sent a goal."""
         return tuple(
-            Missed(Need("goal", each.name, each.type_name), 0, 0, each.place)
+            Missed(
+                Need("goal", action_server_end.name, action_server_end.type_name),
+                0,
+                0,
+                action_server_end.place,
+            )
             for known in self._servers.values()
-            for each in known
-            if each.by_controller and not each.is_companions and not each.is_called
+            for action_server_end in known
+            if action_server_end.by_controller
+            and not action_server_end.is_companions
+            and not action_server_end.is_called
         )
 
     def names_and_types(self) -> tuple[tuple[str, str], ...]:

@@ -47,14 +47,14 @@ class DeclaredController:
     def of_joints(self, fits: Callable[[frozenset[str]], bool]) -> DeclaredController | None:
         """Return it with the first of its lists of joints that fits, `None` where none does."""
         lists = (self.joints, *self.others)
-        found = next((names for names in lists if fits(frozenset(names))), None)
-        return None if found is None else replace(self, joints=found)
+        texts = next((names for names in lists if fits(frozenset(names))), None)
+        return None if texts is None else replace(self, joints=texts)
 
     @property
     def quantity(self) -> str:
         """What a topic of numbers commands: `position`, `velocity` or `effort`; empty if unsaid."""
         name = self.type.rpartition("/")[2]
-        return next((each for each in _QUANTITIES if each.capitalize() in name), self.interface)
+        return next((text for text in _QUANTITIES if text.capitalize() in name), self.interface)
 
 
 class DeclaredControllers:
@@ -68,12 +68,16 @@ class DeclaredControllers:
     @cached_property
     def all(self) -> Mapping[str, DeclaredController]:
         """The controllers by their names; of several files the first counts."""
-        return {name: each for name, each in self._declared.items() if each.joints}
+        return {
+            name: controller for name, controller in self._declared.items() if controller.joints
+        }
 
     @cached_property
     def without_joints(self) -> Mapping[str, DeclaredController]:
         """Those of which files give the type alone: broadcasters, and modes of a driver."""
-        return {name: each for name, each in self._declared.items() if not each.joints}
+        return {
+            name: controller for name, controller in self._declared.items() if not controller.joints
+        }
 
     @cached_property
     def _declared(self) -> Mapping[str, DeclaredController]:
@@ -97,8 +101,8 @@ class DeclaredControllers:
                     of_one |= {name} if last == "joint" else set()
                     if _MOVEIT not in above:
                         own = settings.setdefault(name, {})
-                        for key, each in _below(values, above):
-                            own.setdefault(key, each)
+                        for key, item in _below(values, above):
+                            own.setdefault(key, item)
         with_joints = {
             name: DeclaredController(
                 moved,
@@ -123,8 +127,10 @@ class DeclaredControllers:
     def of_robot(self, joints: Iterable[str]) -> Mapping[str, DeclaredController]:
         """Return those of which a robot with these joints has every joint."""
         known = {*joints}
-        found = {name: each.of_joints(known.issuperset) for name, each in self.all.items()}
-        return {name: each for name, each in found.items() if each is not None}
+        table = {
+            name: controller.of_joints(known.issuperset) for name, controller in self.all.items()
+        }
+        return {name: controller for name, controller in table.items() if controller is not None}
 
     def of_topic(self, topic: str) -> DeclaredController | None:
         """Return the controller that takes a topic's commands, if a file declares it."""
@@ -185,7 +191,7 @@ def _settings(folders: Iterable[Path], word: bytes) -> Iterator[dict[tuple[str, 
 def _files(folders: Iterable[Path], word: bytes) -> Iterator[Path]:
     for top in folders:
         for folder, inner, files in os.walk(top):
-            inner[:] = sorted(each for each in inner if not each.startswith("."))
+            inner[:] = sorted(name for name in inner if not name.startswith("."))
             for file in sorted(files):
                 path = Path(folder, file)
                 if file.startswith(".") or not file.endswith((".yaml", ".yml")):

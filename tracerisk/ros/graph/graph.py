@@ -111,7 +111,9 @@ class Graph:
     def listens(self) -> bool:
         """Return whether the controller subscribes or serves: the world outside could wake it."""
         return any(server.is_callback for server in self.services) or any(
-            each.by_controller for topic in self._topics.values() for each in topic.subscriptions
+            subscription.by_controller
+            for topic in self._topics.values()
+            for subscription in topic.subscriptions
         )
 
     def watch(self, watcher: Callable[[Change, str, str], None]) -> None:
@@ -279,19 +281,27 @@ class Graph:
     def unpublished(self) -> tuple[Missed, ...]:
         """Return the topics that the controller subscribes to and nobody publishes."""
         return tuple(
-            Missed(Need("topic", each.topic, each.type_name), 0, 0, each.place)
+            Missed(
+                Need("topic", subscription.topic, subscription.type_name), 0, 0, subscription.place
+            )
             for topic in self._topics.values()
-            for each in topic.subscriptions
-            if each.by_controller and each.place is not None and not each.publications
+            for subscription in topic.subscriptions
+            if subscription.by_controller
+            and subscription.place is not None
+            and not subscription.publications
         )
 
     def too_late(self) -> tuple[Missed, ...]:
         """Return the topics from which the controller gets nothing: it asks for no old message."""
         return tuple(
-            Missed(Need("topic", each.topic, each.type_name), 0, 0, each.place)
+            Missed(
+                Need("topic", subscription.topic, subscription.type_name), 0, 0, subscription.place
+            )
             for topic in self._topics.values()
-            for each in topic.subscriptions
-            if each.by_controller and each.place is not None and each.has_missed_latched
+            for subscription in topic.subscriptions
+            if subscription.by_controller
+            and subscription.place is not None
+            and subscription.has_missed_latched
         )
 
     def unheard(self) -> tuple[Missed, ...]:
@@ -300,10 +310,10 @@ class Graph:
         Topics that are only for display are left out.
         """
         return tuple(
-            Missed(Need("topic", name, each.type_name), 0, 0, place)
-            for name, (each, place) in self.first_unheard.items()
-            if each.by_controller and not self.subscriptions(name)
-            if not SHOWN.match(each.type_name)
+            Missed(Need("topic", name, publication.type_name), 0, 0, place)
+            for name, (publication, place) in self.first_unheard.items()
+            if publication.by_controller and not self.subscriptions(name)
+            if not SHOWN.match(publication.type_name)
         )
 
     def topic_names(self) -> tuple[str, ...]:

@@ -121,7 +121,7 @@ def _unfit(value: Any) -> str:
     if isinstance(value, Mapping):
         value = list(value.values())
     if isinstance(value, list | tuple):
-        return next((found for each in value if (found := _unfit(each))), "")
+        return next((unfit for item in value if (unfit := _unfit(item))), "")
     if isinstance(value, Set):
         return "a set (!!set)"
     if isinstance(value, date):
@@ -137,11 +137,11 @@ def _unfit(value: Any) -> str:
 
 def into_tree(parameters: tuple[Parameter, ...], tree: ParameterTree) -> None:
     """Set the parameters that are not private to a node on the parameter server."""
-    for each in parameters:
-        if each.node is None and not each.name.startswith("~"):
-            _merge(tree, f"/{each.name.lstrip('/')}", each.value)
-        elif each.node not in (None, EVERY_NODE):
-            _merge(tree, f"{each.node}/{each.name.replace('.', '/')}", each.value)
+    for parameter in parameters:
+        if parameter.node is None and not parameter.name.startswith("~"):
+            _merge(tree, f"/{parameter.name.lstrip('/')}", parameter.value)
+        elif parameter.node not in (None, EVERY_NODE):
+            _merge(tree, f"{parameter.node}/{parameter.name.replace('.', '/')}", parameter.value)
 
 
 def private_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str, Any], ...]:
@@ -149,12 +149,13 @@ def private_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str, Any], ...]
 
     Of two with one name the later counts.
     """
-    found = {
-        each.name.lstrip("~").lstrip("/").replace(".", "/"): each.value
-        for each in parameters
-        if each.node == EVERY_NODE or (each.node is None and each.name.startswith("~"))
+    table = {
+        parameter.name.lstrip("~").lstrip("/").replace(".", "/"): parameter.value
+        for parameter in parameters
+        if parameter.node == EVERY_NODE
+        or (parameter.node is None and parameter.name.startswith("~"))
     }
-    return tuple(found.items())
+    return tuple(table.items())
 
 
 def overrides_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str | None, str, Any], ...]:
@@ -162,19 +163,21 @@ def overrides_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str | None, s
 
     A name such as `/pick/speed` is that of the node `/pick` as well as everybody's `pick.speed`.
     """
-    found: list[tuple[str | None, str, Any]] = []
-    for each in parameters:
-        if each.node is not None:
-            node = None if each.node == EVERY_NODE else each.node
-            found.append((node, each.name, each.value))
+    overrides: list[tuple[str | None, str, Any]] = []
+    for parameter in parameters:
+        if parameter.node is not None:
+            node = None if parameter.node == EVERY_NODE else parameter.node
+            overrides.append((node, parameter.name, parameter.value))
             continue
-        name = each.name.lstrip("~").strip("/")
-        for dotted, value in flat(name.replace("/", "."), each.value):
-            found.append((None, dotted, value))
+        name = parameter.name.lstrip("~").strip("/")
+        for dotted, value in flat(name.replace("/", "."), parameter.value):
+            overrides.append((None, dotted, value))
         space, slash, last = name.rpartition("/")
         if slash:
-            found += [(f"/{space}", dotted, value) for dotted, value in flat(last, each.value)]
-    return tuple(found)
+            overrides += [
+                (f"/{space}", dotted, value) for dotted, value in flat(last, parameter.value)
+            ]
+    return tuple(overrides)
 
 
 def _merge(tree: ParameterTree, name: str, value: Any) -> None:

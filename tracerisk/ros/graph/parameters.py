@@ -176,14 +176,14 @@ class ParameterTree:
 
     def offered_names(self) -> list[str]:
         """Return the global names of what is offered, sorted."""
-        found: set[str] = set()
+        names: set[str] = set()
         for base_name, offered in self._offers.items():
             name = (
                 base_name if graph_names.is_global(base_name) else f"{graph_names.SEP}{base_name}"
             )
             value = None if self._holds_itself(name) else offered()
-            found.update(() if value is None else _leaves(name, value))
-        return sorted(found)
+            names.update(() if value is None else _leaves(name, value))
+        return sorted(names)
 
 
 def _parts(name: str) -> list[str]:

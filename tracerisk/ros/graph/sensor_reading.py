@@ -64,9 +64,9 @@ class SensorReading:
             {}
             if robot is None
             else {
-                (each.parent, each.child): each.name
-                for each in robot.attachments
-                if each.type != "fixed"
+                (attachment.parent, attachment.child): attachment.name
+                for attachment in robot.attachments
+                if attachment.type != "fixed"
             }
         )
         self._kinds: dict[tuple[SensorKind, ...], tuple[str, ...]] = {}
@@ -75,7 +75,9 @@ class SensorReading:
     def named(self, *kinds: SensorKind) -> tuple[str, ...]:
         """Return the names of the robot's sensors of some kinds."""
         if kinds not in self._kinds:
-            self._kinds[kinds] = tuple(each.name for each in self._sensors if each.kind in kinds)
+            self._kinds[kinds] = tuple(
+                sensor.name for sensor in self._sensors if sensor.kind in kinds
+            )
         return self._kinds[kinds]
 
     def reports(self, publication: Publication, sensors: Sequence[str], hz: float | None) -> None:
@@ -109,7 +111,7 @@ class SensorReading:
         names = self.named(*kinds)
         if joints is not None:
             meant = set(joints)
-            known = {each.name: each.part for each in self._sensors}
+            known = {sensor.name: sensor.part for sensor in self._sensors}
             names = tuple(name for name in names if known[name] in meant)
         if names:
             self._read(self._channel(names), ASKED_NS)

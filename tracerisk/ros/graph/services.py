@@ -175,10 +175,10 @@ class Services:
         return self.serve(name, kind, handle, node=node, is_callback=False)
 
     def _served_if_found(self, name: str) -> ServiceServer | None:
-        found = next(filter(None, (finder(name) for finder in self._finders)), None)
-        if found is None:
+        row = next(filter(None, (finder(name) for finder in self._finders)), None)
+        if row is None:
             return None
-        kind, handle, node = found
+        kind, handle, node = row
         return self.serve(name, kind, handle, node=node, is_callback=False)
 
     def become_caller(self, name: str, type_name: str, *, connects: bool = False) -> None:
@@ -196,20 +196,20 @@ class Services:
     def unserved(self) -> tuple[Missed, ...]:
         """Return the services of which the controller has a client and that nobody serves."""
         return tuple(
-            each
-            for need, each in self._callers.items()
-            if each.location is not None and self._server(need.name, need.type_name) is None
+            caller
+            for need, caller in self._callers.items()
+            if caller.location is not None and self._server(need.name, need.type_name) is None
         )
 
     def uncalled(self) -> tuple[Missed, ...]:
         """Return the controller's own services that nobody has called, not those of companions."""
         return tuple(
-            Missed(Need("call", each.name, each.type_name), 0, 0, each.place)
-            for each in self._servers.values()
-            if each.is_callback
-            and each.process is None
-            and not each.is_called
-            and not _OF_TOOLS.match(each.type_name)
+            Missed(Need("call", server.name, server.type_name), 0, 0, server.place)
+            for server in self._servers.values()
+            if server.is_callback
+            and server.process is None
+            and not server.is_called
+            and not _OF_TOOLS.match(server.type_name)
         )
 
     def served(self) -> tuple[ServiceServer, ...]:

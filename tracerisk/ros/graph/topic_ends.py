@@ -65,7 +65,11 @@ class Publication:
     @property
     def subscriptions(self) -> tuple[Subscription, ...]:
         """The subscriptions that it reaches, in the order in which they were made."""
-        return tuple(each for each in self.matching() if self.graph.is_connected(self, each))
+        return tuple(
+            subscription
+            for subscription in self.matching()
+            if self.graph.is_connected(self, subscription)
+        )
 
     @property
     def is_wanted(self) -> bool:
@@ -77,7 +81,11 @@ class Publication:
         if self.closed:
             return []
         known = self.graph.subscriptions(self.topic)
-        return [each for each in known if types_agree(self.type_name, each.type_name)]
+        return [
+            subscription
+            for subscription in known
+            if types_agree(self.type_name, subscription.type_name)
+        ]
 
     def publish(self, message: Any, only: Subscription | None = None) -> None:
         """Send a copy of `message` to every subscription, or to one; keep it where it is latched.
@@ -90,7 +98,11 @@ class Publication:
         scheduler.raise_if_over()
         self.pace.keep(scheduler)
         receivers = self.subscriptions if only is None else (only,)
-        late = [each for each in self.matching() if each not in receivers] if only is None else []
+        late = (
+            [subscription for subscription in self.matching() if subscription not in receivers]
+            if only is None
+            else []
+        )
         if self.by_controller and only is None and (cell := self.graph.count(self.topic)):
             cell.published(self, (*receivers, *late), message)
         if self.by_controller and (late or receivers):
@@ -179,9 +191,10 @@ class Subscription:
             return ()
         known = self.graph.publications(self.topic)
         return tuple(
-            each
-            for each in known
-            if types_agree(each.type_name, self.type_name) and self.graph.is_connected(each, self)
+            publication
+            for publication in known
+            if types_agree(publication.type_name, self.type_name)
+            and self.graph.is_connected(publication, self)
         )
 
     def receive(self, message: Any, publication: Publication) -> None:

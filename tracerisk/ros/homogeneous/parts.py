@@ -125,7 +125,7 @@ def inverse_matrix(matrix: ArrayLike) -> Array:
 
 def concatenate_matrices(*matrices: ArrayLike) -> Array:
     """Return the product of matrices, of which the last acts first."""
-    return reduce(np.dot, (np.asarray(each) for each in matrices), np.identity(4))
+    return reduce(np.dot, (np.asarray(matrix) for matrix in matrices), np.identity(4))
 
 
 def is_same_transform(matrix0: ArrayLike, matrix1: ArrayLike) -> bool:

@@ -31,8 +31,8 @@ def cfg_module(fullname: str, path: Sequence[str]) -> ModuleSpec | None:
         spec.submodule_search_locations = [str(folder)]
         return spec
     if leaf.endswith(_SUFFIX) and fullname.split(".")[-2:-1] == ["cfg"]:
-        for each in path:
-            file = Path(each, f"{leaf.removesuffix(_SUFFIX)}.cfg")
+        for name in path:
+            file = Path(name, f"{leaf.removesuffix(_SUFFIX)}.cfg")
             if file.is_file():
                 loader = FilledLoader(partial(_generated, file))
                 return ModuleSpec(fullname, loader, origin=str(file))
@@ -40,8 +40,8 @@ def cfg_module(fullname: str, path: Sequence[str]) -> ModuleSpec | None:
 
 
 def _cfg_folder(path: Sequence[str]) -> Path | None:
-    for each in path:
-        folder = Path(each)
+    for name in path:
+        folder = Path(name)
         for above in (folder, *folder.parents[:_DEEPEST]):
             if (above / "package.xml").is_file():
                 return above / "cfg" if any((above / "cfg").glob("*.cfg")) else None
@@ -80,14 +80,19 @@ def _generated(file: Path, _: str) -> dict[str, Any]:
     description = generator.group.to_dict()
     parameters = list(extract_params(description))
     level = 0
-    for each in parameters:
-        level |= each["level"]
+    for parameter in parameters:
+        level |= parameter["level"]
     return {
         "inf": float("inf"),
         "config_description": description,
-        **{table: {each["name"]: each[field] for each in parameters} for table, field in _tables()},
+        **{
+            table: {parameter["name"]: parameter[field] for parameter in parameters}
+            for table, field in _tables()
+        },
         "all_level": level,
-        **{f"{file.stem}_{each['name']}": each["value"] for each in generator.constants},
+        **{
+            f"{file.stem}_{constant['name']}": constant["value"] for constant in generator.constants
+        },
     }
 
 

@@ -28,8 +28,8 @@ class NotBuiltError(RuntimeError):
 def compiled_module(fullname: str, path: Sequence[str]) -> ModuleSpec | None:
     """Return the spec of a module whose Cython source lies below one of `path`; None for none."""
     leaf = fullname.rpartition(".")[2]
-    for each in path:
-        file = Path(each, f"{leaf}.pyx")
+    for name in path:
+        file = Path(name, f"{leaf}.pyx")
         if file.is_file():
             return ModuleSpec(fullname, FilledLoader(partial(_defined, file)), origin=str(file))
     return None
@@ -46,8 +46,8 @@ def _defined(file: Path, name: str) -> dict[str, Any]:
     )
     text = file.read_text(encoding="utf-8", errors="replace")
     return {
-        each: _raising(f"{message}: {each} cannot be called; {remedy}")
-        for each in _DEFINED.findall(text)
+        item: _raising(f"{message}: {item} cannot be called; {remedy}")
+        for item in _DEFINED.findall(text)
     }
 
 

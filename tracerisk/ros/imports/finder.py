@@ -161,10 +161,10 @@ class StandInFinder(MetaPathFinder):
         return not isinstance(getattr(loaded.__spec__, "loader", None), _StandInLoader)
 
     def _library_spec(self, fullname: str) -> ModuleSpec | None:
-        found = _file_and_folder(fullname)
-        if found is None:
+        row = _file_and_folder(fullname)
+        if row is None:
             return None
-        file, folder = found
+        file, folder = row
         return spec_from_file_location(
             fullname,
             file,
@@ -176,7 +176,7 @@ class StandInFinder(MetaPathFinder):
         kind, _, leaf = rest.partition(".")
         if not rest:
             kinds = self.interfaces.kinds
-            served = [each for each in kinds if self._has(package, each)]
+            served = [name for name in kinds if self._has(package, name)]
             loader = _InterfaceLoader(partial(_package, kinds=served))
             return ModuleSpec(fullname, loader, is_package=True)
         if kind not in self.interfaces.kinds:
@@ -256,7 +256,7 @@ class _StandInLoader(SourceFileLoader):
 
 def read_stand_ins(*libraries: str) -> None:
     """Read the code of libraries' stand-ins: processes that are forked have it in memory."""
-    for file in (each for name in libraries for each in (STAND_INS / name).rglob("*.py")):
+    for file in (path for name in libraries for path in (STAND_INS / name).rglob("*.py")):
         parts = file.relative_to(STAND_INS).with_suffix("").parts
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
         _file_and_folder(name)
@@ -279,10 +279,10 @@ def _file_and_folder(fullname: str) -> tuple[str, str | None] | None:
 def _modules_beside(file: Path) -> frozenset[str]:
     """Return the names of the public modules and packages in a package's folder."""
     return frozenset(
-        each.stem
-        for each in file.parent.iterdir()
-        if not each.name.startswith("_")
-        if each.suffix == ".py" or (each / "__init__.py").is_file()
+        path.stem
+        for path in file.parent.iterdir()
+        if not path.name.startswith("_")
+        if path.suffix == ".py" or (path / "__init__.py").is_file()
     )
 
 

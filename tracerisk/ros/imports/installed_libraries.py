@@ -67,10 +67,10 @@ class InstalledLibraries(MetaPathFinder):
         if path is None:
             if top not in self._tops or top in self._reserved or is_installed(top):
                 return None
-            return next(filter(None, (_source(fullname, each) for each in self._tops[top])), None)
+            return next(filter(None, (_source(fullname, tops) for tops in self._tops[top])), None)
         if rest.partition(".")[0] in _GENERATED and top in self._interfaces:
             return None
-        inside = [each for each in path if self._holds(each)]
+        inside = [name for name in path if self._holds(name)]
         for folder in inside:
             spec = _source(fullname, folder)
             if spec is not None:
@@ -79,7 +79,7 @@ class InstalledLibraries(MetaPathFinder):
         return None
 
     def _holds(self, folder: str) -> bool:
-        return any(folder == each or folder.startswith(each + os.sep) for each in self._folders)
+        return any(folder == name or folder.startswith(name + os.sep) for name in self._folders)
 
     @cached_property
     def _tops(self) -> dict[str, list[str]]:
@@ -87,7 +87,7 @@ class InstalledLibraries(MetaPathFinder):
 
         Where a package has its sources, only its Python packages would be installed.
         """
-        found: dict[str, list[str]] = {}
+        texts: dict[str, list[str]] = {}
         for folder in self._folders:
             is_source = Path(folder, _PACKAGE_FILE).is_file()
             for name in _names_in(folder):
@@ -96,8 +96,8 @@ class InstalledLibraries(MetaPathFinder):
                     continue
                 is_messages = match[1] in self._interfaces and not _has_code(folder, match[1])
                 if not is_messages:
-                    found.setdefault(match[1], []).append(folder)
-        return found
+                    texts.setdefault(match[1], []).append(folder)
+        return texts
 
 
 class _SourceLoader(SourceFileLoader):

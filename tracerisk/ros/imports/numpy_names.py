@@ -19,7 +19,7 @@ from tracerisk.ros.controller.frames import is_library
 from tracerisk.ros.graph.runtime import current
 
 _BUILTINS: dict[str, Any] = {
-    **{each.__name__: each for each in (int, float, bool, object, str, complex)},
+    **{item.__name__: item for item in (int, float, bool, object, str, complex)},
     "long": int,
     "unicode": str,
 }

@@ -91,7 +91,7 @@ class _Loader(Loader):
 
 
 def _serve(cv2: ModuleType, undo: contextlib.ExitStack) -> None:
-    windows = {name: each for name, each in _windows().items() if name in vars(cv2)}
+    windows = {name: window for name, window in _windows().items() if name in vars(cv2)}
     undo.callback(vars(cv2).update, {name: vars(cv2)[name] for name in windows})
     vars(cv2).update(windows)
     aruco = getattr(cv2, "aruco", None)
@@ -151,9 +151,9 @@ def _functions(cv2: Any, aruco: Any) -> dict[str, Callable[..., Any]]:
     ) -> Any:
         del corners, ids
         chosen = aruco.DetectorParameters() if parameters is None else parameters
-        found, numbers, refused = aruco.ArucoDetector(dictionary, chosen).detectMarkers(image)
+        result, numbers, refused = aruco.ArucoDetector(dictionary, chosen).detectMarkers(image)
         # One column, as before OpenCV 5.
-        return found, None if numbers is None else np.asarray(numbers).reshape(-1, 1), refused
+        return result, None if numbers is None else np.asarray(numbers).reshape(-1, 1), refused
 
     def estimate(corners: Any, length: float, camera: Any, distortion: Any) -> Any:
         half = length / 2
@@ -161,8 +161,8 @@ def _functions(cv2: Any, aruco: Any) -> dict[str, Callable[..., Any]]:
             [[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]]
         )
         turns, places = [], []
-        for each in corners:
-            seen = np.asarray(each, dtype=np.float64).reshape(4, 2)
+        for corner in corners:
+            seen = np.asarray(corner, dtype=np.float64).reshape(4, 2)
             _, turn, place = cv2.solvePnP(
                 marker, seen, camera, distortion, flags=cv2.SOLVEPNP_IPPE_SQUARE
             )

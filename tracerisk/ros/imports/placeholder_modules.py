@@ -236,7 +236,7 @@ class PlaceholderFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def __exit__(self, *_: object) -> None:
         sys.meta_path.remove(self)
-        for name in [name for name, each in sys.modules.items() if _is_served(each)]:
+        for name in [name for name, module in sys.modules.items() if _is_served(module)]:
             del sys.modules[name]
 
 

@@ -144,9 +144,9 @@ class Bridge:
         if name in (CLOCK, *_OF_LOGGING):
             return
         if change == "advertised":
-            for each in self._graph.publications(name):
-                if each not in self._ours:
-                    self._advertise(name, type_name, latch=each.latch)
+            for publication in self._graph.publications(name):
+                if publication not in self._ours:
+                    self._advertise(name, type_name, latch=publication.latch)
         elif change == "subscribed":
             self._listen(name)
         elif change == "served":
@@ -185,8 +185,8 @@ class Bridge:
         self._types[topic] = type_name
         # Servers of actions begin to publish by now.
         for name, kind in self._graph.published_topics():
-            if any(each not in self._ours for each in self._graph.publications(name)):
-                latch = any(each.latch for each in self._graph.publications(name))
+            if any(item not in self._ours for item in self._graph.publications(name)):
+                latch = any(item.latch for item in self._graph.publications(name))
                 if name != CLOCK and name not in _OF_LOGGING:
                     self._advertise(name, kind, latch=latch)
         self._listen(topic)
@@ -197,8 +197,8 @@ class Bridge:
             return
         theirs = set(self._subscriptions.values())
         if any(
-            each not in theirs and not each.by_controller
-            for each in self._graph.subscriptions(topic)
+            subscription not in theirs and not subscription.by_controller
+            for subscription in self._graph.subscriptions(topic)
         ):
             self._relay.send({"do": "subscribe", "topic": topic})
 
@@ -206,8 +206,8 @@ class Bridge:
         if topic in (CLOCK, *_OF_LOGGING):
             return
         if type_name == ANY_TYPE:
-            found = self._graph.publications(topic)
-            type_name = found[0].type_name if found else ANY_TYPE
+            publications = self._graph.publications(topic)
+            type_name = publications[0].type_name if publications else ANY_TYPE
         if type_name != ANY_TYPE and self._class(topic, type_name) is None:
             return
         self._subscriptions[topic, caller] = self._graph.subscribe(

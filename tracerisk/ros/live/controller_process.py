@@ -54,7 +54,7 @@ def main() -> None:
     sys.dont_write_bytecode = True
     script, root = Path(asked["script"]), Path(asked["root"])
     finder = ControllerFinder(
-        tracer, root, packages={name: Path(each) for name, each in asked["packages"].items()}
+        tracer, root, packages={name: Path(item) for name, item in asked["packages"].items()}
     )
     try:
         prepared = prepared_controller(

@@ -105,9 +105,9 @@ class Readers:
     def frames(self, seconds: float) -> list[Frame]:
         """Wait for messages, at most for some time, and return those that have come."""
         self._waiting.wait(round(seconds * 1e9))
-        for each in self._known.take(_MOST_AT_ONCE):
-            if each.sample_info.valid_data:
-                self._heard_of(each)
+        for item in self._known.take(_MOST_AT_ONCE):
+            if item.sample_info.valid_data:
+                self._heard_of(item)
         return [frame for topic in self._readers for frame in self._taken(topic)]
 
     def close(self) -> None:
@@ -147,7 +147,7 @@ class Readers:
 
     def _taken(self, topic: str) -> list[Frame]:
         reader, _, _ = self._readers[topic]
-        found = []
+        pairs = []
         for sample in reader.take(_MOST_AT_ONCE):
             if sample.sample_info.valid_data:
                 kind = _ros_type(type(sample).__idl_typename__)
@@ -157,8 +157,8 @@ class Readers:
                     "type": kind,
                     "definition": self._definition(kind),
                 }
-                found.append((header, sample.serialize(use_version_2=False)))
-        return found
+                pairs.append((header, sample.serialize(use_version_2=False)))
+        return pairs
 
     def _definition(self, kind: str) -> str:
         if kind not in self._definitions:

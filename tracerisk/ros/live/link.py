@@ -81,12 +81,12 @@ class Link:
 
     def _fill(self) -> bool:
         try:
-            found = self._socket.recv(_CHUNK)
+            recv = self._socket.recv(_CHUNK)
         except ConnectionError:
-            found = b""
-        self._buffer += found
-        self.is_closed = self.is_closed or not found
-        return bool(found)
+            recv = b""
+        self._buffer += recv
+        self.is_closed = self.is_closed or not recv
+        return bool(recv)
 
     def _taken(self) -> Frame | None:
         if len(self._buffer) < _LENGTHS.size:

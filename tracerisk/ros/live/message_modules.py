@@ -34,12 +34,12 @@ def make_missing_modules(interfaces: Interfaces, sources: Iterable[bytes], folde
         DependencyError: there is no ROS, or its genpy fails.
     """
     texts = list(sources)
-    named = {each.group(1).decode() for text in texts for each in _IMPORT.finditer(text)}
+    named = {match_.group(1).decode() for text in texts for match_ in _IMPORT.finditer(text)}
     wanted = sorted(named & set(interfaces.packages))
     missing = _missing(wanted)
     if not missing:
         return False
-    words = {each.decode() for text in texts for each in _WORD.findall(text)}
+    words = {item.decode() for text in texts for item in _WORD.findall(text)}
     messages: set[str] = set()
     services: set[str] = set()
     for package in missing:
@@ -56,7 +56,7 @@ def make_missing_modules(interfaces: Interfaces, sources: Iterable[bytes], folde
         package, short = name.split("/")
         request, response = (_text(interfaces, name + part) for part in ("Request", "Response"))
         _write(texts_folder / package / "srv" / f"{short}.srv", f"{request}---\n{response}")
-    also = _missing({each.split("/")[0] for each in closure})
+    also = _missing({word.split("/")[0] for word in closure})
     asked = json.dumps([str(texts_folder), str(folder), sorted({*missing, *also})])
     made = start(
         "tracerisk.ros.live.message_modules",
@@ -76,7 +76,7 @@ def main() -> None:
     texts, out, packages = json.loads(sys.argv[1])
     generator: Any = importlib.import_module("genpy.generator")
     search = {
-        each.name: [str(each / "msg")] for each in Path(texts).iterdir() if (each / "msg").is_dir()
+        path.name: [str(path / "msg")] for path in Path(texts).iterdir() if (path / "msg").is_dir()
     }
     for package in packages:
         for kind, make in (("msg", generator.MsgGenerator), ("srv", generator.SrvGenerator)):
@@ -86,7 +86,7 @@ def main() -> None:
             Path(out, package, "__init__.py").touch()
             if files and make().generate_messages(package, files, str(place), search):
                 sys.exit(1)
-            names = [Path(each).stem for each in files]
+            names = [Path(file).stem for file in files]
             lines = "".join(f"from ._{name} import *\n" for name in names)
             Path(place, "__init__.py").write_text(lines, encoding="utf-8")
 
@@ -106,25 +106,25 @@ def _missing(packages: Iterable[str]) -> list[str]:
         cwd="/",
         env=loopback_environment(os.environ),
     )
-    found: list[str] = json.loads(done.stdout)
-    return found
+    loads: list[str] = json.loads(done.stdout)
+    return loads
 
 
 def _with_parts(interfaces: Interfaces, messages: set[str], services: set[str]) -> list[str]:
     waiting = sorted(messages)
     parts = [f"{name}{part}" for name in sorted(services) for part in ("Request", "Response")]
-    found: set[str] = set()
+    names: set[str] = set()
     while waiting or parts:
         is_part = not waiting
         name = parts.pop() if is_part else waiting.pop()
-        if name in found:
+        if name in names:
             continue
         if not is_part:
-            found.add(name)
+            names.add(name)
         for field in interfaces.message(name)._fields:
             if field.message is not None:
                 waiting.append(field.base)
-    return sorted(found)
+    return sorted(names)
 
 
 def _text(interfaces: Interfaces, name: str) -> str:

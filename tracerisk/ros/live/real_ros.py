@@ -51,13 +51,13 @@ def python_of_ros() -> str:
                 timeout=_ASK_S,
                 check=True,
             )
-            found, missing = json.loads(done.stdout)
+            result, missing = json.loads(done.stdout)
         except (OSError, ValueError, subprocess.SubprocessError):
             continue
-        if not missing and found == version:
+        if not missing and result == version:
             return candidate
         if not missing:
-            strange = f"{candidate} has them for Python {found[0]}.{found[1]}, and "
+            strange = f"{candidate} has them for Python {result[0]}.{result[1]}, and "
     raise DependencyError(
         "rospy and rosmaster of ROS 1 are needed, which no Python "
         f"{version[0]}.{version[1]} here has; {strange}tracerisk runs under {sys.executable}. "
@@ -69,13 +69,13 @@ def python_of_ros() -> str:
 
 def own_paths() -> list[str]:
     """Return the folders in which tracerisk and what instruments sources are found."""
-    found = [Path(__file__).resolve().parents[3]]
+    paths = [Path(__file__).resolve().parents[3]]
     for name in ("libcst", "yaml", "typing_extensions"):
         spec = find_spec(name)
         if spec is not None and spec.origin is not None:
             at = Path(spec.origin).resolve()
-            found.append(at.parents[1] if at.name == "__init__.py" else at.parent)
-    return list(dict.fromkeys([*map(str, found), _NOETIC]))
+            paths.append(at.parents[1] if at.name == "__init__.py" else at.parent)
+    return list(dict.fromkeys([*map(str, paths), _NOETIC]))
 
 
 def start(
@@ -124,9 +124,9 @@ def first_frame(link: Link) -> Frame | None:
 
 def end_process(process: subprocess.Popen[bytes], *signals: int) -> None:
     """Send one signal after the other, until the process has ended."""
-    for each in signals:
+    for signal in signals:
         if process.poll() is not None:
             return
-        process.send_signal(each)
+        process.send_signal(signal)
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(_GRACE_S)

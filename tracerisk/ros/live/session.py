@@ -143,7 +143,7 @@ class Session:
 
     def _links(self) -> Sequence[Link]:
         links = [self.relay] if self.controller is None else [self.relay, self.controller]
-        return [each for each in links if not each.is_closed]
+        return [link for link in links if not link.is_closed]
 
     def _has_input(self) -> bool:
         readable, _, _ = select.select(self._links(), [], [], 0.0)

@@ -116,10 +116,10 @@ def service_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
     Raises:
         InputError: no such service is known.
     """
-    found = interfaces.service(type_name)
-    if hasattr(found, "_request_class"):
-        return found._request_class, found._response_class
-    return found.Request, found.Response
+    service = interfaces.service(type_name)
+    if hasattr(service, "_request_class"):
+        return service._request_class, service._response_class
+    return service.Request, service.Response
 
 
 def action_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
@@ -129,8 +129,8 @@ def action_parts(interfaces: Any, type_name: str) -> tuple[Any, Any]:
         InputError: no such action is known.
     """
     if hasattr(interfaces, "action"):
-        found = interfaces.action(type_name)
-        return found.Result, found.Feedback
+        action = interfaces.action(type_name)
+        return action.Result, action.Feedback
     return interfaces.message(f"{type_name}Result"), interfaces.message(f"{type_name}Feedback")
 
 

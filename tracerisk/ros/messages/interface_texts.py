@@ -70,35 +70,37 @@ def _sections() -> Mapping[str, tuple[tuple[str, ...], str]]:
         # A wheel has it compressed.
         packed = _ARCHIVE.with_name(f"{_ARCHIVE.name}.gz").read_bytes()
         archive = gzip.decompress(packed).decode("utf-8")
-    found = {}
+    sections = {}
     for section in f"\n{archive.rstrip()}".split("\n=== ")[1:]:
         head, _, text = section.partition("\n")
         package, _, distros = head.partition(": ")
-        found[package] = (tuple(distros.split()), text)
-    return found
+        sections[package] = (tuple(distros.split()), text)
+    return sections
 
 
 @cache
 def shipped_texts(distro: RosDistro, package: str) -> ByPackage:
     """Return the definitions of a package of a distribution by package and kind, sorted by name."""
-    found = []
+    interface_texts = []
     distros, section = _sections().get(package, ((), ""))
     for entry in f"\n{section}".split("\n== ")[1:] if distro in distros else ():
         head, _, text = entry.partition("\n")
         place, _, only = head.partition(": ")
         if not only or distro in only.split():
             kind, name = place.split("/")
-            found.append(InterfaceText(package, kind, name.removesuffix(f".{kind}"), f"{text}\n"))
-    return by_package(found)
+            interface_texts.append(
+                InterfaceText(package, kind, name.removesuffix(f".{kind}"), f"{text}\n")
+            )
+    return by_package(interface_texts)
 
 
 def by_package(texts: Iterable[InterfaceText]) -> ByPackage:
     """Return definitions by package and kind, in their order."""
-    found: dict[tuple[str, str], tuple[InterfaceText, ...]] = {}
-    for each in texts:
-        key = each.package, each.kind
-        found[key] = (*found.get(key, ()), each)
-    return found
+    interface_texts: dict[tuple[str, str], tuple[InterfaceText, ...]] = {}
+    for text in texts:
+        key = text.package, text.kind
+        interface_texts[key] = (*interface_texts.get(key, ()), text)
+    return interface_texts
 
 
 @cache
@@ -158,7 +160,7 @@ def canonical(text: str, package: str, *, is_ros1: bool) -> str:
 
 def field_comments(definition: Definition) -> dict[str, str]:
     """Return the comments of the fields before the first line `---`: beside them, or just above."""
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     above: list[str] = []
     for line in interface_text(definition).splitlines():
         code, _, comment = line.partition("#")
@@ -166,9 +168,9 @@ def field_comments(definition: Definition) -> dict[str, str]:
             break
         words = code.split()
         if len(words) > 1 and "=" not in code:
-            found[words[1]] = comment.strip() or " ".join(above)
+            texts[words[1]] = comment.strip() or " ".join(above)
         above = [*above, comment.strip()] if not words and comment else []
-    return found
+    return texts
 
 
 def _is_separator(line: str) -> bool:
@@ -251,30 +253,32 @@ class InterfaceStore:
     def comments(self, name: str, kind: str) -> dict[str, str]:
         """Return the comments beside the fields of a message, a request or a goal."""
         package, _, short = name.partition("/")
-        found = self._files(package, kind).get(short)
-        return {} if found is None else field_comments(found)
+        file = self._files(package, kind).get(short)
+        return {} if file is None else field_comments(file)
 
     def _files(self, package: str, kind: str) -> dict[str, Definition]:
         """Return a package's definitions of a kind by their names."""
         key = package, kind
         if key not in self._listed:
             # Asked for at each name of a package, of which some have hundreds.
-            found: dict[str, Definition] = {each.stem: each for each in self._more.get(key, ())}
+            definitions: dict[str, Definition] = {
+                interface_text.stem: interface_text for interface_text in self._more.get(key, ())
+            }
             if package in self._workspace:
                 # Some packages sort them into folders, which the names of the classes leave out.
-                found |= _in_folder(self._workspace[package] / kind, f"**/*.{kind}")
+                definitions |= _in_folder(self._workspace[package] / kind, f"**/*.{kind}")
             else:
                 for distro in reversed(self._distros):
                     texts = shipped_texts(distro, package).get(key, ())
-                    found |= {each.stem: each for each in texts}
+                    definitions |= {text.stem: text for text in texts}
                 if package in self._installed:
                     there = _in_folder(self._installed[package] / kind, f"**/*.{kind}")
-                    found |= {
+                    definitions |= {
                         stem: path
                         for stem, path in there.items()
-                        if not self._is_same(path, found.get(stem), package)
+                        if not self._is_same(path, definitions.get(stem), package)
                     }
-            self._listed[key] = found
+            self._listed[key] = definitions
         return self._listed[key]
 
     def _text_of(self, definition: Definition) -> str:
@@ -291,7 +295,7 @@ class InterfaceStore:
         text = interface_text(path)
         if text.startswith(_GENERATED):
             actions = self._files(package, "action")
-            return any(path.stem.startswith(each) for each in actions)
+            return any(path.stem.startswith(action) for action in actions)
         if not isinstance(shipped, InterfaceText):
             return False
         is_ros1 = self._distros == ("noetic",)
@@ -303,8 +307,8 @@ def _in_folder(folder: Path, pattern: str) -> dict[str, Definition]:
 
     Pipes and what is larger than a definition are left out.
     """
-    found = sorted(folder.glob(pattern), reverse=True)
-    return {path.stem: path for path in found if _is_text(path)}
+    paths = sorted(folder.glob(pattern), reverse=True)
+    return {path.stem: path for path in paths if _is_text(path)}
 
 
 def _is_text(path: Path) -> bool:

@@ -119,17 +119,17 @@ class _Drawn:
             red, green, blue = entry.numbers(key, length=3)
         else:
             red = green = blue = entry.number(key, default=_GREY)
-        if not all(0 <= each <= 255 for each in (red, green, blue)):
+        if not all(0 <= item <= 255 for item in (red, green, blue)):
             entry.fail(key, "a colour is a grey, or [red, green, blue], each from 0 to 255")
         parts = {"r": red, "g": green, "b": blue, "y": (red + green + blue) / 3}
         return bytes(round(parts[name]) for name in self._order)
 
 
 def _pixels(entry: YamlMap, key: str, *, default: tuple[int, int]) -> tuple[int, int]:
-    found = entry.numbers(key, length=2) if key in entry else default
-    if not all(each == round(each) and 0 <= each <= _LARGEST for each in found):
+    numbers = entry.numbers(key, length=2) if key in entry else default
+    if not all(item == round(item) and 0 <= item <= _LARGEST for item in numbers):
         entry.fail(key, f"expected two whole numbers of pixels, from 0 to {_LARGEST}")
-    first, second = map(round, found)
+    first, second = map(round, numbers)
     if key == "size" and 0 in (first, second):
         entry.fail(key, "a picture has at least one pixel")
     return first, second
@@ -147,7 +147,7 @@ def _marker_rows(entry: YamlMap, side: int) -> Iterable[bytes]:
             "markers are drawn by OpenCV's aruco, which is not installed beside the controller; "
             "pip install opencv-contrib-python-headless",
         )
-    known = sorted(each for each in dir(aruco) if each.startswith("DICT_"))
+    known = sorted(text for text in dir(aruco) if text.startswith("DICT_"))
     if name not in known:
         entry.fail("dictionary", f"OpenCV has no dictionary '{name}'; {one_of(known, name)}")
     dictionary = aruco.getPredefinedDictionary(getattr(aruco, name))

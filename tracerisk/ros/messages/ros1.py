@@ -109,11 +109,11 @@ class Interfaces(InterfaceStore):
         use those names, knowingly or not.
         """
         classes = [self.interface(package, kind, name) for name in self.module_names(package, kind)]
-        fields = (field for each in classes for field in getattr(each, "_fields", ()))
+        fields = (field for class_ in classes for field in getattr(class_, "_fields", ()))
         packages = {field.base.split("/")[0] for field in fields if field.message is not None}
-        found = tuple(sorted({*packages, "codecs", "genpy", "struct", "sys"}))
-        self._star_names[package, kind] = found
-        return found
+        result = tuple(sorted({*packages, "codecs", "genpy", "struct", "sys"}))
+        self._star_names[package, kind] = result
+        return result
 
     def modules(self, package: str, kind: str) -> tuple[str, ...]:
         """Return the modules below `package.kind`, as genpy generates them: `_PoseStamped`."""
@@ -190,7 +190,7 @@ class Interfaces(InterfaceStore):
             if field_name != _PLACEHOLDER
         )
         named = [*(constant for constant, _, _ in constants), *(field.name for field in fields)]
-        twice = sorted({each for each in named if named.count(each) > 1})
+        twice = sorted({item for item in named if named.count(item) > 1})
         if twice:
             raise InputError(f"{name} has two of the name {', '.join(twice)}; rename one")
         folder = "srv" if name in self._service_parts else "msg"

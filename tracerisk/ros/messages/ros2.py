@@ -323,21 +323,21 @@ def _message_class(
 
 
 def _defaults(text: str, path: Definition) -> dict[str, Any]:
-    found = {}
+    defaults = {}
     for number, line in enumerate(text.splitlines(), 1):
         match = _DEFAULT.fullmatch(line)
         if match is None:
             continue
         kind, name, value = match.groups()
         if kind.partition("<")[0] == "string" and value[0] not in "\"'":
-            found[name] = value
+            defaults[name] = value
             continue
         try:
-            found[name] = ast.literal_eval(_WithBools().visit(ast.parse(value, mode="eval")))
+            defaults[name] = ast.literal_eval(_WithBools().visit(ast.parse(value, mode="eval")))
         except (ValueError, SyntaxError) as error:
             message = f"'{value}' is no default that a field can have"
             raise InputError(message, Location(str(path), number)) from error
-    return found
+    return defaults
 
 
 class _MadeLater:

@@ -118,9 +118,9 @@ class Field2:
         The value is a scalar, or an item of a sequence.
         """
         if self.message is not None:
-            wanted, found = self.message, type(value)
+            wanted, result = self.message, type(value)
             # By the name, as in C: of a subclass it is another.
-            same = f"{found.__module__}.{found.__qualname__}".startswith(
+            same = f"{result.__module__}.{result.__qualname__}".startswith(
                 f"{wanted.__module__}.{wanted.__qualname__}"
             )
             return "" if same else f"the class is {wanted.__module__}.{wanted.__qualname__}"

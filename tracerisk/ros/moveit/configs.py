@@ -161,8 +161,8 @@ class ConfigsBuilder(ParameterBuilder):
     ) -> Self:
         """Load the SRDF, expanded where it is a xacro file."""
         text = self._xacro(file_path or self._srdf, mappings)
-        found = {} if text is None else {f"{self._description}_semantic": text}
-        self._configs.robot_description_semantic = found
+        table = {} if text is None else {f"{self._description}_semantic": text}
+        self._configs.robot_description_semantic = table
         return self
 
     def robot_description_kinematics(self, file_path: str | Path | None = None) -> Self:
@@ -192,11 +192,11 @@ class ConfigsBuilder(ParameterBuilder):
         Raises:
             RuntimeError: there are several files, and none has a usual name.
         """
-        found: dict[str, Any] = {"moveit_manage_controllers": moveit_manage_controllers}
+        table: dict[str, Any] = {"moveit_manage_controllers": moveit_manage_controllers}
         path = self._controllers_file() if file_path is None else Path(file_path)
         if path is not None:
-            found.update(self._yaml(path))
-        self._configs.trajectory_execution = found
+            table.update(self._yaml(path))
+        self._configs.trajectory_execution = table
         return self
 
     def planning_scene_monitor(
@@ -222,12 +222,12 @@ class ConfigsBuilder(ParameterBuilder):
     def sensors_3d(self, file_path: str | Path | None = None) -> Self:
         """Load the parameters of sensors, where there are any."""
         try:
-            found = self._yaml(file_path or _CONFIG / "sensors_3d.yaml")
+            yaml = self._yaml(file_path or _CONFIG / "sensors_3d.yaml")
         except ParameterBuilderFileNotFoundError:
             return self
-        sensors = found.get("sensors") or []
+        sensors = yaml.get("sensors") or []
         if sensors and sensors[0]:
-            self._configs.sensors_3d = found
+            self._configs.sensors_3d = yaml
         return self
 
     def planning_pipelines(
@@ -253,19 +253,19 @@ class ConfigsBuilder(ParameterBuilder):
                 f"default_planning_pipeline: `{default}` doesn't name any of the input pipelines "
                 f"`{','.join(names)}`"
             )
-        found: dict[str, Any] = {"planning_pipelines": names, "default_planning_pipeline": default}
+        table: dict[str, Any] = {"planning_pipelines": names, "default_planning_pipeline": default}
         for name in names:
             file = None if folder is None else folder / f"{name}_planning.yaml"
             if file is not None and file.exists():
-                found[name] = load_yaml(file, self._files.text(file))
+                table[name] = load_yaml(file, self._files.text(file))
             elif name in _PLUGINS:
-                found[name] = {"planning_plugins": [_PLUGINS[name]]}
+                table[name] = {"planning_plugins": [_PLUGINS[name]]}
             else:
                 raise RuntimeError(
                     f"planning pipeline '{name}' has no file config/{name}_planning.yaml; "
                     f"known without one: {one_of(_PLUGINS, name)}"
                 )
-        self._configs.planning_pipelines = found
+        self._configs.planning_pipelines = table
         return self
 
     def pilz_cartesian_limits(self, file_path: str | Path | None = None) -> Self:

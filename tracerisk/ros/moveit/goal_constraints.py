@@ -229,15 +229,15 @@ class GoalReader:
         for one in constraints:
             if one.joint_name not in members:
                 continue
-            found = JointBounds.of(one, robot.joint(one.joint_name))
+            within = JointBounds.of(one, robot.joint(one.joint_name))
             if one.joint_name in bounds:
-                found = bounds[one.joint_name].within(found)
-            if found.lower > found.upper:
+                within = bounds[one.joint_name].within(within)
+            if within.lower > within.upper:
                 raise RequestError(
                     ErrorCode.INVALID_GOAL_CONSTRAINTS,
                     f"the constraints of joint '{one.joint_name}' leave it no position",
                 )
-            bounds[one.joint_name] = found
+            bounds[one.joint_name] = within
         return bounds
 
     def _states(
@@ -257,7 +257,7 @@ class GoalReader:
             return
         also = {
             "breach": goal.rule.breach,
-            "bounds": {name: (each.lower, each.upper) for name, each in goal.joints.items()},
+            "bounds": {name: (joint.lower, joint.upper) for name, joint in goal.joints.items()},
         }
         failure: PlanningError | None = None
         for poses in goal.samples():

@@ -91,11 +91,11 @@ class LinkRegion:
 
     def _position(self) -> tuple[Any, Pose]:
         """Return the position constraint that leaves least room."""
-        return min(self.positions, key=lambda each: _size(each[0]))
+        return min(self.positions, key=lambda position: _size(position[0]))
 
     def _turn(self) -> tuple[Any, Pose]:
         """Return the orientation constraint that leaves least room."""
-        return min(self.turns, key=lambda each: sum(_tolerances(each[0])))
+        return min(self.turns, key=lambda turn: sum(_tolerances(turn[0])))
 
     def _sampled_turn(self, generator: np.random.Generator, *, is_first: bool) -> Quaternion:
         if not self.turns:
@@ -125,7 +125,7 @@ class LinkRegion:
                 shape, place = None, shapes[number][1]
             seen = (0.0, 0.0, 0.0) if shape is None else _inside(shape, generator)
             there = compose(compose(frame, message_pose(place)), Pose(seen, ORIGIN.orientation))
-            others = [each for each in self.positions if each[0] is not one]
+            others = [position for position in self.positions if position[0] is not one]
             if all(is_within(other, base, there.position) for other, base in others):
                 return there.position
         return None

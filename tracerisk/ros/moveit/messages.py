@@ -122,10 +122,10 @@ def fill_poses(message: Any, new_pose: Callable[[], Any]) -> None:
 
 def attached_messages(new: New, scene: PlanningScene | SeenScene) -> list[Any]:
     """Return the attached objects of a scene as AttachedCollisionObjects, sorted by name."""
-    found = []
+    result = []
     for _, one in sorted(scene.attached.items()):
         message = new("moveit_msgs/AttachedCollisionObject")
         message.link_name, message.touch_links = one.link, list(one.touch_links)
         message.object = object_message(new, one.object, one.link)
-        found.append(message)
-    return found
+        result.append(message)
+    return result

@@ -66,14 +66,14 @@ class PathRule:
         """Return the first breach at joint positions [rad or m] in words, None for none."""
         if self._constraints.visibility_constraints:
             return "visibility constraints cannot be checked: the twin has no cameras"
-        return next((each.words for each in self._parts(positions) if each.is_broken), None)
+        return next((part.words for part in self._parts(positions) if part.is_broken), None)
 
     def excess(self, positions: Mapping[str, float]) -> Array:
         """Return how far each part of the rule is beyond nine tenths of what is allowed.
 
         Returns: (n_parts,) [rad or m], 0 within; NaN for what cannot be checked.
         """
-        return np.array([each.excess for each in self._parts(positions)])
+        return np.array([part.excess for part in self._parts(positions)])
 
     def _parts(self, positions: Mapping[str, float]) -> Iterator[_Part]:
         for one in self._constraints.joint_constraints:
@@ -134,10 +134,10 @@ class PathRule:
             for shape, pose in zip(region.primitives, region.primitive_poses, strict=False)
         ]
         outside = [_outside(shape, seen) for shape, seen in shapes]
-        nearest = min(outside, key=lambda each: sum(map(abs, each)), default=(math.nan,) * 3)
+        nearest = min(outside, key=lambda row: sum(map(abs, row)), default=(math.nan,) * 3)
         is_broken = not any(_is_inside(shape, seen, self._slack) for shape, seen in shapes)
-        for each in nearest:
-            yield _Part(is_broken, each, words)
+        for value in nearest:
+            yield _Part(is_broken, value, words)
 
 
 @dataclass(frozen=True, slots=True)

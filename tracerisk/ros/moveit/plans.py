@@ -103,13 +103,13 @@ def default_scaling(parameters: ParameterTree, description: str, default: Scalin
     sets, else `default`, those of the robot, 0.1 unless its description says otherwise. What is not
     within (0, 1] the time parameterization then takes as 1.
     """
-    found = [default.velocity, default.acceleration]
+    values = [default.velocity, default.acceleration]
     for i, kind in enumerate(("velocity", "acceleration")):
         name = f"/{description}_planning/default_{kind}_scaling_factor"
         value = parameters.get(name) if parameters.has(name) else None
         if isinstance(value, int | float) and not isinstance(value, bool):
-            found[i] = valid_fraction(value)
-    return Scaling(*found)
+            values[i] = valid_fraction(value)
+    return Scaling(*values)
 
 
 def places(goals: Sequence[Sequence[PoseGoal]]) -> tuple[float, ...]:

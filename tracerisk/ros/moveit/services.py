@@ -223,7 +223,7 @@ class MoveItInterfaces(TwinNode):
             given = message_pose(asked.pose_stamped.pose)
             self._goals.given(asked.pose_stamped.header.frame_id, given, link)
             goal = PoseGoal(link, compose(base, given))
-            found = self._server.reach(
+            reach = self._server.reach(
                 asked.group_name, [goal], self._start(asked.robot_state) or None
             )
         except (RequestError, PlanningError) as error:
@@ -238,7 +238,7 @@ class MoveItInterfaces(TwinNode):
             )
         else:
             self._server.execution.succeeded("ik_failure", asked.group_name, wanted)
-            answer.solution = self._state({**self._server.positions(), **found})
+            answer.solution = self._state({**self._server.positions(), **reach})
             answer.error_code.val = int(ErrorCode.SUCCESS)
 
     def _position_fk(self, request: Any, answer: Any) -> None:

@@ -129,16 +129,16 @@ class Servo(TwinNode):
     def settings(self) -> ServoSettings:
         """What the first parameter file of the workspace that speaks of servo says."""
         known = {name for name in ServoSettings.__slots__ if name != "is_declared"}
-        found: dict[str, Any] = {}
+        table: dict[str, Any] = {}
         for _, key, value in declared_settings(
             self._runtime.packages.values(), b"command_in_type", first=True
         ):
             wanted = type(ServoSettings.__dataclass_fields__[key].default) if key in known else None
             if wanted is float and isinstance(value, int | float) and not isinstance(value, bool):
-                found.setdefault(key, float(value))
+                table.setdefault(key, float(value))
             elif wanted is str and isinstance(value, str):
-                found.setdefault(key, value.rsplit("/", 1)[-1])
-        return ServoSettings(**found, is_declared=bool(found))
+                table.setdefault(key, value.rsplit("/", 1)[-1])
+        return ServoSettings(**table, is_declared=bool(table))
 
     @cached_property
     def _arm(self) -> ArmMotion:
@@ -181,7 +181,7 @@ class Servo(TwinNode):
             scales = self._scales(self.settings.linear, self.settings.rotational)
             asked = asked * np.repeat(scales, 3) * self._controlled
             turned = [
-                rotate(pose.orientation, each) for each in (asked[:3].tolist(), asked[3:].tolist())
+                rotate(pose.orientation, item) for item in (asked[:3].tolist(), asked[3:].tolist())
             ]
             speeds = self._joint_speeds(np.concatenate(turned))
             self._go(
@@ -189,7 +189,10 @@ class Servo(TwinNode):
             )
 
     def _take_jog(self, topic: str, message: Any) -> None:
-        names, values = list(message.joint_names), [float(each) for each in message.velocities]
+        names, values = (
+            list(message.joint_names),
+            [float(velocity) for velocity in message.velocities],
+        )
         if not self._takes(topic, _JOINT_JOG, message.header, np.array(values)):
             return
         known = self._arm.joints
@@ -205,7 +208,7 @@ class Servo(TwinNode):
         else:
             (scale,) = self._scales(self.settings.joint)
             asked = {**dict.fromkeys(known, 0.0), **dict(zip(names, values, strict=True))}
-            self._go(topic, "servo_jog", {name: scale * each for name, each in asked.items()})
+            self._go(topic, "servo_jog", {name: scale * item for name, item in asked.items()})
 
     def _take_pose(self, topic: str, message: Any) -> None:
         del message

@@ -48,7 +48,7 @@ class SoughtGoals:
 
         def is_reached(shift: Vector) -> bool:
             for group, goal, pose in wanted:
-                a, b, c = (each + by for each, by in zip(pose.position, shift, strict=True))
+                a, b, c = (value + by for value, by in zip(pose.position, shift, strict=True))
                 there = compose(base, Pose((a, b, c), pose.orientation))
                 try:
                     reach(group, [replace(goal, pose=there)])
@@ -56,5 +56,5 @@ class SoughtGoals:
                     return False
             return True
 
-        found = reachable_shift((x, y, z), is_reached)
-        return None if found is None else ((x, y, z), found)
+        row = reachable_shift((x, y, z), is_reached)
+        return None if row is None else ((x, y, z), row)

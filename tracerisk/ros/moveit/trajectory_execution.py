@@ -156,8 +156,8 @@ class TrajectoryExecution:
         """
         rules = self._rules() if rules is None else rules
         stack = self._commands.stack()
-        before = [each for each in self._active() if preempts and each.by == by]
-        others = [each for each in self._active() if each not in before]
+        before = [item for item in self._active() if preempts and item.by == by]
+        others = [item for item in self._active() if item not in before]
         if not others and self._moves_nothing(trajectory, rules):
             self.give_way(by if preempts else None)
             return self._answer_empty()
@@ -166,8 +166,8 @@ class TrajectoryExecution:
             refusal = _busy(others[0]) if others else self._refusal(trajectory, rules, first)
         motion: Motion | None = None
         if refusal is None:
-            for each in before:
-                self._twin.stop(each.motion.joints)
+            for item in before:
+                self._twin.stop(item.motion.joints)
             try:
                 motion = self._begin(trajectory)
             except PlanningError as error:
@@ -182,8 +182,8 @@ class TrajectoryExecution:
                 target=trajectory.position[-1] if len(trajectory.time) else (),
             )
             return ErrorCode.CONTROL_FAILED
-        for each in before:
-            each.motion.replaced_by, each.code = motion, ErrorCode.PREEMPTED
+        for item in before:
+            item.motion.replaced_by, item.code = motion, ErrorCode.PREEMPTED
         execution = Execution(motion, by)
         self._commands.begin(
             "move_group", motion, stack, lambda _: self._ended(execution), goal=goal
@@ -250,7 +250,7 @@ class TrajectoryExecution:
         )
 
     def _active(self) -> list[Execution]:
-        return [each for each in self._live if each.motion.outcome == "active"]
+        return [execution for execution in self._live if execution.motion.outcome == "active"]
 
     def _break_off(self, execution: Execution, code: ErrorCode, why: str) -> None:
         """Bring a motion to rest that the controller did not ask to stop."""

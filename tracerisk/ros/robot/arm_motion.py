@@ -68,7 +68,7 @@ class ArmMotion:
         named = (link for tool in tools for link in robot.link_names if link.endswith(tool))
         self.offset = ORIGIN
         self.tool = next(named, groups[self.group].tip_link if self.group else None)
-        named_grippers = (each for each in robot.grippers if gripper in (None, each.name))
+        named_grippers = (item for item in robot.grippers if gripper in (None, item.name))
         self.gripper = next(named_grippers, None)
         if self.gripper is not None:
             self._ends = driver_ends(robot, self.gripper)
@@ -109,8 +109,10 @@ class ArmMotion:
         group = self._planned()
         near = dict(zip(self.joints, seed, strict=False)) if seed else None
         link_pose = compose(pose, inverse(self.offset))
-        found = self.twin.inverse_kinematics(group, link_pose, link=self.tool, seed=near)
-        return [found[name] for name in self.joints]
+        inverse_kinematics = self.twin.inverse_kinematics(
+            group, link_pose, link=self.tool, seed=near
+        )
+        return [inverse_kinematics[name] for name in self.joints]
 
     def grip(self) -> float:
         """Return how far the gripper is open: 0 closed, 1 wide open."""
@@ -159,7 +161,7 @@ class ArmMotion:
         joint, speed = max(pairs, key=lambda pair: abs(pair[1]), default=(None, 0.0))
         if joint is None or not speed or joint.type == "prismatic":
             return
-        if all(abs(each) <= member.velocity_limit for member, each in pairs):
+        if all(abs(value) <= member.velocity_limit for member, value in pairs):
             self._commands.note(
                 "unlikely_unit",
                 f"{name} takes deg/s: {speed:.4g} (rad/s?) turns joint '{joint.name}' by "
@@ -290,7 +292,7 @@ class ArmMotion:
         ends.append(math.inf if for_s is None else for_s)
         time = min(ends)
         here = self.tool_pose()
-        shift, turned = [each * time for each in linear], [each * time for each in angular]
+        shift, turned = [value * time for value in linear], [value * time for value in angular]
         there = moved(here, shift, turned, frame)
         way = self.line([there], speed=speed or math.inf, turn=turn or math.inf, least=0.02)
         return replace(way, leads="on" if for_s is None else "for_a_while")
@@ -375,11 +377,11 @@ def moved(here: Pose, linear: Sequence[float], turned: Sequence[float], frame: T
     """Return a pose after a shift [m] and a turn about one axis (its length the angle) [rad]."""
     angle = math.hypot(*turned)
     scale = math.sin(angle / 2) / angle if angle > 1e-12 else 0.0
-    x, y, z = (float(each) * scale for each in turned)
+    x, y, z = (float(value) * scale for value in turned)
     turn = Pose((0.0, 0.0, 0.0), (x, y, z, math.cos(angle / 2)))
     at_origin = Pose((0.0, 0.0, 0.0), here.orientation)
     turned_pose = compose(turn, at_origin) if frame == "base" else compose(at_origin, turn)
-    a, b, c = (float(each) for each in linear)
+    a, b, c = (float(value) for value in linear)
     shift = Pose((a, b, c), (0.0, 0.0, 0.0, 1.0))
     way = compose(at_origin, shift).position if frame == "tool" else shift.position
     px, py, pz = (p + w for p, w in zip(here.position, way, strict=True))

@@ -172,7 +172,7 @@ class TwinCommands:
     def stop(self, joints: Sequence[str]) -> None:
         """Bring joints to rest for the code that asked for it, whose call led to that."""
         self.rest(joints)
-        frames = {(each.function.file, *each.site) for each in self.stack()}
+        frames = {(frame.function.file, *frame.site) for frame in self.stack()}
         if self._recorder is not None and not frames <= self._stops:
             self._stops |= frames
             self._recorder.note(STOPS, sites=sorted(self._stops))
@@ -375,7 +375,7 @@ class TwinCommands:
         for gripper in self.twin.robot.grippers:
             if gripper.name in goals:
                 at = goals[gripper.name]
-                goals.update({each: gripper.sign(each) * at for each in gripper.joints})
+                goals.update({text: gripper.sign(text) * at for text in gripper.joints})
         goal = goals[name]
         ended_ns = self.scheduler.now_ns if motion.ended_ns is None else motion.ended_ns
         joint = self.twin.robot.joint(name)

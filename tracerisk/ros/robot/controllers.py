@@ -101,14 +101,14 @@ class ControllerManager(TwinNode):
         """Return the interfaces of the joints; a controller that runs claims what it commands."""
         running = (self._states.all[name] for name in self._states.running)
         claimed = {joint for controller in running for joint in controller.joints}
-        found = []
+        interfaces = []
         for joint in self._twin.robot.joints:
             for kind in kinds:
                 interface = self._messages.new(f"{PACKAGE}/HardwareInterface")
                 interface.name, interface.is_available = f"{joint.name}/{kind}", True
                 interface.is_claimed = kinds is _COMMANDED and joint.name in claimed
-                found.append(interface)
-        return found
+                interfaces.append(interface)
+        return interfaces
 
     def _set_component(self, request: Any, answer: Any) -> bool:
         # The robot is active; any other state would let go of it.

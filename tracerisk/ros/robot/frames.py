@@ -47,8 +47,10 @@ class TwinFrames:
         self._moving: dict[str, str] = {}
         if WORLD not in robot.link_names:
             fixed[robot.base_link] = WORLD
-        for each in robot.attachments:
-            (fixed if each.type == "fixed" else self._moving)[each.child] = each.parent
+        for attachment in robot.attachments:
+            (fixed if attachment.type == "fixed" else self._moving)[attachment.child] = (
+                attachment.parent
+            )
         self._fixed = fixed
         self._alike: dict[str, str] = {}
         graph = runtime.graph
@@ -136,12 +138,12 @@ def fixed_frame(
     `known` gives the poses of frames in the frame asked for; None if it is not known.
     """
     for publication in graph.publications(TF_STATIC):
-        for each in () if publication.latched is None else publication.latched.transforms:
-            if each.child_frame_id.lstrip("/") != name or depth == 0:
+        for transform in () if publication.latched is None else publication.latched.transforms:
+            if transform.child_frame_id.lstrip("/") != name or depth == 0:
                 continue
-            parent = each.header.frame_id.lstrip("/")
+            parent = transform.header.frame_id.lstrip("/")
             base = known(parent) or fixed_frame(graph, parent, known, depth - 1)
-            place, turn = each.transform.translation, each.transform.rotation
+            place, turn = transform.transform.translation, transform.transform.rotation
             if base is not None:
                 at = Pose((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))
                 return compose(base, at)

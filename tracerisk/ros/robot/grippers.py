@@ -47,11 +47,11 @@ def gripper_of(robot: Robot, name: str) -> Gripper | None:
             for gripper in robot.grippers:
                 if set(controller.joints) & set(gripper.joints):
                     return gripper
-    named = next((each for each in robot.grippers if each.name in name), None)
+    named = next((item for item in robot.grippers if item.name in name), None)
     sides = _sides(name)
     if named is not None or len(sides) != 1:
         return named
-    beside = [each for each in robot.grippers if _sides(each.name, *each.joints) == sides]
+    beside = [item for item in robot.grippers if _sides(item.name, *item.joints) == sides]
     return beside[0] if len(beside) == 1 else None
 
 
@@ -150,11 +150,11 @@ class GripperServer(TwinNode):
         def misses(motion: Motion, gripper: Gripper) -> str:
             if not is_grasp:
                 return _stall(motion, gripper)
-            found = width(gripper)
-            if wanted - inner <= found <= wanted + outer:
+            value = width(gripper)
+            if wanted - inner <= value <= wanted + outer:
                 return ""
             return (
-                f"the fingers stopped at a width of {found:.4f} m; {wanted:.4f} m was asked for, "
+                f"the fingers stopped at a width of {value:.4f} m; {wanted:.4f} m was asked for, "
                 f"and default_grasp_epsilon allows {wanted - inner:.4f} to {wanted + outer:.4f} m"
             )
 
@@ -172,12 +172,12 @@ class GripperServer(TwinNode):
     def _epsilon(self, action: str) -> tuple[float, float]:
         """Return how much narrower and wider than asked for a grasp may be [m]."""
         node = action.rpartition("/")[0]
-        found = []
+        values = []
         for side in ("inner", "outer"):
             name = f"{node}/default_grasp_epsilon/{side}"
             tree = self._graph.parameters
-            found.append(float(tree.get(name)) if tree.has(name) else _GRASP_EPSILON)
-        return found[0], found[1]
+            values.append(float(tree.get(name)) if tree.has(name) else _GRASP_EPSILON)
+        return values[0], values[1]
 
     def _parallel_command(self, goal: ActionGoal) -> None:
         """Move the fingers as ROS 2's parallel_gripper_action_controller, by one position."""
@@ -322,7 +322,7 @@ class GripperServer(TwinNode):
         robot = self._twin.robot
         gripper = gripper_of(robot, goal.client.name)
         if gripper is None:
-            names = ", ".join(each.name for each in robot.grippers) or "none"
+            names = ", ".join(item.name for item in robot.grippers) or "none"
             message = (
                 f"no gripper of robot '{robot.name}' is meant by the name {goal.client.name}; "
                 f"it has {names}, whose name or controller the action's name must contain"

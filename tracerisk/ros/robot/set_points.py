@@ -115,7 +115,10 @@ class SetPoints(TrajectoryNode):
     def _is_of_a_driver(self, topic: str, type_name: str) -> bool:
         """Return whether a maker's driver takes the numbers of a topic, in units of its own."""
         heard = self._graph.subscriptions(topic) if type_name == SINGLE else ()
-        return any(not each.by_controller and each.node != self.node for each in heard)
+        return any(
+            not subscription.by_controller and subscription.node != self.node
+            for subscription in heard
+        )
 
     def _if_active(self, take: Callable[[str, Any], None]) -> Callable[[str, Any], None]:
         """Return what passes on what its controller takes in the state that it is in."""
@@ -214,7 +217,7 @@ class SetPoints(TrajectoryNode):
             joint.lower - _NEARLY <= value <= joint.upper + _NEARLY
             for joint, value in zip(arm, values, strict=True)
         )
-        if any(each.node != self.node for each in self._graph.subscriptions(topic)):
+        if any(subscription.node != self.node for subscription in self._graph.subscriptions(topic)):
             return
         joints = tuple(joint.name for joint in arm)
         kind, words = "not_simulated", "move nothing: no known controller takes them"
@@ -240,7 +243,7 @@ class SetPoints(TrajectoryNode):
         declared = self._declared.of_topic(topic)
         if declared is not None and declared.quantity:
             return declared.quantity
-        named = [each.lastindex for each in _QUANTITY.finditer(topic)]
+        named = [match_.lastindex for match_ in _QUANTITY.finditer(topic)]
         return {2: "velocity", 3: "effort"}.get(named[-1] or 0, "position") if named else "position"
 
     def _go_on_at(self, topic: str, joints: tuple[str, ...], speeds: Array, kind: str) -> None:
@@ -264,7 +267,7 @@ class SetPoints(TrajectoryNode):
     def _refuse_group(self, topic: str, count: int) -> None:
         robot = self._twin.robot
         declared = self._joints_declared_for(topic)
-        if not declared or any(each.name in declared for each in robot.joints):
+        if not declared or any(joint.name in declared for joint in robot.joints):
             self._refuse(
                 topic, f"{count} values fit no controller or group of robot '{robot.name}'"
             )
@@ -280,7 +283,7 @@ class SetPoints(TrajectoryNode):
     def _take_single(self, topic: str, message: Any) -> None:
         joint = self._declared_joint(topic) or single_joint(self._twin.robot, topic)
         if joint is None:
-            names = ", ".join(each.name for each in self._twin.robot.joints)
+            names = ", ".join(item.name for item in self._twin.robot.joints)
             self._refuse(topic, f"no joint of the robot is meant; it has {names}")
             return
         self._command(topic, (joint,), np.array([float(message.data)]), "joint_command")
@@ -325,7 +328,7 @@ class SetPoints(TrajectoryNode):
 
     def _note_feedback(self, topic: str) -> None:
         """Report that joint states published by the controller move nothing."""
-        if any(each.by_controller for each in self._graph.publications(topic)):
+        if any(publication.by_controller for publication in self._graph.publications(topic)):
             self._commands.report(
                 "not_simulated",
                 f"joint states published on {topic} move nothing: a driver publishes there what "
@@ -391,9 +394,9 @@ def single_joint(robot: Robot, topic: str) -> str | None:
         if contained:
             return max(contained, key=len)
     for part in reversed(parts):
-        found = re.search(r"joint_?(\d+)", part)
-        if found is not None:
-            numbered = [name for name in names if re.search(rf"joint_?{found.group(1)}$", name)]
+        matched = re.search(r"joint_?(\d+)", part)
+        if matched is not None:
+            numbered = [name for name in names if re.search(rf"joint_?{matched.group(1)}$", name)]
             arm = [name for name in numbered if "finger" not in name and "gripper" not in name]
             if len(arm) == 1:
                 return arm[0]

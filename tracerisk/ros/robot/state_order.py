@@ -61,13 +61,15 @@ class StateOrder:
         robot = getattr(self._runtime.twin, "robot", None)
         robot_name = "" if robot is None else robot.name
         declared = self._runtime.client(DeclaredControllers).all
-        listed = next((declared[each].joints for each in _PUBLISHERS if each in declared), ())
+        listed = next(
+            (declared[publisher].joints for publisher in _PUBLISHERS if publisher in declared), ()
+        )
         asked = tuple(name for name in listed if name in names)
         rest = tuple(name for name in names if name not in asked)
         if rule == "of an unordered map":
             parts = _UR_PARTS if robot_name.startswith("ur") else ()
-            found = unordered([*reversed(parts), *reversed((*asked, *rest))])
-            return [name for name in found if name in names]
+            texts = unordered([*reversed(parts), *reversed((*asked, *rest))])
+            return [name for name in texts if name in names]
         if asked:
             return (*asked, *rest)
         return names if robot_name.startswith(_OWN_ORDER) else sorted(names)
@@ -101,12 +103,12 @@ def unordered(keys: Iterable[str]) -> list[str]:
 def _hash(text: str) -> int:
     """Return the hash of libstdc++ for strings: MurmurHash64A, by Austin Appleby."""
     factor, data = 0xC6A4A7935BD1E995, text.encode()
-    found = 0xC70F6907 ^ (len(data) * factor & _MASK)
+    number = 0xC70F6907 ^ (len(data) * factor & _MASK)
     whole = len(data) & ~7
     for at in range(0, whole, 8):
         word = int.from_bytes(data[at : at + 8], "little") * factor & _MASK
-        found = (found ^ ((word ^ word >> 47) * factor & _MASK)) * factor & _MASK
+        number = (number ^ ((word ^ word >> 47) * factor & _MASK)) * factor & _MASK
     if whole < len(data):
-        found = (found ^ int.from_bytes(data[whole:], "little")) * factor & _MASK
-    found = (found ^ found >> 47) * factor & _MASK
-    return found ^ found >> 47
+        number = (number ^ int.from_bytes(data[whole:], "little")) * factor & _MASK
+    number = (number ^ number >> 47) * factor & _MASK
+    return number ^ number >> 47

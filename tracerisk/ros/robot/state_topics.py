@@ -78,7 +78,7 @@ class TwinTopics(TwinNode):
             self._used.add(name)
         elif change == "served":
             servers = self._graph.services.served()
-            if not any(each.name == name and each.is_callback for each in servers):
+            if not any(server.name == name and server.is_callback for server in servers):
                 self._used.add(name)
         else:
             return

@@ -136,7 +136,7 @@ def twin_trajectory(message: Any, twin: Twin, now_ns: int) -> JointTrajectory:
     if (np.diff(time) <= 0.0).any() or time[0] < 0.0:
         raise TrajectoryRefusedError(
             "the times of the points do not rise strictly from 0: "
-            + ", ".join(f"{each:g}" for each in time[:6]),
+            + ", ".join(f"{item:g}" for item in time[:6]),
         )
     position = np.array([[float(value) for value in point.positions] for point in points])
     velocity = (
@@ -160,7 +160,7 @@ def _check_joints(names: tuple[str, ...], twin: Twin) -> None:
         raise TrajectoryRefusedError("the trajectory has no joints", TrajectoryCode.INVALID_JOINTS)
     for name in names:
         if name not in known:
-            twin.on_unknown_joints(tuple(each for each in names if each))
+            twin.on_unknown_joints(tuple(text for text in names if text))
             raise TrajectoryRefusedError(
                 f"robot '{twin.robot.name}' has no joint '{name}'; {one_of(known, name)}",
                 TrajectoryCode.INVALID_JOINTS,

@@ -82,7 +82,7 @@ class TwinNode:
 
         def deliver(message: Any, publication: Publication) -> None:
             others = self._graph.subscriptions(publication.topic)
-            if publication.by_controller and not any(each.by_controller for each in others):
+            if publication.by_controller and not any(other.by_controller for other in others):
                 take(publication.topic, message)
 
         return deliver

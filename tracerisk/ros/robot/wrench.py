@@ -31,9 +31,9 @@ class WrenchTopics(TwinNode):
     def __init__(self, runtime: Runtime, messages: TwinMessages) -> None:
         super().__init__(runtime, messages)
         self._sensors = [
-            each
-            for each in runtime.twin.robot.sensors
-            if each.kind == "wrench" or (each.kind == "torque" and each.link is not None)
+            sensor
+            for sensor in runtime.twin.robot.sensors
+            if sensor.kind == "wrench" or (sensor.kind == "torque" and sensor.link is not None)
         ]
         if self._sensors:
             runtime.graph.watch(self._on_change)
@@ -41,11 +41,11 @@ class WrenchTopics(TwinNode):
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if change != "subscribed" or type_name != TYPE or name in self._reported:
             return
-        telling = [each for each in self._sensors if each.reports(name)]
+        telling = [sensor for sensor in self._sensors if sensor.reports(name)]
         if not telling or self._graph.publications(name):
             return
         self._reported.add(name)
-        names = [each.name for each in telling]
+        names = [item.name for item in telling]
         self._stream(name, TYPE, HZ, lambda: self._message(telling[0]), names)
 
     def _message(self, sensor: Sensor) -> Any:

@@ -92,7 +92,7 @@ class ScenarioFrames:
 
 def pose_at(path: Sequence[Place], time_s: float) -> Pose:
     """Return where a path is at a time [s]: straight between two places, still at its ends."""
-    after = next((index for index, each in enumerate(path) if each.at > time_s), len(path))
+    after = next((index for index, place in enumerate(path) if place.at > time_s), len(path))
     one = path[max(after - 1, 0)]
     two = path[min(after, len(path) - 1)]
     span = two.at - one.at

@@ -54,10 +54,10 @@ def _hand_links(robot: Robot, link: str) -> list[str]:
         if above.type != "fixed":
             break
         link = above.parent
-    found = [link]
-    for each in found:
-        found += [one.child for one in robot.attachments if one.parent == each]
-    return found
+    hand_links = [link]
+    for name in hand_links:
+        hand_links += [one.child for one in robot.attachments if one.parent == name]
+    return hand_links
 
 
 def _message(interfaces: Any, entry: YamlMap) -> Any:
@@ -79,4 +79,4 @@ def _dimensions(shape: Shape) -> list[float]:
     """Return what a SolidPrimitive holds: lengths, a radius, or a height and a radius."""
     if shape.kind == "cylinder":
         return [2 * shape.size[1], shape.size[0]]
-    return [shape.size[0]] if shape.kind == "sphere" else [2 * each for each in shape.size]
+    return [shape.size[0]] if shape.kind == "sphere" else [2 * value for value in shape.size]

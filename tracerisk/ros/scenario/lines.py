@@ -48,11 +48,11 @@ def entry_lines(draft: Draft) -> list[str]:
     """Return the lines of one entry within its section, the first with the mark."""
     mark = f"{MARK}: {' '.join(draft.words.split())}"
     if draft.section == "start":
-        lines = [f"  {_text(name)}: {_number(each)}" for name, each in draft.value.items()]
+        lines = [f"  {_text(name)}: {_number(item)}" for name, item in draft.value.items()]
     elif draft.section == "parameters":
         lines = _keyed(f"  {_text(draft.key)}:", draft.value, 4)
     elif draft.section == "answers":
-        return [f"  - {_flow(str(each))}  {mark}" for each in draft.value]
+        return [f"  - {_flow(str(item))}  {mark}" for item in draft.value]
     else:
         inner = _block(draft.value, 4)
         lines = [f"  - {inner[0].lstrip()}", *inner[1:]]
@@ -62,17 +62,17 @@ def entry_lines(draft: Draft) -> list[str]:
 def plain_lines(value: Any) -> list[str]:
     """Return the lines of a section's content: a mapping, or a list of mappings or texts."""
     if isinstance(value, Mapping):
-        return [line for key, each in value.items() for line in _keyed(f"  {_text(key)}:", each, 4)]
+        return [line for key, item in value.items() for line in _keyed(f"  {_text(key)}:", item, 4)]
     lines: list[str] = []
-    for each in value:
-        inner = _block(each, 4) if isinstance(each, Mapping) else [_flow(each)]
+    for fields in value:
+        inner = _block(fields, 4) if isinstance(fields, Mapping) else [_flow(fields)]
         lines += [f"  - {inner[0].lstrip()}", *inner[1:]]
     return lines
 
 
 def word_lines(words: Iterable[str], remark: str) -> list[str]:
     """Return the lines of a list of words, each with the mark and what is said of it."""
-    return [f"  - {_quoted(each)}  {MARK}: {remark}" for each in words]
+    return [f"  - {_quoted(word)}  {MARK}: {remark}" for word in words]
 
 
 def marked_entry(value: Mapping[str, Any], remark: str) -> list[str]:
@@ -108,10 +108,10 @@ def _keyed(head: str, value: Any, indent: int) -> list[str]:
 
 def _flow(value: Any) -> str:
     if isinstance(value, dict):
-        pairs = ", ".join(f"{_text(str(key))}: {_flow(each)}" for key, each in value.items())
+        pairs = ", ".join(f"{_text(str(key))}: {_flow(item)}" for key, item in value.items())
         return f"{{{pairs}}}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(_flow(each) for each in value) + "]"
+        return "[" + ", ".join(_flow(item) for item in value) + "]"
     if isinstance(value, bool):
         return str(value).lower()
     if value is None:
@@ -132,7 +132,7 @@ def _text(text: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    if any(ord(each) < 32 or ord(each) == 127 for each in text):
+    if any(ord(name) < 32 or ord(name) == 127 for name in text):
         import json
 
         return json.dumps(text)

@@ -56,16 +56,16 @@ def unconfirmed(path: Path, top: YamlMap) -> tuple[Unconfirmed, ...]:
     if not marks:
         return ()
     places = sorted(_places(top))
-    found: dict[tuple[str, str], Unconfirmed] = {}
+    unconfirmeds: dict[tuple[str, str], Unconfirmed] = {}
     for line, words in marks:
-        before = [each for each in places if each[0] <= line]
+        before = [row for row in places if row[0] <= line]
         if before:
             first, section, name = before[-1]
             place = Location(str(path), line)
-            end = next((each[0] for each in places if each[0] > line), sys.maxsize)
+            end = next((row[0] for row in places if row[0] > line), sys.maxsize)
             entry = Unconfirmed(section, name, words, place, first, end)
-            found.setdefault((section, name), entry)
-    return tuple(found.values())
+            unconfirmeds.setdefault((section, name), entry)
+    return tuple(unconfirmeds.values())
 
 
 def _marks(text: str) -> Iterator[tuple[int, str]]:

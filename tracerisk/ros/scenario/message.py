@@ -107,7 +107,7 @@ def _message(message_class: Any, written: Written, now_ns: int) -> Any:
     for name in value:
         inner = written.key(name)
         if name == PICTURE and type_of(message_class) in _DRAWN:
-            _draw(message, inner, [each for each in value if each in fields])
+            _draw(message, inner, [item for item in value if item in fields])
             continue
         if name not in fields:
             inner.fail(
@@ -123,11 +123,11 @@ def _draw(message: Any, written: Written, others: Sequence[str]) -> None:
         written.fail(f"expected a mapping, found {_kind(written.value)}")
     entry = YamlMap(written.value, written.file, written.path, ScenarioError)
     drawn = picture_fields(entry, is_png=_DRAWN[type_of(type(message))])
-    twice = next((each for each in others if each in drawn), None)
+    twice = next((other for other in others if other in drawn), None)
     if twice is not None:
         written.fail(f"the picture gives '{twice}', which is written beside it too; leave one out")
-    for name, each in drawn.items():
-        setattr(message, name, each)
+    for name, item in drawn.items():
+        setattr(message, name, item)
 
 
 def _is_vector(fields: Any) -> bool:
@@ -223,7 +223,7 @@ def _time(owner: Any, field: MessageField, written: Written, now_ns: int) -> Any
 def _empty(owner: Any, field: MessageField) -> Any:
     if field.message is not None:
         return field.message()
-    return next(each for each in owner._fields if each.name == field.name).scalar_default()
+    return next(item for item in owner._fields if item.name == field.name).scalar_default()
 
 
 def _kind(value: Any) -> str:

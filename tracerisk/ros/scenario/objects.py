@@ -24,7 +24,9 @@ def with_objects(scene: Scene, objects: Sequence[YamlMap]) -> Scene:
         ScenarioError: an object is malformed, or its name is taken.
     """
     fixtures, graspable = list(scene.fixtures), list(scene.objects)
-    taken = {each.name for each in fixtures} | {each.name for each in graspable}
+    taken = {fixture.name for fixture in fixtures} | {
+        graspable_object.name for graspable_object in graspable
+    }
     for entry in objects:
         if is_known(entry):
             _check_known(entry)

@@ -359,9 +359,9 @@ def _frame(entry: YamlMap) -> Frame:
             if key in entry:
                 entry.fail(key, "stands in each entry of path where a path is given")
         places = entry.maps("path")
-        for each in places:
-            each.forbid_unknown({"at", "xyz", "rpy"})
-        path = tuple(_place(each) for each in places)
+        for place in places:
+            place.forbid_unknown({"at", "xyz", "rpy"})
+        path = tuple(_place(place) for place in places)
         if not path or any(b.at <= a.at for a, b in itertools.pairwise(path)):
             entry.fail("path", "expected places with rising times (at)")
     else:
@@ -448,10 +448,10 @@ def _texts(top: YamlMap, key: str, texts: str) -> tuple[str, ...]:
         return ()
     if not isinstance(value, list):
         top.fail(key, f"expected a list, {texts}")
-    for each in value:
-        if isinstance(each, bool | dict | list) or each is None:
-            top.fail(key, f"expected strings or numbers, found {each!r}; put it in quotes")
-    return tuple(str(each) for each in value)
+    for flag in value:
+        if isinstance(flag, bool | dict | list) or flag is None:
+            top.fail(key, f"expected strings or numbers, found {flag!r}; put it in quotes")
+    return tuple(str(item) for item in value)
 
 
 def _robot(top: YamlMap, path: Path) -> str | None:

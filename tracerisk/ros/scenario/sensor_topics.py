@@ -25,7 +25,9 @@ def reporting_sensors(robot: Robot, published: Published) -> tuple[str, ...]:
     """
     kinds = _kinds(published.type_name)
     own = tuple(
-        each.name for each in robot.sensors if each.kind in kinds and each.reports(published.topic)
+        sensor.name
+        for sensor in robot.sensors
+        if sensor.kind in kinds and sensor.reports(published.topic)
     )
     if own or not kinds:
         return own
@@ -34,14 +36,14 @@ def reporting_sensors(robot: Robot, published: Published) -> tuple[str, ...]:
 
 def scenario_elements(robot: Robot, scenario: Scenario) -> tuple[Element, ...]:
     """Return the sensors of a scenario that are none of the robot's own, by their names."""
-    own = {each.name for each in robot.elements}
-    found = {
-        name: Element(name, "sensor", sensor=_kinds(each.type_name)[0])
-        for each in scenario.published
-        for name in reporting_sensors(robot, each)
+    own = {element.name for element in robot.elements}
+    elements = {
+        name: Element(name, "sensor", sensor=_kinds(published.type_name)[0])
+        for published in scenario.published
+        for name in reporting_sensors(robot, published)
         if name not in own
     }
-    return tuple(found[name] for name in sorted(found))
+    return tuple(elements[name] for name in sorted(elements))
 
 
 def _kinds(type_name: str) -> Sequence[SensorKind]:

@@ -56,7 +56,7 @@ class ScenarioAction:
             _Outcome(
                 script,
                 MessageTemplate(result, script.result),
-                tuple(MessageTemplate(feedback, each) for each in script.feedback),
+                tuple(MessageTemplate(feedback, written) for written in script.feedback),
             )
             for script in entry.goals
         ]
@@ -147,7 +147,7 @@ class ScenarioService:
             response = service_parts(self._interfaces, type_name)[1]
         except InputError as error:
             raise ScenarioError(error.message, self._entry.location) from error
-        return [MessageTemplate(response, each) for each in self._entry.replies]
+        return [MessageTemplate(response, reply) for reply in self._entry.replies]
 
     def _answer(self, request: Any) -> Any:
         number, self._calls = self._calls, self._calls + 1

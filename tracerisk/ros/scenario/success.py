@@ -193,7 +193,7 @@ def _of_place(entry: YamlMap, kind: ConditionKind) -> Condition:
     within = entry.number(
         "within", default=_PLACE_WITHIN_M if moved is None else _MOVED_WITHIN_M, minimum=0.0
     )
-    found = Condition(
+    of_place = Condition(
         kind,
         entry.string(kind),
         at=at,
@@ -205,9 +205,9 @@ def _of_place(entry: YamlMap, kind: ConditionKind) -> Condition:
         moved=moved,
         location=entry.location,
     )
-    if "within" in entry and at is None and moved is None and not found.is_at_goal:
+    if "within" in entry and at is None and moved is None and not of_place.is_at_goal:
         entry.fail("within", "says how far from `at` is still met; give `at`, or omit it")
-    return found
+    return of_place
 
 
 def _of_arm(entry: YamlMap, kind: ConditionKind) -> Condition:

@@ -32,7 +32,7 @@ class ScenarioTopic:
             raise ScenarioError(error.message, entry.type_location) from error
         self._entry = entry
         self._schedule = schedule
-        self._messages = [MessageTemplate(message_class, each) for each in entry.messages]
+        self._messages = [MessageTemplate(message_class, message) for message in entry.messages]
         self._sent = 0
         self._is_heard = False
         self._publication: Publication = runtime.graph.advertise(
@@ -64,7 +64,9 @@ class ScenarioTopic:
 
     def _has_listener(self) -> bool:
         known = self._publication.subscriptions
-        return any(each.by_controller or each.hears_scenario for each in known)
+        return any(
+            subscription.by_controller or subscription.hears_scenario for subscription in known
+        )
 
     def _on_subscriber(self, subscription: Subscription) -> None:
         # What the twin itself listens to asks for nothing.

@@ -37,38 +37,42 @@ class ScenarioWorld:
         self._modules = scenario.modules
         self._asked = runtime.graph.parameters
         into_tree(runtime.parameters, runtime.graph.parameters)
-        self._services = [ScenarioService(runtime, interfaces, each) for each in scenario.services]
+        self._services = [
+            ScenarioService(runtime, interfaces, service) for service in scenario.services
+        ]
         self._actions = [
-            ScenarioAction(runtime, interfaces, self.schedule, each) for each in scenario.actions
+            ScenarioAction(runtime, interfaces, self.schedule, action)
+            for action in scenario.actions
         ]
         add_known_objects(runtime, interfaces, scenario.objects)
         ScenarioFrames(runtime, interfaces, self.schedule, scenario.frames)
         self._calls: list[ScenarioCall] = []
-        for each in scenario.calls:
+        for call in scenario.calls:
             before = self._calls[-1] if self._calls else None
-            self._calls.append(ScenarioCall(runtime, interfaces, self.schedule, each, before))
+            self._calls.append(ScenarioCall(runtime, interfaces, self.schedule, call, before))
         self._topics = [
-            ScenarioTopic(runtime, interfaces, self.schedule, each) for each in scenario.published
+            ScenarioTopic(runtime, interfaces, self.schedule, published)
+            for published in scenario.published
         ]
 
     def unanswered(self) -> tuple[tuple[str, Location, bool], ...]:
         """Return the goals that it sent and that have no result, as `ScenarioCall.unanswered`."""
-        return tuple(found for call in self._calls for found in call.unanswered)
+        return tuple(row for call in self._calls for row in call.unanswered)
 
     def unused(self) -> tuple[tuple[str, Location, str], ...]:
         """Return what nobody made use of, in words and with its place: a name may be mistaken.
 
         The third is the entry in words where nobody has confirmed it, else empty.
         """
-        found = [
-            *(each.unused for each in self._services),
-            *(each.unused for each in self._actions),
-            *(each.unused for each in self._calls),
-            *(each.unused for each in self._topics),
+        pairs = [
+            *(service.unused for service in self._services),
+            *(action.unused for action in self._actions),
+            *(call.unused for call in self._calls),
+            *(topic.unused for topic in self._topics),
             *(
-                (f"nobody asked for parameter {each.name}", each.location)
-                for each in self._parameters
-                if each.location is not None and not self._asked.is_asked(each.name)
+                (f"nobody asked for parameter {parameter.name}", parameter.location)
+                for parameter in self._parameters
+                if parameter.location is not None and not self._asked.is_asked(parameter.name)
             ),
             *(
                 (f"no placeholder was needed for module {name}", place)
@@ -78,5 +82,5 @@ class ScenarioWorld:
         ]
         return tuple(
             (text, place, next((e.what for e in self._unconfirmed if e.holds(place)), ""))
-            for text, place in (each for each in found if each is not None)
+            for text, place in (item for item in pairs if item is not None)
         )

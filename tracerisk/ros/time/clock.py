@@ -78,11 +78,11 @@ class VirtualClock:
         """Wait in virtual time until a file is ready; see `select.select`."""
         if self._scheduler.current is None:
             return _real_select(read, write, exceptional, timeout)
-        found: list[Any] = []
+        result: list[Any] = []
 
         def is_ready() -> bool:
-            found[:] = [_real_select(read, write, exceptional, 0)]
-            return any(found[0])
+            result[:] = [_real_select(read, write, exceptional, 0)]
+            return any(result[0])
 
         self._scheduler.wait_until(
             is_ready,
@@ -90,7 +90,7 @@ class VirtualClock:
             reason="a file to be ready",
             kind="idle",
         )
-        return found[0]
+        return result[0]
 
     def _reader(
         self, real: Callable[[], Any], start_ns: int, units_per_s: int

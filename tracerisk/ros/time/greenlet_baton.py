@@ -172,8 +172,8 @@ def _dictionary_of_thread() -> dict[Any, Any]:
     api.PyThreadState_GetDict.restype = ctypes.c_void_p
     api.PyThreadState_GetDict.argtypes = ()
     address = api.PyThreadState_GetDict()
-    found: dict[Any, Any] = ctypes.cast(address, ctypes.py_object).value
-    return found
+    dictionary: dict[Any, Any] = ctypes.cast(address, ctypes.py_object).value
+    return dictionary
 
 
 def _local_of_asyncio() -> dict[str, Any]:

@@ -200,10 +200,10 @@ def _poll(
 ) -> Callable[..., Any]:
     @functools.wraps(real)
     def ask(*args: Any, **kwargs: Any) -> Any:
-        found = real(*args, **kwargs)
-        if waits(found) and not is_quiet(_getframe(1)):
+        poll = real(*args, **kwargs)
+        if waits(poll) and not is_quiet(_getframe(1)):
             scheduler.touch()
-        return found
+        return poll
 
     return ask
 

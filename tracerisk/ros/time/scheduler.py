@@ -648,9 +648,11 @@ class Scheduler:
         """Do what CPython does between the end of the main module and its own."""
         self.exit_calls.run_before_joining()
         while lasting := [
-            each
-            for each in self._threads
-            if not each.daemon and not each.is_main and each.process is None
+            controller_thread
+            for controller_thread in self._threads
+            if not controller_thread.daemon
+            and not controller_thread.is_main
+            and controller_thread.process is None
         ]:
             thread = lasting[0]
             self.wait_until(

@@ -148,11 +148,11 @@ class Answers:
 
     def asks_sensors(self, outputs: Mapping[str, Output] | None) -> bool:
         """Return whether outputs hold what encoders measure."""
-        return any(each.reference in _OF_JOINTS for each in (outputs or {}).values())
+        return any(output.reference in _OF_JOINTS for output in (outputs or {}).values())
 
     def note_reading(self, outputs: Mapping[str, Output] | None, result: Result) -> None:
         """Note that the controller asks now for what sensors of the joints measure."""
-        if any(each.reference == "efforts" for each in (outputs or {}).values()):
+        if any(output.reference == "efforts" for output in (outputs or {}).values()):
             self._reading.asked("torque")
         if result.pose is None and result.joints is None and self.asks_sensors(outputs):
             self._reading.asked("encoder")
@@ -168,21 +168,21 @@ class Answers:
     # What a name refers to
 
     def _joints(self, result: Result) -> Quantity:
-        found = self._arm.positions() if result.joints is None else result.joints
-        return Quantity(tuple(found), self._dimensions())
+        positions = self._arm.positions() if result.joints is None else result.joints
+        return Quantity(tuple(positions), self._dimensions())
 
     def _velocities(self, result: Result) -> Quantity:
         return Quantity(tuple(self._arm.velocities()), self._dimensions())
 
     def _efforts(self, result: Result) -> Quantity:
-        found = tuple(self._arm.efforts())
+        efforts = tuple(self._arm.efforts())
         plain: Dimension = "plain"
-        return Quantity(found, (plain,) * len(found))
+        return Quantity(efforts, (plain,) * len(efforts))
 
     def _dimensions(self) -> tuple[Dimension, ...]:
-        sliding = (each.type == "prismatic" for each in self._arm.arm)
-        found: list[Dimension] = ["length" if each else "angle" for each in sliding]
-        return tuple(found)
+        sliding = (joint.type == "prismatic" for joint in self._arm.arm)
+        dimensions: list[Dimension] = ["length" if flag else "angle" for flag in sliding]
+        return tuple(dimensions)
 
     def _pose(self, result: Result) -> Pose:
         pose = self._arm.tool_pose() if result.pose is None else result.pose

@@ -60,24 +60,24 @@ class Conventions:
 
     def pose_numbers(self, pose: Pose, count: int | None = None) -> list[float]:
         """Return a pose as numbers: x, y, z and the turn; 7 of them hold a quaternion."""
-        place = [each / self.factor("length") for each in pose.position]
+        place = [value / self.factor("length") for value in pose.position]
         if count == 7 or (self.rotation == "quaternion" and count != 6):
             return [*place, *pose.orientation]
         return [*place, *self.turn_numbers(pose.orientation)]
 
     def turn_numbers(self, turn: Quaternion) -> list[float]:
         """Return a turn as its three numbers."""
-        found: Sequence[float]
+        zyz: Sequence[float]
         if self.rotation == "rotation_vector":
-            found = rotation_vector(turn)
+            zyz = rotation_vector(turn)
         elif self.rotation == "euler_zyz":
-            found = zyz_of(turn)
+            zyz = zyz_of(turn)
         elif self.rotation == "euler_xyz":
             # The turn back is one about fixed axes, by the same angles in the other order.
-            found = [-each for each in rpy_from_quaternion(conjugate(turn))]
+            zyz = [-value for value in rpy_from_quaternion(conjugate(turn))]
         else:
-            found = rpy_from_quaternion(turn)
-        return [each / self.factor("angle") for each in found]
+            zyz = rpy_from_quaternion(turn)
+        return [value / self.factor("angle") for value in zyz]
 
     def pose(self, numbers: Sequence[float]) -> Pose:
         """Return the pose of 6 or 7 numbers.
@@ -87,16 +87,16 @@ class Conventions:
         """
         if len(numbers) not in (6, 7):
             raise PlanningError("bad_request", f"a pose has 6 values, not {len(numbers)}")
-        if not all(math.isfinite(each) for each in numbers):
+        if not all(math.isfinite(number) for number in numbers):
             raise PlanningError("bad_request", "a number of a pose is not finite")
-        x, y, z = (each * self.factor("length") for each in numbers[:3])
+        x, y, z = (number * self.factor("length") for number in numbers[:3])
         return Pose((x, y, z), self.turn(numbers[3:]))
 
     def turn(self, numbers: Sequence[float]) -> Quaternion:
         """Return the turn of three numbers, or of the four of a quaternion."""
         if len(numbers) == 4:
             return unit_quaternion(numbers)
-        a, b, c = (each * self.factor("angle") for each in numbers)
+        a, b, c = (number * self.factor("angle") for number in numbers)
         if self.rotation == "rotation_vector":
             return from_rotation_vector((a, b, c))
         if self.rotation == "euler_zyz":
@@ -108,7 +108,7 @@ class Conventions:
 
 def rotation_vector(turn: Quaternion) -> list[float]:
     """Return the axis of a turn, as long as its angle [rad]."""
-    x, y, z, w = turn if turn[3] >= 0 else tuple(-each for each in turn)
+    x, y, z, w = turn if turn[3] >= 0 else tuple(-value for value in turn)
     sine = math.sqrt(x * x + y * y + z * z)
     scale = 2.0 if sine < 1e-12 else 2.0 * math.atan2(sine, w) / sine
     return [x * scale, y * scale, z * scale]
@@ -118,7 +118,7 @@ def from_rotation_vector(vector: Sequence[float]) -> Quaternion:
     """Return the turn about an axis by its length [rad]."""
     angle = math.hypot(*vector)
     scale = 0.5 if angle < 1e-12 else math.sin(angle / 2) / angle
-    x, y, z = (each * scale for each in vector)
+    x, y, z = (value * scale for value in vector)
     return (x, y, z, math.cos(angle / 2))
 
 
@@ -140,5 +140,7 @@ def zyz_of(turn: Quaternion) -> list[float]:
     apart = 2.0 * math.atan2(-x, y)
     if math.hypot(z, w) < 1e-9:
         return [apart, math.pi, 0.0]
-    found = [(total + apart) / 2, middle, (total - apart) / 2]
-    return [math.remainder(each, 2 * math.pi) if i != 1 else each for i, each in enumerate(found)]
+    values = [(total + apart) / 2, middle, (total - apart) / 2]
+    return [
+        math.remainder(value, 2 * math.pi) if i != 1 else value for i, value in enumerate(values)
+    ]

@@ -74,16 +74,16 @@ class DescribedDriver(TwinNode):
         self._controllers = runtime.client(ControllerStates)
         self._streams = DescribedStreams(self._commands)
         self._taken: set[tuple[str, str]] = set()
-        known = [each for each in driver.interfaces if self._types(each)]
+        known = [interface for interface in driver.interfaces if self._types(interface)]
         if driver.origin == "user" and driver.interfaces and not known:
             raise unknown_package(driver.interfaces[0])
         if driver.origin != "shipped":
-            for each in known:
-                for type_name in self._types(each):
-                    check_interface(each, type_name, messages, self._arm(each).answers)
+            for interface in known:
+                for type_name in self._types(interface):
+                    check_interface(interface, type_name, messages, self._arm(interface).answers)
         self._interfaces = known
-        for each in (each for each in known if each.kind == "services"):
-            self._serve(each)
+        for interface in (interface for interface in known if interface.kind == "services"):
+            self._serve(interface)
         for name, output in driver.parameters.items():
             self._graph.parameters.offer(name, partial(self._parameter, output))
         self._graph.watch(self._on_change)
@@ -186,9 +186,9 @@ class DescribedDriver(TwinNode):
                 self._state[name] = request.number(value, "plain", value.unit or "fraction")
             else:
                 # A mode is a number in ROS 2 and a message of one in ROS 1.
-                found = content_of(request.raw(value))
-                self._state[name] = found.decode() if isinstance(found, bytes) else found
-                if name == "program" and found == _PLAYING:
+                content = content_of(request.raw(value))
+                self._state[name] = content.decode() if isinstance(content, bytes) else content
+                if name == "program" and content == _PLAYING:
                     self._controllers.program_started()
                 elif name == "program":
                     self._controllers.program_stopped(interface.name)
@@ -295,14 +295,18 @@ class DescribedDriver(TwinNode):
     def _on_action(self, change: ActionChange, name: str, type_name: str) -> None:
         if change != "client" or (name, type_name) in self._taken:
             return
-        for each in self._interfaces:
-            if each.kind == "actions" and type_name in each.types and is_named(each.name, name):
+        for interface in self._interfaces:
+            if (
+                interface.kind == "actions"
+                and type_name in interface.types
+                and is_named(interface.name, name)
+            ):
                 self._taken.add((name, type_name))
                 self._runtime.client(Actions).serve(
                     name,
                     type_name,
                     node=self.node,
-                    on_goal=partial(self._on_goal, each),
+                    on_goal=partial(self._on_goal, interface),
                     on_cancel=self._on_cancel,
                     by_controller=False,
                 )
@@ -366,25 +370,29 @@ class DescribedDriver(TwinNode):
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         kind = {"advertised": "subscribed_topics", "subscribed": "published_topics"}.get(change)
-        for each in self._interfaces:
-            if each.kind == kind and type_name in each.types and is_named(each.name, name):
+        for interface in self._interfaces:
+            if (
+                interface.kind == kind
+                and type_name in interface.types
+                and is_named(interface.name, name)
+            ):
                 if kind == "subscribed_topics":
-                    self._listen(each, name, type_name)
+                    self._listen(interface, name, type_name)
                 else:
-                    self._publish(each, name, type_name)
+                    self._publish(interface, name, type_name)
                 return
         if kind == "subscribed_topics" and any(map(self._messages.is_used, self._driver.packages)):
             self._note_other_type(name, type_name)
 
     def _note_other_type(self, topic: str, type_name: str) -> None:
         """Report that a topic of the driver is published with another type: nothing arrives."""
-        for each in self._interfaces:
+        for interface in self._interfaces:
             # A name of one word may be another node's.
-            if each.kind != "subscribed_topics" or "/" not in each.name.strip("/"):
+            if interface.kind != "subscribed_topics" or "/" not in interface.name.strip("/"):
                 continue
             is_heard = any(one.type_name == type_name for one in self._graph.subscriptions(topic))
-            if is_named(each.name, topic) and type_name != ANY_TYPE and not is_heard:
-                takes = " or ".join(each.types)
+            if is_named(interface.name, topic) and type_name != ANY_TYPE and not is_heard:
+                takes = " or ".join(interface.types)
                 self._streams.refuse(
                     topic,
                     f"it is published as {type_name}, and {self._driver.name} takes {takes}: no "

@@ -64,10 +64,10 @@ class DescribedMotions:
             points = self._joint_goals(roles, request)
 
             def by_joints() -> JointTrajectory:
-                goals = [self._full(each, is_relative=is_relative) for each in points]
+                goals = [self._full(point, is_relative=is_relative) for point in points]
                 if is_line:
                     return self._line(
-                        [self._arm.pose_at(each) for each in goals], speed, duration_s
+                        [self._arm.pose_at(goal) for goal in goals], speed, duration_s
                     )
                 return self._through(goals, speed, rise, duration_s)
 
@@ -80,8 +80,8 @@ class DescribedMotions:
             if is_line:
                 return self._line(poses, speed, duration_s)
             goals: list[Sequence[float]] = []
-            for each in poses:
-                goals.append(self._arm.reach(each, goals[-1] if goals else None))
+            for pose in poses:
+                goals.append(self._arm.reach(pose, goals[-1] if goals else None))
             return self._through(goals, speed, rise, duration_s)
 
         return by_pose
@@ -226,7 +226,7 @@ class DescribedMotions:
         if self._is_in_degrees(value, request) and not is_relative:
             for goal in goals:
                 listed = goal.values() if isinstance(goal, Mapping) else goal
-                degrees = [math.degrees(each) for each in listed][: len(self._arm.joints)]
+                degrees = [math.degrees(item) for item in listed][: len(self._arm.joints)]
                 self._arm.look_at_degrees(_asked_by(value), degrees)
         return goals
 
@@ -248,23 +248,23 @@ class DescribedMotions:
         states = robot.named_states.get(self._arm.group or "", {})
         tree = self._runtime.graph.parameters
         ending = f"/{_MOTIONS}/{name}/joints"
-        found = [each for each in tree.names() if each.endswith(ending)]
+        names = [text for text in tree.names() if text.endswith(ending)]
         # What the files around the controller hold is found by its whole name.
         own = f"{self._driver.node}{ending}"
-        if not found and tree.has(own):
-            found = [own]
-        if not found and name in states:
+        if not names and tree.has(own):
+            names = [own]
+        if not names and name in states:
             state = states[name].items()
             return [{key: value for key, value in state if key in self._arm.joints}]
-        if not found:
-            known = {each.split("/")[-2] for each in tree.names() if f"/{_MOTIONS}/" in each}
+        if not names:
+            known = {text.split("/")[-2] for text in tree.names() if f"/{_MOTIONS}/" in text}
             raise PlanningError(
                 "bad_request",
                 f"no named state or motion '{name}'; {one_of({*states, *known}, name)}",
             )
-        motion = tree.get(found[0].removesuffix("/joints"))
+        motion = tree.get(names[0].removesuffix("/joints"))
         try:
-            rows = [list(map(float, each["positions"])) for each in motion["points"]]
+            rows = [list(map(float, item["positions"])) for item in motion["points"]]
             named = [dict(zip(motion["joints"], row, strict=True)) for row in rows]
         except (KeyError, TypeError, ValueError) as error:
             raise PlanningError("invalid_goal", f"motion '{name}' is malformed: {error}") from error
@@ -306,10 +306,10 @@ class DescribedMotions:
     ) -> list[tuple[Any, Any, str]]:
         """Return position, orientation (None: the present one) and frame of each pose."""
         if "pose" in roles:
-            found = request.poses(roles["pose"])
-            if not found:
+            poses = request.poses(roles["pose"])
+            if not poses:
                 raise PlanningError("invalid_goal", "a list of 0 poses")
-            return [(pose.position, pose.orientation, frame) for pose, frame in found]
+            return [(pose.position, pose.orientation, frame) for pose, frame in poses]
         position = request.position(roles["position"]) if "position" in roles else None
         turn = request.orientation(roles["orientation"]) if "orientation" in roles else None
         return [(position, turn, "")]
@@ -322,24 +322,24 @@ class DescribedMotions:
         is_relative: bool,
         here: Pose | None = None,
     ) -> list[Pose]:
-        found: list[Pose] = []
+        poses: list[Pose] = []
         for position, turn, header in asked:
-            here = found[-1] if found else here or self._arm.tool_pose()
+            here = poses[-1] if poses else here or self._arm.tool_pose()
             if frame == "tool":
                 step = Pose(position or (0.0, 0.0, 0.0), turn or (0.0, 0.0, 0.0, 1.0))
-                found.append(compose(here, step))
+                poses.append(compose(here, step))
             elif is_relative:
                 x, y, z = (a + b for a, b in zip(here.position, position or (0, 0, 0), strict=True))
                 turned = multiply(turn, here.orientation) if turn else here.orientation
-                found.append(Pose((x, y, z), turned))
+                poses.append(Pose((x, y, z), turned))
             else:
                 named = header or (frame if frame not in (None, "base") else None)
                 base = self._frame(named or self._driver.frame or "")
                 seen = compose(inverse(base), here)
-                found.append(
+                poses.append(
                     compose(base, Pose(position or seen.position, turn or seen.orientation))
                 )
-        return found
+        return poses
 
     def _frame(self, name: str) -> Pose:
         from tracerisk.ros.moveit.move_group import MoveGroupServer
@@ -350,17 +350,17 @@ class DescribedMotions:
             return Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
         if name in robot.link_names:
             return self._arm.twin.link_pose(name)
-        found = None
+        frame = None
         if self._runtime.recorder is not None:
-            found = self._runtime.client(MoveGroupServer).frame(name)
-        if found is None:
+            frame = self._runtime.client(MoveGroupServer).frame(name)
+        if frame is None:
             if name == self._driver.frame:
                 # What the maker's own base is called where this robot's is called otherwise.
                 return Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
             scheduler = self._runtime.scheduler
             scheduler.needs.miss(Need("frame", name, parent=robot.base_link), scheduler.now_ns)
             raise PlanningError("bad_request", f"unknown frame '{name}'")
-        return found
+        return frame
 
     def _trajectory(self, message: Any) -> JointTrajectory:
         try:
@@ -422,23 +422,23 @@ class DescribedMotions:
         kind, number = rate
         rated = [getattr(joint, limit) for joint in self._arm.arm]
         if kind == "share":
-            return [number * each for each in rated]
+            return [number * item for item in rated]
         return [number] * len(rated) if kind == "joints" else None
 
     def _line(
         self, poses: Sequence[Pose], speed: tuple[str, float], duration_s: float
     ) -> JointTrajectory:
         kind, number = speed
-        found = self._arm.line(
+        line = self._arm.line(
             poses, speed=number if kind == "line" else math.inf, duration_s=duration_s
         )
         if kind != "share" or number >= 1.0:
-            return found
+            return line
         longer = 1.0 / number
         if duration_s > 0:
-            longer = max(1.0, min(longer, duration_s / max(found.duration_s, 1e-6)))
+            longer = max(1.0, min(longer, duration_s / max(line.duration_s, 1e-6)))
         return JointTrajectory(
-            found.joints, found.time * longer, found.position, found.velocity / longer
+            line.joints, line.time * longer, line.position, line.velocity / longer
         )
 
 

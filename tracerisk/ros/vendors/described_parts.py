@@ -49,7 +49,7 @@ class DriverState(dict[str, Any]):
 
     def __missing__(self, name: str) -> Any:
         if name in self._parameters:
-            set_ = [each for each in self._tree.names() if each.rsplit("/", 1)[-1] == name]
+            set_ = [text for text in self._tree.names() if text.rsplit("/", 1)[-1] == name]
             return self._tree.get(set_[0]) if set_ else self._parameters[name].constant
         of_all = {
             "enabled": self.queue.is_enabled,
@@ -139,16 +139,16 @@ def take_rules(driver: Driver, runtime: Runtime) -> None:
     robot = runtime.twin.robot
     known = [joint.name for joint in robot.joints]
     names = {}
-    for name, each in driver.joints.items():
-        lacking = next((joint for joint in each.meaning.moves if joint not in known), None)
+    for name, named_joints in driver.joints.items():
+        lacking = next((joint for joint in named_joints.meaning.moves if joint not in known), None)
         if lacking is None and name not in known:
-            names[name] = each.meaning
+            names[name] = named_joints.meaning
         elif lacking is not None and driver.origin == "user":
             raise DriverError(
                 f"joints.{name}.moves: robot '{robot.name}' has no joint '{lacking}'; "
                 f"{one_of(known, lacking)}; if the driver is that of another robot, give its "
                 "joints as 'of_joints'",
-                each.location,
+                named_joints.location,
             )
     runtime.client(JointNames).add(names)
     rules = runtime.client(TrajectoryRules)
@@ -162,9 +162,9 @@ def case_of(interface: Interface, request: Request) -> Case:
     Raises:
         PlanningError: none does.
     """
-    found = next((case for case in interface.cases if request.meets(case)), None)
-    if found is not None:
-        return found
+    result = next((case for case in interface.cases if request.meets(case)), None)
+    if result is not None:
+        return result
     allowed: Mapping[str, str] = {
         text: "" for case in interface.cases for one in case.when for text in map(str, one.values)
     }

@@ -170,7 +170,7 @@ class _Reader:
         own = OF_KIND[kind]
         entry.forbid_unknown(own if is_published else (*own, *CASE))
         types = tuple(
-            full for each in _strings(entry, "type") for full in _full(entry, each, packages)
+            full for string in _strings(entry, "type") for full in _full(entry, string, packages)
         )
         if not types:
             entry.require("type")
@@ -180,7 +180,7 @@ class _Reader:
                 both = next((key for key in entry if key in CASE), None)
                 if both is not None:
                     entry.fail(both, "stands beside 'cases'; put it into one of them")
-                cases = tuple(self._case(kind, each) for each in entry.maps("cases"))
+                cases = tuple(self._case(kind, yaml_map) for yaml_map in entry.maps("cases"))
                 if not cases:
                     entry.fail("cases", "is empty; describe one")
             else:
@@ -256,14 +256,14 @@ class _Reader:
         return {key: plain_value(names, key) for key in names}
 
     def _needs(self, trajectories: YamlMap) -> dict[str, tuple[Any, ...]]:
-        found = self._state_values(trajectories.section(NEEDS))
+        state_values = self._state_values(trajectories.section(NEEDS))
         return {
             key: tuple(value) if isinstance(value, list) else (value,)
-            for key, value in found.items()
+            for key, value in state_values.items()
         }
 
     def _conditions(self, when: YamlMap) -> tuple[Condition, ...]:
-        found = []
+        conditions = []
         for key in when:
             if key.startswith("$"):
                 allowed = [f"${name}" for name in self._known]
@@ -274,8 +274,8 @@ class _Reader:
             value = plain_value(when, key)
             values = tuple(value) if isinstance(value, list) else (value,)
             place = when.key_location(key)
-            found.append(Condition(when.name_of(key), place, key, values))
-        return tuple(found)
+            conditions.append(Condition(when.name_of(key), place, key, values))
+        return tuple(conditions)
 
     def _roles(self, entry: YamlMap, effect: str) -> dict[str, Value]:
         entry.forbid_unknown(EFFECTS[effect])
@@ -302,10 +302,10 @@ def _strings(entry: YamlMap, key: str) -> tuple[str, ...]:
     """Return a string or a list of strings."""
     if isinstance(entry.get(key), str):
         return (entry.string(key),)
-    found = tuple(entry.strings(key))
-    if key in entry and not found:
+    strings = tuple(entry.strings(key))
+    if key in entry and not strings:
         entry.fail(key, "is empty; give one")
-    return found
+    return strings
 
 
 def _full(entry: YamlMap, name: str, packages: tuple[str, ...]) -> tuple[str, ...]:
@@ -363,11 +363,11 @@ def _codes(top: YamlMap, key: str) -> dict[str, Any]:
     codes.forbid_unknown(OUTCOMES)
     if key == "errors":
         return {name: codes.integer(name) for name in codes}
-    found = {name: plain_value(codes, name) for name in codes}
-    for name, value in found.items():
+    table = {name: plain_value(codes, name) for name in codes}
+    for name, value in table.items():
         if isinstance(value, list):
             codes.fail(name, "expected a number, a string, true or false")
-    return found
+    return table
 
 
 def _remedies(top: YamlMap) -> dict[str, str]:
@@ -382,7 +382,7 @@ def _node(top: YamlMap) -> str:
 
 
 def _joints(top: YamlMap) -> dict[str, NamedJoints]:
-    found: dict[str, NamedJoints] = {}
+    joints: dict[str, NamedJoints] = {}
     for name, entry in top.section("joints").items_as_maps():
         entry.forbid_unknown(NAMED_JOINTS)
         if ("moves" in entry) == ("note" in entry):
@@ -390,14 +390,14 @@ def _joints(top: YamlMap) -> dict[str, NamedJoints]:
         note = entry.string("note", default="-")
         if not note:
             entry.fail("note", "is empty; say why the name moves nothing")
-        found[name] = NamedJoints(JointName(note=note), entry.location)
+        joints[name] = NamedJoints(JointName(note=note), entry.location)
         if "moves" in entry:
             moves = entry.map("moves")
             parts = {joint: moves.number(joint) for joint in moves}
             if not all(parts.values()) or not parts:
                 entry.fail("moves", "give each joint the part of the value that it takes, not 0")
-            found[name] = NamedJoints(JointName(parts), entry.location)
-    return found
+            joints[name] = NamedJoints(JointName(parts), entry.location)
+    return joints
 
 
 def _rule(top: YamlMap, key: str, wanted: str) -> bool:

@@ -67,8 +67,8 @@ def installed_files() -> tuple[Path, ...]:
 @cache
 def _installed_files(_places: tuple[str, ...]) -> tuple[Path, ...]:
     """Look for them once: every run asks several times, and each reads a file of every package."""
-    found: list[Path] = []
-    for point in sorted(entry_points(group=ENTRY_POINTS), key=lambda each: each.name):
+    installed_files: list[Path] = []
+    for point in sorted(entry_points(group=ENTRY_POINTS), key=lambda entry_point: entry_point.name):
         try:
             spec = find_spec(point.value)
         except (ImportError, ValueError, AttributeError):
@@ -80,15 +80,15 @@ def _installed_files(_places: tuple[str, ...]) -> tuple[Path, ...]:
                 f"entry point '{point.name}' of {ENTRY_POINTS} names '{point.value}', which is no "
                 f"package with a file *{ENDING}"
             )
-        found += files
-    return tuple(found)
+        installed_files += files
+    return tuple(installed_files)
 
 
 def definitions_of(drivers: Iterable[Driver]) -> tuple[InterfaceText, ...]:
     """Return the messages that descriptions define; of those of one name, the last."""
     texts = {name: text for driver in drivers for name, text in driver.definitions.items()}
-    found = []
+    definitions = []
     for name, text in sorted(texts.items()):
         package, kind, stem = name.split("/")
-        found.append(InterfaceText(package, kind, stem, text))
-    return tuple(found)
+        definitions.append(InterfaceText(package, kind, stem, text))
+    return tuple(definitions)

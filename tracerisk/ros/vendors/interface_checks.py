@@ -22,9 +22,9 @@ def types_in_use(driver: Driver, interface: Interface, messages: TwinMessages) -
         DriverError: it has their package without them, and a user says that it is there.
     """
     kind = {"services": "service", "actions": "action"}.get(interface.kind, "message")
-    found = tuple(name for name in interface.types if messages.has(kind, name))
-    if found or driver.origin == "shipped":
-        return found
+    types = tuple(name for name in interface.types if messages.has(kind, name))
+    if types or driver.origin == "shipped":
+        return types
     for name in interface.types:
         package, _, short = name.partition("/")
         if messages.has_package(package):
@@ -88,7 +88,7 @@ def _samples(interface: Interface, type_name: str, messages: TwinMessages) -> tu
         return messages.request(type_name), messages.response(type_name), None
     if interface.kind == "actions":
         parts = ("Goal", "Result", "Feedback")
-        asked, answered, fed_back = (messages.part(type_name, each) for each in parts)
+        asked, answered, fed_back = (messages.part(type_name, part) for part in parts)
         return asked, answered, fed_back
     made = messages.new(type_name)
     is_heard = interface.kind == "subscribed_topics"
@@ -99,7 +99,7 @@ def _paths(case: Case) -> Iterator[tuple[str, Any, str]]:
     for one in case.when:
         yield one.key, one.location, one.path
     values: list[Value] = [*case.roles.values(), *case.set.values()]
-    values += [each for each in (case.wait, case.timeout) if each is not None]
+    values += [item for item in (case.wait, case.timeout) if item is not None]
     for value in values:
         for path in value.paths:
             yield value.key, value.location, path

@@ -31,11 +31,11 @@ class FieldError(ValueError):
 
 def steps_of(path: str) -> list[tuple[str, int | None]]:
     """Return the names of a path, each with its index: None for none, `EACH` for all."""
-    found = []
+    steps = []
     for part in path.split("."):
         name, index = _STEP.fullmatch(part).groups()  # type: ignore[union-attr]
-        found.append((name, None if index is None else int(index) if index else EACH))
-    return found
+        steps.append((name, None if index is None else int(index) if index else EACH))
+    return steps
 
 
 def check(message_class: Any, path: str) -> MessageField:
@@ -49,7 +49,7 @@ def check(message_class: Any, path: str) -> MessageField:
         if owner is None:
             assert field is not None
             raise FieldError(f"'{field.name}' is {field.type_text} and has no field '{name}'")
-        fields = {each.name: each for each in fields_of(owner)}
+        fields = {message_field.name: message_field for message_field in fields_of(owner)}
         if name not in fields:
             raise FieldError(f"{type_of(owner)} has no field '{name}'; {one_of(fields, name)}")
         field = fields[name]
@@ -78,7 +78,7 @@ def _read(value: Any, steps: Sequence[tuple[str, int | None]]) -> Any:
             raise FieldError(f"{type_of(type(value))} has no field '{name}'")
         value = getattr(value, name)
         if index == EACH:
-            return [_read(each, steps[number + 1 :]) for each in value]
+            return [_read(item, steps[number + 1 :]) for item in value]
         if index is not None:
             if index >= len(value):
                 raise FieldError(f"'{name}' has {len(value)} entries, and [{index}] is asked for")
@@ -92,14 +92,16 @@ def numbers_in(value: Any) -> list[float] | None:
         return list(value) if isinstance(value, bytes) else None
     if hasattr(value, "__len__"):
         listed = list(value)
-        flat = all(not isinstance(each, str) and _is_number(each) for each in listed)
-        return [float(each) for each in listed] if flat else None
+        flat = all(not isinstance(item, str) and _is_number(item) for item in listed)
+        return [float(item) for item in listed] if flat else None
     if _is_number(value):
         return [float(value)]
     if not is_message(value):
         return None
-    found = [getattr(value, each.name) for each in fields_of(type(value))]
-    return [float(each) for each in found] if found and all(map(_is_number, found)) else None
+    getattrs = [getattr(value, field.name) for field in fields_of(type(value))]
+    return (
+        [float(item) for item in getattrs] if getattrs and all(map(_is_number, getattrs)) else None
+    )
 
 
 def content_of(value: Any) -> Any:
@@ -137,7 +139,9 @@ def _write(
     unit: str,
 ) -> None:
     (name, index), rest = steps[0], steps[1:]
-    field = next(each for each in fields_of(type(message)) if each.name == name)
+    field = next(
+        message_field for message_field in fields_of(type(message)) if message_field.name == name
+    )
     if index is None:
         if rest:
             _write(getattr(message, name), rest, value, conventions, unit)
@@ -149,11 +153,11 @@ def _write(
     first = 0 if index == EACH else index
     while len(held) < first + len(values):
         held.append(_element(message, field))
-    for number, each in enumerate(values, first):
+    for number, item in enumerate(values, first):
         if rest:
-            _write(held[number], rest, each, conventions, unit)
+            _write(held[number], rest, item, conventions, unit)
         else:
-            held[number] = _scalar(message, field, each, conventions, unit)
+            held[number] = _scalar(message, field, item, conventions, unit)
     _assign(message, field, held)
 
 
@@ -168,7 +172,7 @@ def set_field(
         values: list[Any] = conventions.pose_numbers(value, field.length)
     else:
         values = _listed(value, conventions, unit)
-    items = [_scalar(message, field, each, conventions, unit) for each in values]
+    items = [_scalar(message, field, item, conventions, unit) for item in values]
     if field.length is not None:
         items = items[: field.length]
         items += [_element(message, field) for _ in range(field.length - len(items))]
@@ -249,15 +253,15 @@ def fill(message: Any, value: Any, conventions: Conventions, unit: str = "") -> 
             return
         value = inner.pose_numbers(value, len(fields))
     numbers = _listed(value, inner, "" if inner is SI else unit)
-    for field, each in zip(fields.values(), numbers, strict=False):
-        set_field(message, field, each, inner)
+    for field, number in zip(fields.values(), numbers, strict=False):
+        set_field(message, field, number, inner)
 
 
 def _element(message: Any, field: MessageField) -> Any:
     if field.message is not None:
         return field.message()
     if field.base in TIMES or field.base in DURATIONS:
-        return next(each for each in message._fields if each.name == field.name).scalar_default()
+        return next(item for item in message._fields if item.name == field.name).scalar_default()
     if field.base in ("string", "wstring"):
         return ""
     if field.base == "bool":

@@ -100,9 +100,9 @@ class MotionQueue:
             self._waiting.append(job)
             return
         if rule == "replace":
-            for each in list(self._waiting):
-                self._waiting.remove(each)
-                self._fail(each, "preempted", _TAKEN)
+            for item in list(self._waiting):
+                self._waiting.remove(item)
+                self._fail(item, "preempted", _TAKEN)
         self._begin(job)
 
     def refused(self) -> str:
@@ -174,6 +174,6 @@ class MotionQueue:
             self.is_enabled = self.is_enabled and not self._disables
             self._on_error()
             waiting, self._waiting = list(self._waiting), deque()
-            for each in waiting:
-                self._fail(each, "in_error", "an error dropped what waited")
+            for item in waiting:
+                self._fail(item, "in_error", "an error dropped what waited")
         job.on_end(job)

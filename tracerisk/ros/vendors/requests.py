@@ -56,20 +56,20 @@ class Request:
 
     def raw(self, value: Value) -> Any:
         """Return what a value holds, translated by its map."""
-        found: Any = value.constant
+        constant: Any = value.constant
         if value.paths:
             each = [self._read(path) for path in value.paths]
-            found = each if value.is_list else each[0]
+            constant = each if value.is_list else each[0]
         if value.map is not None:
-            text = _text(found)
+            text = _text(constant)
             if text not in value.map and "else" not in value.map:
                 raise PlanningError(
                     "bad_request", f"{value.key} is {text}; {one_of(value.map, text)}"
                 )
             return value.map[text] if text in value.map else value.map["else"]
         if value.default is not None and not value.paths:
-            return value.default if found is None else found
-        return found
+            return value.default if constant is None else constant
+        return constant
 
     def number(self, value: Value | None, dimension: Dimension, unit: str = "") -> float | None:
         """Return a number in SI units, or its share; None where none is given.
@@ -79,14 +79,14 @@ class Request:
         """
         if value is None:
             return None
-        found = numbers_in(self.raw(value))
+        numbers = numbers_in(self.raw(value))
         factor = UNITS[value.unit or unit] if value.unit or unit else 1.0
         if not value.unit and not unit and dimension != "plain":
             factor = self._conventions.factor(dimension)
-        if not found:
+        if not numbers:
             raise PlanningError("bad_request", f"{value.key} holds no number")
         # A list of limits, one for each joint, bounds them all by the least.
-        number = min(found, key=abs) if len(found) > 1 else found[0]
+        number = min(numbers, key=abs) if len(numbers) > 1 else numbers[0]
         if not math.isfinite(number):
             raise PlanningError("bad_request", f"{value.key} is not finite")
         if number <= 0:
@@ -96,11 +96,11 @@ class Request:
 
     def signed(self, value: Value, dimension: Dimension = "plain") -> float:
         """Return a number of either sign in SI units."""
-        found = numbers_in(self.raw(value))
-        if not found or not math.isfinite(found[0]):
+        numbers = numbers_in(self.raw(value))
+        if not numbers or not math.isfinite(numbers[0]):
             raise PlanningError("bad_request", f"{value.key} holds no finite number")
         factor = UNITS[value.unit] if value.unit else self._conventions.factor(dimension)
-        return found[0] * factor
+        return numbers[0] * factor
 
     def seconds(self, value: Value | None) -> float | None:
         """Return a duration [s]: a number, or a message of one."""
@@ -121,18 +121,18 @@ class Request:
         """Return a word, None where none is given."""
         if value is None:
             return None
-        found = self.raw(value)
-        return str(found) if found not in ("", None) else value.default
+        raw = self.raw(value)
+        return str(raw) if raw not in ("", None) else value.default
 
     # Goals of joints
 
     def goals(self, value: Value, names: Value | None, dimension: Dimension) -> list[Goal]:
         """Return the goals of joints that a value holds: one, or those of a way."""
         raw = self.raw(value)
-        listed = None if names is None else [str(each) for each in self.raw(names)]
+        listed = None if names is None else [str(item) for item in self.raw(names)]
         several = raw if self._is_several(value, raw) else [raw]
         factor = UNITS[value.unit] if value.unit else self._conventions.factor(dimension)
-        return [self._goal(value, each, listed, factor) for each in several]
+        return [self._goal(value, item, listed, factor) for item in several]
 
     def _is_several(self, value: Value, raw: Any) -> bool:
         if value.is_list or is_message(raw) or not hasattr(raw, "__len__") or not len(raw):
@@ -144,16 +144,16 @@ class Request:
         if is_si:
             # JointState and its like have names and numbers beside one another, in SI units.
             factor, named = 1.0, getattr(raw, "name", None) or getattr(raw, "joint_names", None)
-            names = [str(each) for each in named] if named else names
+            names = [str(item) for item in named] if named else names
             raw = getattr(raw, "position", getattr(raw, "positions", raw))
-        found = numbers_in(raw)
-        if found is None:
+        numbers = numbers_in(raw)
+        if numbers is None:
             raise PlanningError("bad_request", f"{value.key} holds no numbers of joints")
-        if not all(math.isfinite(each) for each in found):
+        if not all(math.isfinite(item) for item in numbers):
             raise PlanningError("bad_request", f"{value.key} holds a number that is not finite")
         if not is_si and not value.unit:
-            self._look_at("angle", found)
-        scaled = [each * factor for each in found]
+            self._look_at("angle", numbers)
+        scaled = [item * factor for item in numbers]
         if not names:
             return scaled
         if len(names) != len(scaled):
@@ -169,7 +169,7 @@ class Request:
         raw = self.raw(value)
         is_many = not value.is_list and hasattr(raw, "__len__") and len(raw) and not is_message(raw)
         if is_many and (is_message(raw[0]) or hasattr(raw[0], "__len__")):
-            return [self._pose(value, each) for each in raw]
+            return [self._pose(value, item) for item in raw]
         return [self._pose(value, raw)]
 
     def _pose(self, value: Value, raw: Any) -> tuple[Pose, str]:
@@ -197,7 +197,7 @@ class Request:
         if numbers is None or len(numbers) != 16 or not all(map(math.isfinite, numbers)):
             raise PlanningError("bad_request", f"{value.key} holds no matrix of 16 numbers")
         length = self._conventions.factor("length")
-        x, y, z = (each * length for each in numbers[12:15])
+        x, y, z = (number * length for number in numbers[12:15])
         columns = numbers[:3], numbers[4:7], numbers[8:11]
         if not _is_turn(*columns) or numbers[3::4] != [0.0, 0.0, 0.0, 1.0]:
             raise PlanningError("bad_request", f"{value.key} is no transformation of a rigid body")
@@ -218,7 +218,7 @@ class Request:
         factor = 1.0 if is_of_ros(raw) else self._conventions.factor("length")
         if not is_of_ros(raw):
             self._look_at("length", numbers)
-        x, y, z = (each * factor for each in numbers)
+        x, y, z = (number * factor for number in numbers)
         return x, y, z
 
     def _turn(self, value: Value, raw: Any) -> tuple[float, float, float, float]:
@@ -244,7 +244,9 @@ class Request:
             raise PlanningError("bad_request", f"{value.key} holds no twist of six numbers")
         length = self._conventions.factor("length")
         angle = self._conventions.factor("angle")
-        return [each * length for each in numbers[:3]], [each * angle for each in numbers[3:]]
+        return [number * length for number in numbers[:3]], [
+            number * angle for number in numbers[3:]
+        ]
 
     def _look_at(self, dimension: Dimension, numbers: Sequence[float]) -> None:
         is_si = self._conventions.factor(dimension) == 1.0

@@ -35,7 +35,7 @@ class ValueReader:
             return self._given(entry, key, name, is_word)
         inner = entry.map(key)
         inner.forbid_unknown(VALUE)
-        named = [each for each in ("field", "value") if each in inner]
+        named = [literal for literal in ("field", "value") if literal in inner]
         if len(named) != 1:
             entry.fail(key, "give it either 'field' or 'value'")
         base = (
@@ -64,11 +64,11 @@ class ValueReader:
         if isinstance(given, str) and not is_word:
             self._check_source(entry, key, given)
             return Value(name, place, paths=(given,))
-        if isinstance(given, list) and given and all(isinstance(each, str) for each in given):
-            for each in given:
-                self._check_source(entry, key, str(each))
+        if isinstance(given, list) and given and all(isinstance(item, str) for item in given):
+            for item in given:
+                self._check_source(entry, key, str(item))
             return Value(name, place, paths=tuple(given), is_list=True)
-        if isinstance(given, list) and any(isinstance(each, str) for each in given):
+        if isinstance(given, list) and any(isinstance(item, str) for item in given):
             entry.fail(key, "expected numbers or fields in a list, found both")
         return Value(name, place, constant=given)
 
@@ -76,7 +76,7 @@ class ValueReader:
         if not path.startswith("$"):
             check_path(entry, key, path)
         elif path[1:] not in self._known:
-            names = [f"${each}" for each in self._known]
+            names = [f"${name}" for name in self._known]
             entry.fail(key, f"'{path}' is not known; {one_of(names, path)}")
 
     def outputs(self, entry: YamlMap, key: str) -> dict[str, Output] | None:
@@ -84,12 +84,12 @@ class ValueReader:
         if key not in entry:
             return None
         outputs = entry.map(key)
-        found = {}
+        table = {}
         for path in outputs:
             if key != "parameters":
                 check_path(outputs, path, path)
-            found[path] = self._output(outputs, path)
-        return found
+            table[path] = self._output(outputs, path)
+        return table
 
     def _output(self, entry: YamlMap, key: str) -> Output:
         value = entry.get(key)
@@ -115,7 +115,7 @@ class ValueReader:
         if reference.startswith("request."):
             check_path(entry, key, reference.removeprefix("request."))
         elif reference not in allowed:
-            named = [f"${each}" for each in allowed]
+            named = [f"${text}" for text in allowed]
             entry.fail(key, f"'${reference}' is not known; {one_of(named, '$' + reference)}")
         if match["unit"]:
             unit = match["unit"]
@@ -151,13 +151,13 @@ def plain_value(entry: YamlMap, key: str) -> Any:  # noqa: RET503 - `fail` raise
             entry.number(key)
         return value
     if isinstance(value, list):
-        for each in value:
-            if not isinstance(each, str | bool | int | float):
+        for item in value:
+            if not isinstance(item, str | bool | int | float):
                 entry.fail(key, "expected a list of numbers or strings")
-        numbers = [each for each in value if not isinstance(each, str | bool)]
+        numbers = [item for item in value if not isinstance(item, str | bool)]
         if numbers and len(numbers) == len(value):
             entry.numbers(key)
-        return [str(each) if isinstance(each, str) else each for each in value]
+        return [str(name) if isinstance(name, str) else name for name in value]
     entry.fail(key, "expected a number, a string, true or false, or a list of such")
 
 

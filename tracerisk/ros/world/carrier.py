@@ -169,15 +169,15 @@ class Carrier:
 
     def lost_in(self, root: Path) -> list[tuple[str, str, int]]:
         """Return what was lost, each with its file below the root of the controller and line."""
-        found = []
+        lost = []
         for early in self.early:
             place = early.place
             if early.is_kept and early.is_made_good:
                 continue
             if place is not None and Path(place.file).is_relative_to(root):
                 file = Path(place.file).relative_to(root).as_posix()
-                found.append((f"{early.what} is lost", file, place.line or 0))
-        return found
+                lost.append((f"{early.what} is lost", file, place.line or 0))
+        return lost
 
     # The way of what is sent
 

@@ -50,13 +50,13 @@ class StateReads:
 
         Those come first that read no names.
         """
-        found: list[tuple[bool, str, str, int]] = []
+        rows: list[tuple[bool, str, str, int]] = []
         for (file, line), (code, name) in self._values.items():
             if not Path(file).is_relative_to(root):
                 continue
             has_names = code in self._name_readers
             words = f"{name} of joint states is read" + (" there" if has_names else _BY_PLACE)
             file = Path(file).relative_to(root).as_posix()
-            found.append((has_names, words, file, line))
-        found.sort(key=lambda entry: entry[0])
-        return [(words, file, line) for _, words, file, line in found]
+            rows.append((has_names, words, file, line))
+        rows.sort(key=lambda entry: entry[0])
+        return [(words, file, line) for _, words, file, line in rows]

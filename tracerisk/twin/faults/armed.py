@@ -74,7 +74,7 @@ class ArmedFaults:
     @property
     def live(self) -> tuple[Fault, ...]:
         """The faults that have begun, in the order of their instants."""
-        return tuple(each.fault for each in self._live)
+        return tuple(item.fault for item in self._live)
 
     def arm(self, fault: Fault) -> None:
         """Make a unit fail at the fault's instant, or with the next step if that is past."""
@@ -82,8 +82,8 @@ class ArmedFaults:
 
     def clear(self, fault: Fault, model: Any) -> None:
         """Clear a fault: the unit works again from the next step on."""
-        self._pending = [each for each in self._pending if each != fault]
-        self._live = [each for each in self._live if each.fault != fault]
+        self._pending = [item for item in self._pending if item != fault]
+        self._live = [live for live in self._live if live.fault != fault]
         self._apply(model)
 
     def steps_before(self, step: int, wanted: int) -> int:
@@ -98,9 +98,9 @@ class ArmedFaults:
 
     def begin(self, step: int, model: Any, data: Any) -> tuple[Fault, ...]:
         """Begin the faults whose instant has come, and return them."""
-        due = [each for each in self._pending if first_step(each) <= step]
+        due = [item for item in self._pending if first_step(item) <= step]
         self._pending = self._pending[len(due) :]
-        self._live += [_Live(each, np.array(data.ctrl)) for each in due]
+        self._live += [_Live(item, np.array(data.ctrl)) for item in due]
         self._apply(model)
         for fault in due:
             # What jams stops at once: through damping alone it would first throw what it carries.
@@ -121,8 +121,8 @@ class ArmedFaults:
             self._sound = {name: np.array(getattr(model, name)) for name in _CHANGED}
         for name, values in self._sound.items():
             getattr(model, name)[:] = values
-        for each in self._live:
-            self._one(model, each)
+        for live in self._live:
+            self._one(model, live)
 
     def _one(self, model: Any, live: _Live) -> None:
         fault, robot = live.fault, self._robot
@@ -155,10 +155,10 @@ class ArmedFaults:
 
     def _shift_servo(self, model: Any, sensor: str) -> None:
         """Make the servo of an encoder's joint regulate what the encoder reads."""
-        found = next(each for each in self._robot.sensors if each.name == sensor)
-        if found.kind == "encoder":
-            at = model.actuator(found.part).id
-            offset = encoder_offset(self._robot.joint(found.part).type)
+        result = next(item for item in self._robot.sensors if item.name == sensor)
+        if result.kind == "encoder":
+            at = model.actuator(result.part).id
+            offset = encoder_offset(self._robot.joint(result.part).type)
             model.actuator_biasprm[at, 0] += model.actuator_biasprm[at, 1] * offset
 
 

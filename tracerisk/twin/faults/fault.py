@@ -61,14 +61,14 @@ def modes_of(robot: Robot) -> Mapping[str, tuple[FaultMode, ...]]:
 
     Cameras are left out: the twin takes no pictures.
     """
-    found: dict[str, tuple[FaultMode, ...]] = {
+    modes: dict[str, tuple[FaultMode, ...]] = {
         joint.name: FAULTS["joint"] for joint in robot.arm_joints
     }
-    found |= {gripper.name: FAULTS["gripper"] for gripper in robot.grippers}
-    found |= {sensor.name: FAULTS["sensor"] for sensor in robot.sensors if sensor.kind != "camera"}
-    found.setdefault(POWER, ("lost_with_brakes", "lost_without_brakes"))
-    found.setdefault(CONTROL, ("frozen",))
-    return found
+    modes |= {gripper.name: FAULTS["gripper"] for gripper in robot.grippers}
+    modes |= {sensor.name: FAULTS["sensor"] for sensor in robot.sensors if sensor.kind != "camera"}
+    modes.setdefault(POWER, ("lost_with_brakes", "lost_without_brakes"))
+    modes.setdefault(CONTROL, ("frozen",))
+    return modes
 
 
 def check_faults(
@@ -100,4 +100,4 @@ def check_faults(
     for index, unit in enumerate(units):
         if unit in units[:index]:
             raise InputError(f"unit '{unit}' fails twice; give it one fault")
-    return tuple(sorted(faults, key=lambda each: each.time_s))
+    return tuple(sorted(faults, key=lambda item: item.time_s))

@@ -44,7 +44,7 @@ class SensorFaults:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._sensors = {each.name: each for each in robot.sensors}
+        self._sensors = {sensor.name: sensor for sensor in robot.sensors}
         self._places = {joint.name: at for at, joint in enumerate(robot.joints)}
         self._faulty: dict[str, _Reading] = {}
 
@@ -124,10 +124,10 @@ class SensorFaults:
         if not self._faulty:
             return []
         rows = {joint: row for row, joint in enumerate(joints)} if joints is not None else None
-        found = []
+        encoders = []
         for name, reading in self._faulty.items():
             sensor = self._sensors[name]
             joint = self._places.get(sensor.part, -1)
             if sensor.kind == "encoder" and (rows is None or joint in rows):
-                found.append((joint if rows is None else rows[joint], reading, joint))
-        return found
+                encoders.append((joint if rows is None else rows[joint], reading, joint))
+        return encoders

@@ -23,8 +23,8 @@ def bounding_shape(vertices: Array) -> Shape:
     """
     points = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
     _, principal = np.linalg.eigh(np.cov(points.T) if len(points) > 1 else np.eye(3))
-    found = [each for axes in (np.eye(3), principal) for each in _along(points, axes)]
-    return min(found, key=lambda each: each[0])[1]
+    pairs = [pair for axes in (np.eye(3), principal) for pair in _along(points, axes)]
+    return min(pairs, key=lambda pair: pair[0])[1]
 
 
 def _along(points: Array, axes: Array) -> Iterator[tuple[float, Shape]]:

@@ -102,7 +102,7 @@ def _described(model: Any) -> dict[str, Any]:
         return mujoco.mj_id2name(model, kind, index) or ""
 
     def figures(kind: str, index: int, *fields: str) -> dict[str, Any]:
-        return {each: getattr(model, f"{kind}_{each}")[index].tolist() for each in fields}
+        return {field: getattr(model, f"{kind}_{field}")[index].tolist() for field in fields}
 
     body, joint = mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_JOINT
     return {
@@ -164,7 +164,7 @@ def _shapes(model: Any) -> list[dict[str, Any]]:
         int(mujoco.mjtGeom.mjGEOM_CYLINDER): ("cylinder", 2),
         int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): ("ellipsoid", 3),
     }
-    found = []
+    shapes = []
     bounds: dict[int, dict[str, Any]] = {}
     for i in range(model.ngeom):
         kind = int(model.geom_type[i])
@@ -181,7 +181,7 @@ def _shapes(model: Any) -> list[dict[str, Any]]:
             shape = {"kind": name, "size": model.geom_size[i, :length].tolist()}
         else:
             continue
-        found.append(
+        shapes.append(
             {
                 "body": int(model.geom_bodyid[i]),
                 "pos": model.geom_pos[i].tolist(),
@@ -191,7 +191,7 @@ def _shapes(model: Any) -> list[dict[str, Any]]:
                 "shape": shape,
             }
         )
-    return found
+    return shapes
 
 
 def _actuator(model: Any, i: int) -> dict[str, Any]:
@@ -247,13 +247,13 @@ def _closed(model: Any) -> list[int]:
 
     kinds = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
     is_body = int(mujoco.mjtObj.mjOBJ_BODY)
-    found: set[int] = set()
+    numbers: set[int] = set()
     for i in range(model.neq):
         if int(model.eq_type[i]) in kinds:
             is_bodies = int(model.eq_objtype[i]) == is_body
-            for each in (int(model.eq_obj1id[i]), int(model.eq_obj2id[i])):
-                found.add(each if is_bodies else int(model.site_bodyid[each]))
-    return sorted(found)
+            for index in (int(model.eq_obj1id[i]), int(model.eq_obj2id[i])):
+                numbers.add(index if is_bodies else int(model.site_bodyid[index]))
+    return sorted(numbers)
 
 
 def _shape_of(name: str, data: bytes, scales: dict[str, list[float]]) -> dict[str, Any] | None:
@@ -270,8 +270,8 @@ def _shape_of(name: str, data: bytes, scales: dict[str, list[float]]) -> dict[st
         model = spec.compile()
     except ValueError:
         return None
-    found = _shapes(model)
-    return found[0] if found else None
+    shapes = _shapes(model)
+    return shapes[0] if shapes else None
 
 
 if __name__ == "__main__":

@@ -90,7 +90,7 @@ class _Reader:
         joints: list[UrdfJoint] = []
         for index in kept:
             if self._bodies[index] != root:
-                joints += [on_a_moving_base(each) for each in self._steps(index)]
+                joints += [on_a_moving_base(step) for step in self._steps(index)]
         joints += self._sites(kept)
         tree = Tree(root, tuple(joints))
         links, assumed = self._links(tree, kept)
@@ -114,22 +114,22 @@ class _Reader:
     def _actuators(self, robot: Robot) -> Mapping[str, tuple[str, ...]]:
         """Return the joints that each named actuator of the robot moves, in the file's order."""
         moving = {joint.name for joint in robot.joints}
-        found = {
+        texts = {
             name: tuple(self._joints[index] for index in moved if self._joints[index] in moving)
             for name, moved in self._drives.actuators.items()
         }
-        return MappingProxyType({name: joints for name, joints in found.items() if joints})
+        return MappingProxyType({name: joints for name, joints in texts.items() if joints})
 
     def sensors(self, robot: Robot, felt: Collection[str]) -> tuple[Sensor, ...]:
         """Return the sensors of forces at some sites, each in the link that bears the site."""
         taken, links = {element.name for element in robot.elements}, set(robot.link_names)
-        found = []
+        result = []
         for site in self._model.sites:
             link = self._bodies[int(site["body"])]
             name = site["name"]
             if name in felt and link in links and name not in taken:
-                found.append(Sensor("wrench", name, link, topics=(name, "wrench")))
-        return tuple(found)
+                result.append(Sensor("wrench", name, link, topics=(name, "wrench")))
+        return tuple(result)
 
     def _name(self) -> str:
         return self._stem if self._model.name in ("", _UNNAMED) else self._model.name
@@ -250,8 +250,8 @@ class _Reader:
         body = self._model.bodies[index]
         turn = matrix_of(body["iquat"])
         full = turn @ np.diag(body["inertia"]) @ turn.T
-        found = (full[0, 0], full[1, 1], full[2, 2], full[0, 1], full[0, 2], full[1, 2])
-        xx, yy, zz, xy, xz, yz = (float(each) for each in found)
+        row = (full[0, 0], full[1, 1], full[2, 2], full[0, 1], full[0, 2], full[1, 2])
+        xx, yy, zz, xy, xz, yz = (float(item) for item in row)
         mass = float(body["mass"])
         inertia = (xx, yy, zz, xy, xz, yz) if min(body["inertia"]) > 1e-9 else None
         centre = triple(body["ipos"]) if mass >= LIGHTEST else _ZERO
@@ -274,15 +274,15 @@ class _Reader:
 
     def _states(self) -> Mapping[str, Mapping[str, float]]:
         """Return the keyframes; a single one without a name is where the arm is at home."""
-        found: dict[str, Mapping[str, float]] = {}
+        states: dict[str, Mapping[str, float]] = {}
         for number, key in enumerate(self._model.keys):
             name = key["name"] or ("home" if len(self._model.keys) == 1 else f"key{number}")
-            found[name] = {
+            states[name] = {
                 self._joints[index]: float(key["qpos"][joint["qpos"]])
                 for index, joint in enumerate(self._model.joints)
                 if joint["type"] in (SLIDE, HINGE)
             }
-        return found
+        return states
 
     def _excluded(self) -> Iterator[tuple[str, str]]:
         for one, other in self._model.excludes:

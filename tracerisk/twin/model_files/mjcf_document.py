@@ -79,13 +79,13 @@ def read_mjcf_document(text: bytes, file: Path, shown: str, folder: ModelFolder)
 
 def _felt(root: XmlElement) -> tuple[str, ...]:
     """Return the sites at which the document's sensors measure a force or a torque, sorted."""
-    found = {
-        each.attributes.get("site", "")
+    texts = {
+        child.attributes.get("site", "")
         for section in root.all("sensor")
-        for each in section.children
-        if each.tag in ("force", "torque")
+        for child in section.children
+        if child.tag in ("force", "torque")
     }
-    return tuple(sorted(found - {""}))
+    return tuple(sorted(texts - {""}))
 
 
 class _Reader:
@@ -200,7 +200,9 @@ class _Reader:
             element.attributes.pop("texture", None)
         for child in element.children:
             self._check(child, copies)
-        element.children = [each for each in element.children if each.tag not in _LEFT_OUT]
+        element.children = [
+            xml_element for xml_element in element.children if xml_element.tag not in _LEFT_OUT
+        ]
 
     def _dir(self, key: str) -> str:
         return self._dirs.get(key, self._dirs.get("assetdir", ""))
@@ -262,9 +264,9 @@ def _write(element: XmlElement, lines: list[str], locations: list[Location]) -> 
 
 def error_of_mujoco(reason: str, document: MjcfDocument, shown: str) -> RobotError:
     """Return MuJoCo's refusal of a document as an error at the line of the file it came from."""
-    found = re.search(r"line (\d+)", reason)
+    matched = re.search(r"line (\d+)", reason)
     text = re.sub(r"\s+", " ", re.sub(r"[,;]?\s*\(?line \d+(?:, column -?\d+)?\)?", "", reason))
     where = Location(shown)
-    if found and 0 < int(found[1]) <= len(document.locations):
-        where = document.locations[int(found[1]) - 1]
+    if matched and 0 < int(matched[1]) <= len(document.locations):
+        where = document.locations[int(matched[1]) - 1]
     return RobotError(f"MuJoCo refuses the model: {text.strip()[:300]}", where)

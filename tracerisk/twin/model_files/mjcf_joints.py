@@ -69,11 +69,11 @@ def drives_of(model: MjcfModel) -> Drives:
             if servo is not None:
                 servos[joint] = servo
                 if actuator["control"] is not None:
-                    ends = sorted(each / gear for each in actuator["control"])
+                    ends = sorted(item / gear for item in actuator["control"])
                     ranges[joint] = (ends[0], ends[1])
     for index, joint_data in enumerate(model.joints):
         if joint_data["force"] is not None:
-            own = max(abs(each) for each in joint_data["force"])
+            own = max(abs(data) for data in joint_data["force"])
             efforts[index] = min(efforts.get(index, own), own)
     return Drives(
         efforts,
@@ -83,7 +83,11 @@ def drives_of(model: MjcfModel) -> Drives:
         _passive(model, driven, follows),
         frozenset(driven),
         frozenset(fingers),
-        {each["name"]: _moved(each) for each in model.actuators if each["name"] and _moved(each)},
+        {
+            fields["name"]: _moved(fields)
+            for fields in model.actuators
+            if fields["name"] and _moved(fields)
+        },
     )
 
 
@@ -94,28 +98,28 @@ def _moved(actuator: Data) -> tuple[int, ...]:
 def _coupled(model: MjcfModel) -> dict[int, tuple[int, float, float]]:
     """Return who follows whom by an equality; the one that has an actuator leads."""
     has_own = {int(actuator["joints"][0][0]) for actuator in model.actuators if actuator["joints"]}
-    found: dict[int, tuple[int, float, float]] = {}
-    for each in model.couplings:
-        one, other = int(each["joint"]), int(each["leader"])
-        factor, offset = float(each["factor"]), float(each["offset"])
+    row: dict[int, tuple[int, float, float]] = {}
+    for coupling in model.couplings:
+        one, other = int(coupling["joint"]), int(coupling["leader"])
+        factor, offset = float(coupling["factor"]), float(coupling["offset"])
         # MuJoCo counts both from where they are at rest.
         offset += model.joints[one]["ref"] - factor * model.joints[other]["ref"]
         if one in has_own and other not in has_own and factor:
             one, other, factor, offset = other, one, 1.0 / factor, -offset / factor
         leads = other
-        while leads in found and leads != one:
-            leads = found[leads][0]
-        if one != leads and one not in found:
-            found[one] = (other, factor, offset)
-    return found
+        while leads in row and leads != one:
+            leads = row[leads][0]
+        if one != leads and one not in row:
+            row[one] = (other, factor, offset)
+    return row
 
 
 def _force(actuator: Data) -> float:
     """Return the greatest force of an actuator on its transmission, 0 where none is given."""
     if actuator["force"] is not None:
-        return max(abs(float(each)) for each in actuator["force"])
+        return max(abs(float(item)) for item in actuator["force"])
     if actuator["control"] is not None and actuator["gain"] > 0.0 and not any(actuator["bias"]):
-        return float(actuator["gain"]) * max(abs(float(each)) for each in actuator["control"])
+        return float(actuator["gain"]) * max(abs(float(item)) for item in actuator["control"])
     return 0.0
 
 

@@ -107,7 +107,7 @@ def mesh_shapes(
 def shape_of(geom: Data) -> Shape:
     """Return a geom as a shape in the frame of its body."""
     data = geom["shape"]
-    size = tuple(float(each) for each in data["size"])
+    size = tuple(float(item) for item in data["size"])
     zero = (0.0, 0.0, 0.0)
     if data["kind"] == "ellipsoid":
         shape = _around_ellipsoid(size)
@@ -144,7 +144,7 @@ def _asked(request: Mapping[str, Any], shown: str, limits: Limits) -> Any:
             doing="compiling the model",
             place=where,
             folder=Path(empty),
-            reads=[Path(each) for each in request["meshes"].values()],
+            reads=[Path(item) for item in request["meshes"].values()],
         )
     if done.returncode != 0:
         reason = last_words(done)

@@ -66,13 +66,13 @@ def read_model_file(
         root = read_xml(text, shown)
         _check_root(root)
     if root.tag == "mujoco":
-        found = _of_mjcf(text, path, shown, folder, limits)
+        of_mjcf = _of_mjcf(text, path, shown, folder, limits)
     else:
-        found = _of_urdf(root, text, path, shown, folder, limits)
-    found = replace(found, files=tuple(dict.fromkeys((*found.files, *read))))
-    name = re.sub(r"[^\w.+-]+", "_", found.robot.name)[:80].strip("._") or "robot"
-    _check_sizes(found.robot, shown)
-    return replace(found, robot=replace(found.robot, name=name))
+        of_mjcf = _of_urdf(root, text, path, shown, folder, limits)
+    of_mjcf = replace(of_mjcf, files=tuple(dict.fromkeys((*of_mjcf.files, *read))))
+    name = re.sub(r"[^\w.+-]+", "_", of_mjcf.robot.name)[:80].strip("._") or "robot"
+    _check_sizes(of_mjcf.robot, shown)
+    return replace(of_mjcf, robot=replace(of_mjcf.robot, name=name))
 
 
 def _check_root(root: XmlElement) -> None:
@@ -85,7 +85,7 @@ def _check_root(root: XmlElement) -> None:
 def _of_mjcf(text: bytes, path: Path, shown: str, folder: ModelFolder, limits: Limits) -> ModelFile:
     document = read_mjcf_document(text, path, shown, folder)
     model = compiled_mjcf(document, shown, limits)
-    names = {each["name"] for each in (*model.bodies, *model.joints)}
+    names = {body["name"] for body in (*model.bodies, *model.joints)}
     srdf, beside = _srdf_beside(path, model.name, names, folder)
     robot = mjcf_robot(model, shown, path.stem, srdf=srdf, felt=document.felt)
     return _named(robot, srdf, (*document.files, *beside), knows_motors=bool(model.actuators))
@@ -95,7 +95,9 @@ def _of_urdf(
     root: XmlElement, text: bytes, path: Path, shown: str, folder: ModelFolder, limits: Limits
 ) -> ModelFile:
     names = {
-        each.attributes.get("name", "") for each in root.children if each.tag in ("link", "joint")
+        child.attributes.get("name", "")
+        for child in root.children
+        if child.tag in ("link", "joint")
     }
     srdf, beside = _srdf_beside(path, root.attributes.get("name", ""), names, folder)
     shapes, meshes = _meshes(root, shown, folder, limits)
@@ -116,7 +118,7 @@ def _meshes(
     root: XmlElement, shown: str, folder: ModelFolder, limits: Limits
 ) -> tuple[dict[str, Shape], tuple[Path, ...]]:
     """Return what bounds each mesh of a URDF that is there, and the files."""
-    found: dict[str, tuple[Path, tuple[float, float, float]]] = {}
+    pair: dict[str, tuple[Path, tuple[float, float, float]]] = {}
     keys: dict[str, str] = {}
     n_bytes = 0
     for link in root.all("link"):
@@ -131,13 +133,13 @@ def _meshes(
                     size = path.stat().st_size
                     if key in keys.values() or n_bytes + size > _MOST_MESH_BYTES:
                         continue
-                    if len(found) < _MOST_MESHES:
+                    if len(pair) < _MOST_MESHES:
                         n_bytes += size
-                        name = f"mesh{len(found)}{path.suffix.lower()}"
-                        found[name] = (path, mesh.triple("scale", (1.0, 1.0, 1.0)))
+                        name = f"mesh{len(pair)}{path.suffix.lower()}"
+                        pair[name] = (path, mesh.triple("scale", (1.0, 1.0, 1.0)))
                         keys[name] = key
-    shapes = {keys[name]: shape for name, shape in mesh_shapes(found, shown, limits).items()}
-    return shapes, tuple(path for path, _ in found.values())
+    shapes = {keys[name]: shape for name, shape in mesh_shapes(pair, shown, limits).items()}
+    return shapes, tuple(path for path, _ in pair.values())
 
 
 def _mesh_key(mesh: XmlElement) -> str:
@@ -158,20 +160,20 @@ def _srdf_beside(
         if not place.resolve().is_relative_to(folder.top.resolve()):
             continue
         ranked: list[tuple[float, Path, Srdf]] = []
-        for each in sorted(place.glob("*.srdf")):
+        for item in sorted(place.glob("*.srdf")):
             try:
-                srdf = read_srdf(read_model_text(each, str(each)), str(each))
+                srdf = read_srdf(read_model_text(item, str(item)), str(item))
             except RobotError:
-                if each.stem == path.name.split(".")[0]:
+                if item.stem == path.name.split(".")[0]:
                     raise
                 continue
             wanted = {part for group in srdf.groups for part in _parts(group)}
             share = len(wanted & parts) / len(wanted) if wanted else 0.0
             if share >= _FITS:
-                ranked.append((share + (srdf.name == name), each, srdf))
+                ranked.append((share + (srdf.name == name), item, srdf))
         if ranked:
-            _, found, srdf = max(ranked, key=lambda each: each[0])
-            return srdf, (found,)
+            _, result, srdf = max(ranked, key=lambda row: row[0])
+            return srdf, (result,)
     return None, ()
 
 
@@ -185,18 +187,18 @@ def _parts(group: SrdfGroup) -> Iterator[str]:
 def _check_sizes(robot: Robot, shown: str) -> None:
     """Refuse what is no arm: links that weigh or measure as much as ships do."""
     where = Location(shown)
-    for each in robot.attachments:
-        far = max(abs(length) for length in each.xyz)
+    for attachment in robot.attachments:
+        far = max(abs(length) for length in attachment.xyz)
         if far > _LARGEST_M:
             raise RobotError(
-                f"joint '{each.name}' is {far:g} m away from the one before; at most "
+                f"joint '{attachment.name}' is {far:g} m away from the one before; at most "
                 f"{_LARGEST_M:g} m are simulated: is it in millimetres?",
                 where,
             )
     for link in robot.links:
         lengths = [*link.centre_of_mass]
-        lengths += [each for shape in link.shapes for each in (*shape.size, *shape.xyz)]
-        far = max((abs(each) for each in lengths), default=0.0)
+        lengths += [value for shape in link.shapes for value in (*shape.size, *shape.xyz)]
+        far = max((abs(value) for value in lengths), default=0.0)
         if far > _LARGEST_M:
             raise RobotError(
                 f"link '{link.name}' is {far:g} m large; at most {_LARGEST_M:g} m are simulated: "

@@ -129,7 +129,7 @@ def branches(
     turns = ~np.isfinite(lower)
     # The nearest are wanted first; of the others, some that are no nearest ones.
     pull = np.where(np.arange(_DESCENTS) % 4 == 3, 0.0, 1.0)
-    found: list[Array] = []
+    arrays: list[Array] = []
     for _ in range(_STEPS):
         parts = [chain.miss(values) for chain in chains]
         miss = np.concatenate([part[0] for part in parts], axis=1)
@@ -141,13 +141,13 @@ def branches(
         size = np.abs(step).max(axis=1)
         far = np.sqrt(np.square(miss).sum(axis=1))
         is_there = (far < _THERE) & (size < _STILL)
-        found.extend(values[is_there] + step[is_there])
+        arrays.extend(values[is_there] + step[is_there])
         step *= np.minimum(1.0, _LONGEST / np.maximum(size, 1e-12))[:, None]
         values = np.clip(values + step, lower, upper)[~is_there]
         pull = pull[~is_there]
         if not len(values):
             break
-    return _distinct(np.array(found).reshape(-1, len(near)), turns)
+    return _distinct(np.array(arrays).reshape(-1, len(near)), turns)
 
 
 def _step(

@@ -98,8 +98,8 @@ class Clearance:
 
     def collision(self, positions: Mapping[str, float]) -> tuple[str, str] | None:
         """Return the names of a pair that collides at joint positions, None where all is clear."""
-        found = self.collisions(positions)
-        return found[0] if found else None
+        collisions = self.collisions(positions)
+        return collisions[0] if collisions else None
 
     def way(
         self,

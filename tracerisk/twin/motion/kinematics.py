@@ -45,8 +45,8 @@ class Kinematics:
         self._model = compile_model(robot)
         self._data = mujoco.MjData(self._model)
         joints = {joint.name: self._model.joint(joint.name) for joint in robot.joints}
-        self._address = {name: int(each.qposadr[0]) for name, each in joints.items()}
-        self._dof = {name: int(each.dofadr[0]) for name, each in joints.items()}
+        self._address = {name: int(item.qposadr[0]) for name, item in joints.items()}
+        self._dof = {name: int(item.dofadr[0]) for name, item in joints.items()}
         self._configuration = mink.Configuration(self._model)
         self._limits = [mink.ConfigurationLimit(self._model, gain=1.0)]
         self._unreached: dict[Hashable, Miss] = {}
@@ -93,9 +93,9 @@ class Kinematics:
         self._data.qpos[:] = self.positions(positions)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_comPos(self._model, self._data)
-        found = np.zeros((2, 3, self._model.nv))
-        mujoco.mj_jac(self._model, self._data, *found, self._data.xpos[body], body)
-        return found.reshape(6, -1)[:, [self._dof[name] for name in joints]]
+        zeros = np.zeros((2, 3, self._model.nv))
+        mujoco.mj_jac(self._model, self._data, *zeros, self._data.xpos[body], body)
+        return zeros.reshape(6, -1)[:, [self._dof[name] for name in joints]]
 
     def inverse(
         self,
@@ -140,8 +140,8 @@ class Kinematics:
 
         The search is that of `solutions`, and so are the errors.
         """
-        found = self.solutions(group, targets, seed=seed, restarts=restarts, bounds=bounds)
-        for solution in found:
+        solutions = self.solutions(group, targets, seed=seed, restarts=restarts, bounds=bounds)
+        for solution in solutions:
             if accept is None or accept(solution):
                 return solution
         raise PlanningError("no_ik_solution", f"no position of group '{group}' is accepted")
@@ -250,9 +250,9 @@ class Kinematics:
         columns = [self._address[name] for name in names]
         limits = np.array([_search_range(self._robot.joint(name), ranges[name]) for name in names])
         self._data.qpos[:] = at_seed
-        found = branches(self._model, self._data, targets, columns, *limits.T)
+        array = branches(self._model, self._data, targets, columns, *limits.T)
         starts = []
-        for values in found:
+        for values in array:
             start = at_seed.copy()
             start[columns] = values
             starts.append(self._turned(start, names, at_seed, ranges))

@@ -169,8 +169,8 @@ class Planner:
         `breach` says of joint positions why they are none, `bounds` within what joints must be.
         Raises PlanningError as `reach` does, where there are none.
         """
-        found = self._reached(group, targets, seed, breach, bounds)
-        return _other_first(found) if self.takes_other else found
+        tables = self._reached(group, targets, seed, breach, bounds)
+        return _other_first(tables) if self.takes_other else tables
 
     def _reached(
         self,
@@ -183,8 +183,8 @@ class Planner:
         pair: tuple[str, str] | None = None
         broken: str | None = None
         count = 0
-        for found in self._kinematics.solutions(group, targets, seed=seed, bounds=bounds):
-            there = {**seed, **found}
+        for solution in self._kinematics.solutions(group, targets, seed=seed, bounds=bounds):
+            there = {**seed, **solution}
             if reason := breach(there):
                 broken = broken or f"the goal cannot be met as a whole: {reason}"
             elif reason := self._clearance.breach(there):
@@ -195,7 +195,7 @@ class Planner:
                 pair = pair or touching
             else:
                 count += 1
-                yield found
+                yield solution
         if count:
             return
         if pair is None:
@@ -239,14 +239,16 @@ class Planner:
                 seed = {**start, **dict(zip(names, guess.tolist(), strict=True))}
                 return self._reach(group, target, tip, names, seed, path[-1])
 
-            found = reach(_onward(path))
-            if len(path) == 1 and (found is None or found[0] > _JUMP):
+            result = reach(_onward(path))
+            if len(path) == 1 and (result is None or result[0] > _JUMP):
                 # Stretched out or with wrist axes in line, a descent leads nowhere or far off.
-                near = [found, *(reach(guess) for guess in _nudged(path[-1]))]
-                found = min((each for each in near if each), key=lambda each: each[0], default=None)
-            if found is None or found[0] > (_LEAVING if len(path) == 1 else _JUMP):
+                near = [result, *(reach(guess) for guess in _nudged(path[-1]))]
+                result = min(
+                    (item for item in near if item), key=lambda pair: pair[0], default=None
+                )
+            if result is None or result[0] > (_LEAVING if len(path) == 1 else _JUMP):
                 break
-            path.append(found[1])
+            path.append(result[1])
         if avoid_collisions or self._clearance.has_rule:
             count = self._clearance.free_share(
                 members, start, path, avoid_collisions=avoid_collisions
@@ -269,12 +271,12 @@ class Planner:
         """Return how the joints come from `here` to a pose near by, None where they cannot."""
         try:
             near = LinkTarget(tip, target, 1e-6, 1e-5)
-            found = self._kinematics.inverse_all(group, [near], seed=seed, restarts=0)
+            values = self._kinematics.inverse_all(group, [near], seed=seed, restarts=0)
         except PlanningError as failure:
             if failure.failure != "no_ik_solution":
                 raise
             return None
-        reached = np.array([found[name] for name in names])
+        reached = np.array([values[name] for name in names])
         return float(np.abs(reached - here).max()), reached
 
     def retime(

@@ -206,8 +206,8 @@ class SetPointStream:
         """Return the lines through the set-points at times, and their integral up to there."""
         due, points = np.array(self._times), np.array(self._points)
         if len(due) == 1:
-            found = np.repeat(points, len(time), axis=0)
-            return found, found * (time - due[0])[:, None]
+            repeat = np.repeat(points, len(time), axis=0)
+            return repeat, repeat * (time - due[0])[:, None]
         index = np.clip(np.searchsorted(due, time, side="right") - 1, 0, len(due) - 2)
         spans = np.diff(due)[:, None]
         slopes = np.diff(points, axis=0) / spans
@@ -216,10 +216,10 @@ class SetPointStream:
         )
         inside = np.clip(time, due[0], due[-1])
         passed = (inside - due[index])[:, None]
-        found = points[index] + slopes[index] * passed
-        summed = sums[index] + (points[index] + found) / 2 * passed
+        repeat = points[index] + slopes[index] * passed
+        summed = sums[index] + (points[index] + repeat) / 2 * passed
         # Before the first and after the last of them the joints stand.
-        return found, summed + found * (time - inside)[:, None]
+        return repeat, summed + repeat * (time - inside)[:, None]
 
     def _at(self, time: Array) -> tuple[Array, Array]:
         position, velocity = self._sampled(time)

@@ -64,8 +64,8 @@ class _Blended:
         bent = radius > 0.0
         inverse = np.where(bent, 1.0 / np.where(bent, radius, 1.0), 0.0)
         angle = (local * inverse).tolist()
-        cosine = np.array([math.cos(each) for each in angle])[:, None]
-        sine = np.array([math.sin(each) for each in angle])[:, None]
+        cosine = np.array([math.cos(item) for item in angle])[:, None]
+        sine = np.array([math.sin(item) for item in angle])[:, None]
         outward, forward = self.outward[piece], self.forward[piece]
         towards = outward * cosine + forward * sine
         straight = np.where(bent, 0.0, local)[:, None]
@@ -179,10 +179,10 @@ def _blended(points: Array, tolerance: Array) -> _Blended:
     cosine = (ahead[:-1] * ahead[1:]).sum(axis=1)
     turns = (cosine <= _STRAIGHT) & (cosine > _REVERSAL)
     half = np.array([math.acos(c) / 2 if t else 0.5 for c, t in zip(cosine, turns, strict=True)])
-    tangent = np.array([math.tan(each) for each in half.tolist()])
+    tangent = np.array([math.tan(item) for item in half.tolist()])
     # From the corner to where the blend begins: half way to the nearer neighbour at most.
     # sin h / (1 - cos h) = 1 / tan(h / 2) is that distance for a blend 1 off its corner.
-    wide = tolerance / np.array([math.tan(each / 2) for each in half.tolist()])
+    wide = tolerance / np.array([math.tan(item / 2) for item in half.tolist()])
     cut = np.where(turns, np.minimum(np.minimum(length[:-1], length[1:]) / 2, wide), 0.0)
     radius = np.where(turns, cut / tangent, 1.0)
     apart = ahead[1:] - ahead[:-1]

@@ -97,15 +97,15 @@ class CollisionWorld:
         if not count:
             return []
         depth = -self._data.contact.dist[:count]
-        found: list[tuple[str, str]] = []
+        result: list[tuple[str, str]] = []
         for index in np.flatnonzero(depth >= (-clear if clear else self._least_depth)):
             one, two = self._body_of[self._data.contact.geom[index]]
             if self._is_link[one] and self._is_link[two] and depth[index] < _OVERSTATED:
                 continue
             pair = (self._names[one], self._names[two])
-            if pair not in found and not self._may_touch(pair):
-                found.append(pair)
-        return found
+            if pair not in result and not self._may_touch(pair):
+                result.append(pair)
+        return result
 
     def depths(
         self, *, clear: float = 0.0, passing: frozenset[Pair] = frozenset()
@@ -116,23 +116,23 @@ class CollisionWorld:
         """
         if clear not in self._depths:
             self._depths[clear] = self._depths_of(clear)
-        found: NDArray[np.float64] = self._depths[clear].copy()
+        copy: NDArray[np.float64] = self._depths[clear].copy()
         for pair in passing:
             numbers = [i for i, name in enumerate(self._names) if name in pair]
-            found[np.ix_(numbers, numbers)] = np.inf
-        return found
+            copy[np.ix_(numbers, numbers)] = np.inf
+        return copy
 
     def _depths_of(self, clear: float) -> NDArray[np.float64]:
         is_link = np.array(self._is_link)
-        found: NDArray[np.float64] = np.full(
+        depths: NDArray[np.float64] = np.full(
             (len(is_link), len(is_link)), -clear if clear else self._least_depth
         )
-        found[np.ix_(is_link, is_link)] = _OVERSTATED
+        depths[np.ix_(is_link, is_link)] = _OVERSTATED
         for i, one in enumerate(self._names):
             for j, two in enumerate(self._names[: i + 1]):
                 if self._may_touch((one, two)):
-                    found[i, j] = found[j, i] = np.inf
-        return found
+                    depths[i, j] = depths[j, i] = np.inf
+        return depths
 
     def touches(self, configuration: NDArray[np.float64], depths: NDArray[np.float64]) -> bool:
         """Return whether anything collides; `depths` are those of `depths`, for many looks."""

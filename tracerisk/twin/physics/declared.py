@@ -100,11 +100,11 @@ def logged_bodies(declared: Declared, model: Any, data: Any) -> tuple[LoggedShap
 
     Those that are free come in the order of their poses.
     """
-    found = []
+    pairs = []
     for body in declared.bodies:
         if declared.simulated(body):
             here = model.body(body_name(body.name))
-            planes = [each.pose for each in body.half_spaces]
+            planes = [half_space.pose for half_space in body.half_spaces]
             pose = (*data.xpos[here.id].tolist(), *data.xquat[here.id].tolist())
             logged = LoggedShape(
                 name=body.name,
@@ -112,11 +112,11 @@ def logged_bodies(declared: Declared, model: Any, data: Any) -> tuple[LoggedShap
                 pose=pose,
                 shapes=body.shapes,
                 hulls=tuple(hull.points for hull in body.hulls),
-                planes=tuple((*each.position, *wxyz(each.orientation)) for each in planes),
+                planes=tuple((*plane.position, *wxyz(plane.orientation)) for plane in planes),
             )
             address = int(model.jnt_qposadr[here.jntadr[0]]) if logged.is_free else 0
-            found.append((address, logged))
-    return tuple(logged for _, logged in sorted(found, key=lambda each: each[0]))
+            pairs.append((address, logged))
+    return tuple(logged for _, logged in sorted(pairs, key=lambda pair: pair[0]))
 
 
 def _compiled(
@@ -199,11 +199,11 @@ def _carry_over(
 def _overlaps(model: Any, data: Any) -> list[tuple[str, str]]:
     """Return the pairs (declared body, other body) that overlap deeply."""
     prefix = body_name("")
-    found: set[tuple[str, str]] = set()
+    overlaps: set[tuple[str, str]] = set()
     for index in np.flatnonzero(data.contact.dist[: data.ncon] < -_DEEP):
         one, two = (model.body(model.geom_bodyid[geom]).name for geom in data.contact.geom[index])
-        found |= {(a, b) for a, b in ((one, two), (two, one)) if a.startswith(prefix)}
-    return sorted(found)
+        overlaps |= {(a, b) for a, b in ((one, two), (two, one)) if a.startswith(prefix)}
+    return sorted(overlaps)
 
 
 def _is_same(model: Any, data: Any, declared: str, thing: str) -> bool:

@@ -105,7 +105,7 @@ def read_declared(directory: Path) -> tuple[DeclaredChange, ...]:
         raise LogError(f"is no log of declared bodies: {cause}", Location(str(path))) from cause
     data = (directory / _POSES).read_bytes()
     flat = np.frombuffer(data[: len(data) // 8 * 8], dtype=np.float64)
-    found, at = [], 0
+    declared_changes, at = [], 0
     for index, (step, bodies) in enumerate(changes):
         n_free = sum(1 for body in bodies if body.is_free)
         width = 1 + POSE * n_free
@@ -115,5 +115,5 @@ def read_declared(directory: Path) -> tuple[DeclaredChange, ...]:
             at += width
         rows = flat[begin:at].reshape(-1, width)
         poses = rows[:, 1:].reshape(len(rows), n_free, POSE)
-        found.append(DeclaredChange(step, bodies, rows[:, 0], poses))
-    return tuple(found)
+        declared_changes.append(DeclaredChange(step, bodies, rows[:, 0], poses))
+    return tuple(declared_changes)

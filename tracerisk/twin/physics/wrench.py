@@ -46,9 +46,9 @@ def touch_on(model: Any, data: Any, link: str, links: Collection[str]) -> Wrench
     body = model.body(link).id
     first = int(model.body_weldid[body])
     hanging = {first}
-    for each in range(first + 1, model.nbody):
-        if model.body_parentid[each] in hanging and model.body(each).name in links:
-            hanging.add(each)
+    for index in range(first + 1, model.nbody):
+        if model.body_parentid[index] in hanging and model.body(index).name in links:
+            hanging.add(index)
     return _wrench(model, data, body, data.cfrc_ext[sorted(hanging)].sum(axis=0))
 
 

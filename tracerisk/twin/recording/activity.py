@@ -102,7 +102,7 @@ def element_activity(
             f"the samples are of robot '{samples.header.robot}' and lack '{missing[0]}' of robot "
             f"'{robot.name}'; read them with the robot that was simulated"
         )
-    found = {
+    element_activities = {
         joint.name: joint_activity(samples, joint, index[joint.name])
         for joint in robot.arm_joints
         if not only or joint.name in only
@@ -113,8 +113,10 @@ def element_activity(
         fingers = [robot.joint(name) for name in gripper.joints]
         columns = [index[name] for name in gripper.joints]
         pads = [pad_index[name] for name in gripper.pads]
-        found[gripper.name] = _gripper_activity(samples, gripper, fingers, columns, pads)
-    return found
+        element_activities[gripper.name] = _gripper_activity(
+            samples, gripper, fingers, columns, pads
+        )
+    return element_activities
 
 
 def hysteresis(values: Array, on: float, off: float) -> Flags:
@@ -240,8 +242,8 @@ def _mean_load(torque: Array, rest: Flags, size: int) -> Array:
     """
     count = np.maximum(_sums_around(rest, size), 1)
     means = [_sums_around(column * rest, size) / count for column in torque.T]
-    found: Array = np.abs(means).max(axis=0)
-    return found
+    array: Array = np.abs(means).max(axis=0)
+    return array
 
 
 def _sums_around(values: Array | Flags, size: int) -> Array:
@@ -250,5 +252,5 @@ def _sums_around(values: Array | Flags, size: int) -> Array:
     total = np.cumsum(values, dtype=np.float64)
     last = total[-1:].repeat(half)
     total = np.concatenate((np.zeros(half + 1), total, last))
-    found: Array = total[2 * half + 1 :] - total[: len(values)]
-    return found
+    sums: Array = total[2 * half + 1 :] - total[: len(values)]
+    return sums

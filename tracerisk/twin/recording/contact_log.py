@@ -125,7 +125,7 @@ def read_contacts(directory: Path, n_steps: int) -> ContactLog:
     fast: dict[tuple[int, str], int] = {}
     for line in _lines(directory / _BODIES):
         step, now = line["step"], {(body, link) for body, link in line["welds"]}
-        bodies += [LoggedBody(*each) for each in line["bodies"]]
+        bodies += [LoggedBody(*item) for item in line["bodies"]]
         over = sorted(fast.keys() - now)
         welds += [Weld(*weld, fast.pop(weld), min(step, n_steps)) for weld in over]
         fast.update(dict.fromkeys(sorted(now - fast.keys()), step))

@@ -62,19 +62,19 @@ def pair_touches(log: ContactLog, n_steps: int) -> tuple[PairTouches, ...]:
     high = np.maximum(rows["one"], rows["two"]).astype(np.int64)
     overlaps = rows["force"] < 0.0
     key = (low * len(log.bodies) + high) * 2 + overlaps
-    found = []
+    pair_toucheses = []
     for pair in np.unique(key):
         own = rows[key == pair]
         (one, two), is_overlap = divmod(int(pair) // 2, len(log.bodies)), bool(pair % 2)
         if is_overlap:
             # Postures are looked at now and then: each stands for the time to the next look.
             steps = np.unique(own["step"][:, None] + np.arange(POSTURE_EVERY))
-            found.append(PairTouches(one, two, steps[steps < n_steps], None))
+            pair_toucheses.append(PairTouches(one, two, steps[steps < n_steps], None))
             continue
         steps, place = np.unique(own["step"], return_inverse=True)
         force: Array = np.bincount(place, weights=own["force"]).astype(np.float64)
-        found.append(PairTouches(one, two, *_filled(steps.astype(np.intp), force)))
-    return tuple(found)
+        pair_toucheses.append(PairTouches(one, two, *_filled(steps.astype(np.intp), force)))
+    return tuple(pair_toucheses)
 
 
 def _filled(steps: Steps, force: Array) -> tuple[Steps, Array]:
@@ -111,11 +111,11 @@ def between_pads(log: ContactLog, gripper: Gripper, n_steps: int) -> Flags:
                 by_pad = touching.setdefault(log.bodies[thing].name, {})
                 flags = by_pad.setdefault(pads[pad], np.zeros(n_steps, dtype=np.bool_))
                 flags[pair.steps[pair.steps < n_steps]] = True
-    found = np.zeros(n_steps, dtype=np.bool_)
+    zeros = np.zeros(n_steps, dtype=np.bool_)
     for by_pad in touching.values():
         if len(by_pad) == len(gripper.pads):
-            found |= np.logical_and.reduce(list(by_pad.values()))
-    return found
+            zeros |= np.logical_and.reduce(list(by_pad.values()))
+    return zeros
 
 
 def holds(
@@ -129,27 +129,27 @@ def holds(
     A grasp holds a body from the first step in which a pad touches it up to the last.
     What is gripped and welded at once is held once.
     """
-    found: list[Hold] = []
+    result: list[Hold] = []
     for gripper in robot.grippers:
         grasping = activity[gripper.name].grasping
         by_body: dict[int, dict[str, Steps]] = {}
-        for each in touches:
-            for link, body in ((each.one, each.two), (each.two, each.one)):
+        for touch in touches:
+            for link, body in ((touch.one, touch.two), (touch.two, touch.one)):
                 name = log.bodies[link].name
                 is_pad = log.bodies[link].kind == "link" and name in gripper.pads
-                if is_pad and log.bodies[body].kind == "free" and each.force is not None:
-                    by_body.setdefault(body, {})[name] = each.steps
+                if is_pad and log.bodies[body].kind == "free" and touch.force is not None:
+                    by_body.setdefault(body, {})[name] = touch.steps
         for body, by_pad in sorted(by_body.items()):
             if len(by_pad) == len(gripper.pads):
                 spans = [(w.start, w.stop) for w in log.welds if w.body == body]
                 spans += _spans(grasping, list(by_pad.values()))
-                found += [Hold(gripper.name, body, *span) for span in _united(spans)]
-    gripped = {(each.body, each.start, each.stop) for each in found}
+                result += [Hold(gripper.name, body, *span) for span in _united(spans)]
+    gripped = {(hold.body, hold.start, hold.stop) for hold in result}
     for weld in log.welds:
         if not any(b == weld.body and i <= weld.start < o for b, i, o in sorted(gripped)):
             holder = _holder(robot, weld.link)
-            found.append(Hold(holder, weld.body, weld.start, weld.stop))
-    return tuple(sorted(found, key=lambda each: (each.start, each.holder, each.body)))
+            result.append(Hold(holder, weld.body, weld.start, weld.stop))
+    return tuple(sorted(result, key=lambda hold: (hold.start, hold.holder, hold.body)))
 
 
 def moved_by(robot: Robot, link: str) -> str | None:
@@ -157,7 +157,7 @@ def moved_by(robot: Robot, link: str) -> str | None:
 
     It is the gripper for a finger, `None` for a link that stands fast.
     """
-    of_gripper = {name: each.name for each in robot.grippers for name in each.joints}
+    of_gripper = {name: gripper.name for gripper in robot.grippers for name in gripper.joints}
     arm = {joint.name for joint in robot.arm_joints}
     for attachment in robot.above(link):
         if attachment.name in of_gripper:
@@ -169,7 +169,7 @@ def moved_by(robot: Robot, link: str) -> str | None:
 
 def hand_links(robot: Robot, gripper: str) -> tuple[frozenset[str], frozenset[str]]:
     """Return the fingers of a gripper, pads among them, and the hand: these and what bears them."""
-    own = next(each for each in robot.grippers if each.name == gripper)
+    own = next(item for item in robot.grippers if item.name == gripper)
     fingers = set(own.pads)
     bearers = set()
     for attachment in robot.attachments:
@@ -178,7 +178,7 @@ def hand_links(robot: Robot, gripper: str) -> tuple[frozenset[str], frozenset[st
             bearers.add(attachment.parent)
     grown = True
     while grown:
-        more = {each.child for each in robot.attachments if each.parent in fingers} - fingers
+        more = {item.child for item in robot.attachments if item.parent in fingers} - fingers
         fingers |= more
         grown = bool(more)
     return frozenset(fingers), frozenset(fingers | bearers)
@@ -214,10 +214,10 @@ def _spans(grasping: Flags, by_pad: Sequence[Steps]) -> list[tuple[int, int]]:
 
 
 def _united(spans: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    found: list[tuple[int, int]] = []
+    pairs: list[tuple[int, int]] = []
     for start, stop in sorted(spans):
-        if found and start <= found[-1][1]:
-            found[-1] = (found[-1][0], max(stop, found[-1][1]))
+        if pairs and start <= pairs[-1][1]:
+            pairs[-1] = (pairs[-1][0], max(stop, pairs[-1][1]))
         else:
-            found.append((start, stop))
-    return found
+            pairs.append((start, stop))
+    return pairs

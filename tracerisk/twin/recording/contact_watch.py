@@ -117,9 +117,9 @@ class ContactWatch:
         rows["step"] = np.repeat([at for at, *_ in found], sizes)
         bodies = self._place_of_geom[np.concatenate([geoms for _, geoms, _, _ in found])]
         rows["one"], rows["two"] = bodies[:, 0], bodies[:, 1]
-        addresses = np.concatenate([each for _, _, each, _ in found])
-        forces = [each for *_, each in found]
-        begins = np.repeat(np.cumsum([0, *(len(each) for each in forces[:-1])]), sizes)
+        addresses = np.concatenate([array for _, _, array, _ in found])
+        forces = [array for *_, array in found]
+        begins = np.repeat(np.cumsum([0, *(len(force) for force in forces[:-1])]), sizes)
         # A contact that is not in the solver (address -1) has no force.
         solved = addresses >= 0
         rows["force"] = 0.0

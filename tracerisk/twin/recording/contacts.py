@@ -88,7 +88,7 @@ def run_contacts(
 
     `commanded` says for each gripper in which steps a command of it was live, (n_steps,) each.
     """
-    n_steps = next((len(each.moving) for each in activity.values()), 0)
+    n_steps = next((len(element_activity.moving) for element_activity in activity.values()), 0)
     pairs = pair_touches(log, n_steps)
     held = holds(robot, log, pairs, activity)
     judge = _Judge(robot, log, pairs, held, commanded, step_s)
@@ -105,7 +105,7 @@ def visit_contacts(
     of each element, and under `None` the current one, (n_steps,) each. Within a visit a pair has
     one contact of what is expected, and one of what is not.
     """
-    found: dict[tuple[int, str, str, bool], Contact] = {}
+    table: dict[tuple[int, str, str, bool], Contact] = {}
     for touch in run.touches:
         owner = owners[touch.moves][touch.steps]
         for visit in np.unique(owner[owner >= 0]):
@@ -114,17 +114,17 @@ def visit_contacts(
             key = (int(visit), touch.link, touch.other, touch.expected)
             start = float(touch.steps[own][0]) * run.step_s
             seconds = int(np.count_nonzero(own)) * run.step_s
-            before = found.get(key)
+            before = table.get(key)
             if before is not None:
                 start, force = min(start, before.start_s), max(force, before.force_n)
                 seconds += before.touching_s
-            found[key] = Contact(touch.link, touch.other, start, seconds, force, touch.expected)
+            table[key] = Contact(touch.link, touch.other, start, seconds, force, touch.expected)
     by_visit: dict[int, list[Contact]] = {}
-    for (index, *_), contact in found.items():
+    for (index, *_), contact in table.items():
         by_visit.setdefault(index, []).append(contact)
     return {
-        index: tuple(sorted(each, key=lambda c: (c.start_s, c.link, c.other, c.expected)))
-        for index, each in by_visit.items()
+        index: tuple(sorted(contacts, key=lambda c: (c.start_s, c.link, c.other, c.expected)))
+        for index, contacts in by_visit.items()
     }
 
 
@@ -163,8 +163,8 @@ def visit_payloads(
                 )
             )
     return {
-        index: tuple(sorted(each, key=lambda p: (p.gripper, p.object)))
-        for index, each in by_visit.items()
+        index: tuple(sorted(payloads, key=lambda p: (p.gripper, p.object)))
+        for index, payloads in by_visit.items()
     }
 
 
@@ -176,16 +176,16 @@ def contact_activity(run: RunContacts, elements: Sequence[Element]) -> dict[str,
         if touch.force is not None:
             force = forces.setdefault(touch.link, np.zeros(run.n_steps))
             force[touch.steps] += touch.force
-    found = {}
+    element_activities = {}
     for element in elements:
         if element.kind == "contact" and element.part in forces:
             force = forces[element.part]
             touching = hysteresis(force, LIMITS.grasping_on, LIMITS.grasping_off)
             grasping = LIMITS.debounced(touching, run.step_s)
-            found[element.name] = ElementActivity(
+            element_activities[element.name] = ElementActivity(
                 element, still, still, grasping, rest, rest, force, rest
             )
-    return found
+    return element_activities
 
 
 class _Judge:
@@ -207,7 +207,7 @@ class _Judge:
         self._gap, self._around, self._near = (
             round(span / step_s) for span in (_GAP_S, _AROUND_S, _SUPPORT_S)
         )
-        self._hands = {each.name: hand_links(robot, each.name) for each in robot.grippers}
+        self._hands = {gripper.name: hand_links(robot, gripper.name) for gripper in robot.grippers}
         self._supports = [self._supports_of(hold, pairs) for hold in held]
 
     def touches(self, pair: PairTouches) -> Iterator[Touch]:
@@ -257,7 +257,7 @@ class _Judge:
 
     def _supports_of(self, hold: Hold, pairs: Sequence[PairTouches]) -> frozenset[str]:
         """Return what a thing was lifted from, and what it was put on."""
-        found = set()
+        supports = set()
         for pair in pairs:
             place = pair.beside(hold.body)
             if place is not None and pair.force is not None:
@@ -266,17 +266,17 @@ class _Judge:
                     for at in (hold.start, hold.stop)
                 ]
                 if bool((near[0] | near[1]).any()):
-                    found.add(self._bodies[place].name)
-        return frozenset(found)
+                    supports.add(self._bodies[place].name)
+        return frozenset(supports)
 
     def _while_held(self, pair: PairTouches, hold: int, other: int) -> PairTouches:
         """Return a pair's touches during a hold, but while an earlier hold of the other lasts."""
         own = np.zeros(len(pair.steps), dtype=np.bool_)
-        for each in (self._holds[hold], *self._holds[:hold]):
-            within = (pair.steps >= each.start) & (pair.steps < each.stop)
-            if each is self._holds[hold]:
+        for item in (self._holds[hold], *self._holds[:hold]):
+            within = (pair.steps >= item.start) & (pair.steps < item.stop)
+            if item is self._holds[hold]:
                 own |= within
-            elif each.body == other:
+            elif item.body == other:
                 own &= ~within
         force = None if pair.force is None else pair.force[own]
         return PairTouches(pair.one, pair.two, pair.steps[own], force)
@@ -286,7 +286,9 @@ class _Judge:
         for gripper in self._robot.grippers:
             if gripper.name == holder:
                 link = next(
-                    each.parent for each in self._robot.attachments if each.name in gripper.joints
+                    attachment.parent
+                    for attachment in self._robot.attachments
+                    if attachment.name in gripper.joints
                 )
                 return moved_by(self._robot, link)
         return moved_by(self._robot, holder)

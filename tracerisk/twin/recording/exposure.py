@@ -50,18 +50,18 @@ class ElementExposures:
 
     def over(self, mask: Flags) -> Exposure:
         """Return the exposure over the steps in a mask, (n_steps,)."""
-        (found,) = self.of_owners(np.where(mask, 0, -1), 1)
-        return found
+        (exposure,) = self.of_owners(np.where(mask, 0, -1), 1)
+        return exposure
 
     def of_owners(self, owner: Steps, n_owners: int) -> tuple[Exposure, ...]:
         """Return the exposure over the steps of each owner.
 
         `owner` (n_steps,) has for each step one of 0 to `n_owners` - 1, or -1 for none.
         """
-        found = [Exposure()] * n_owners
+        exposures = [Exposure()] * n_owners
         for index, span in _spans(owner):
-            found[index] = self._within(span, owner[span] == index)
-        return tuple(found)
+            exposures[index] = self._within(span, owner[span] == index)
+        return tuple(exposures)
 
     def _within(self, span: slice, mask: Flags) -> Exposure:
         """Return the exposure over those steps of a span that are in the mask."""
@@ -88,7 +88,7 @@ class ElementExposures:
             releases=int(np.count_nonzero(self.releases[span] & mask)),
             grasping_moving_s=_seconds(grasping & moving, step_s),
             travel_s=float(speed.sum()) * step_s,
-            wear=tuple(float(each[moved][is_own].sum()) * step_s for each in self.wear)
+            wear=tuple(float(array[moved][is_own].sum()) * step_s for array in self.wear)
             if len(speed)
             else (),
         )
@@ -99,11 +99,11 @@ def longest_of_owners(flags: Flags, owner: Steps, n_owners: int) -> list[int]:
 
     `owner` is as in `ElementExposures.of_owners`.
     """
-    found, whole = [0] * n_owners, runs(flags)
+    longest, whole = [0] * n_owners, runs(flags)
     for index, span in _spans(owner):
         mask = owner[span] == index
-        found[index] = _longest(flags[span] & mask, runs(mask), span.start, whole)
-    return found
+        longest[index] = _longest(flags[span] & mask, runs(mask), span.start, whole)
+    return longest
 
 
 def _spans(owner: Steps) -> Iterator[tuple[int, slice]]:
@@ -113,7 +113,7 @@ def _spans(owner: Steps) -> Iterator[tuple[int, slice]]:
     owners = owner[starts].tolist()
     firsts = dict(zip(owners[::-1], starts.tolist()[::-1], strict=True))
     behind = dict(zip(owners, stops, strict=True))
-    yield from ((each, slice(firsts[each], behind[each])) for each in firsts if each >= 0)
+    yield from ((first, slice(firsts[first], behind[first])) for first in firsts if first >= 0)
 
 
 def _seconds(flags: Flags, step_s: float) -> float:

@@ -136,10 +136,10 @@ def _trembles(value: Array, step_s: float) -> Flags:
     Then its way is at least three times the distance between its ends, which a turn is not.
     """
     size = round(RULE.trembling_s / step_s)
-    found = np.zeros(len(value), dtype=np.bool_)
+    trembles = np.zeros(len(value), dtype=np.bool_)
     windows = len(value) - size + 1
     if windows <= 0:
-        return found
+        return trembles
     way = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(value)))))
     way = way[size - 1 :] - way[:windows]
     # No spread is less than from the first value to the last: few windows need a closer look.
@@ -153,8 +153,8 @@ def _trembles(value: Array, step_s: float) -> Flags:
         is_one = (spread <= RULE.trembling_travel) & (far >= 3.0 * spread) & (far > 0.0)
         change[start:stop] += is_one
         change[start + size : stop + size] -= is_one
-    found |= np.cumsum(change[:-1]) > 0
-    return found
+    trembles |= np.cumsum(change[:-1]) > 0
+    return trembles
 
 
 def _wider(starts: Steps, stops: Steps, least: int) -> tuple[list[int], list[int]]:
@@ -191,5 +191,7 @@ def _windowed_most(values: Array, size: int) -> Array:
     blocks = np.concatenate((values, np.full(lacking, -np.inf))).reshape(-1, size)
     to_end = np.maximum.accumulate(blocks[:, ::-1], axis=1)[:, ::-1].ravel()
     from_begin = np.maximum.accumulate(blocks, axis=1).ravel()
-    found: Array = np.maximum(to_end[:n_windows], from_begin[size - 1 : size - 1 + n_windows])
-    return found
+    windowed_most: Array = np.maximum(
+        to_end[:n_windows], from_begin[size - 1 : size - 1 + n_windows]
+    )
+    return windowed_most

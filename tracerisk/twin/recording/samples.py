@@ -297,10 +297,10 @@ def _read_header(path: Path) -> SampleHeader:
 @lru_cache(maxsize=4)
 def _parsed_header(text: bytes) -> SampleHeader | None:
     """Read a header, which is asked for again and again while a run goes on; None: too old."""
-    found = json.loads(text)
-    if found.pop("version") != _VERSION:
+    loads = json.loads(text)
+    if loads.pop("version") != _VERSION:
         return None
-    return read_back(SampleHeader, found)
+    return read_back(SampleHeader, loads)
 
 
 def _floats(path: Path) -> Array:

@@ -60,13 +60,13 @@ def sensor_activity(
                 reading[name] = np.zeros(n_steps, dtype=np.bool_)
             reading[name][first:last] = True
     return {
-        each.name: SensorActivity(
-            each,
-            reading.get(each.name),
-            joints.get(each.part or "") if each.sensor in IN_JOINTS else None,
+        element.name: SensorActivity(
+            element,
+            reading.get(element.name),
+            joints.get(element.part or "") if element.sensor in IN_JOINTS else None,
         )
-        for each in elements
-        if each.kind == "sensor"
+        for element in elements
+        if element.kind == "sensor"
     }
 
 
@@ -86,15 +86,15 @@ def sensor_exposures(
     like = [Exposure()] * n_visits if of_joint is None else of_joint
     joints = [
         Exposure(
-            moving_s=each.moving_s,
-            holding_s=each.holding_s,
-            active_s=each.active_s,
-            longest_moving_s=each.longest_moving_s,
-            longest_active_s=each.longest_active_s,
-            starts=each.starts,
-            borderline=each.borderline,
+            moving_s=exposure.moving_s,
+            holding_s=exposure.holding_s,
+            active_s=exposure.active_s,
+            longest_moving_s=exposure.longest_moving_s,
+            longest_active_s=exposure.longest_active_s,
+            starts=exposure.starts,
+            borderline=exposure.borderline,
         )
-        for each in like
+        for exposure in like
     ]
     if activity.reading is None:
         return joints
@@ -106,12 +106,12 @@ def sensor_exposures(
     longest = longest_of_owners(active, owners, n_visits)
     return [
         replace(
-            each,
+            joint,
             active_s=float(active_s[index]),
             longest_active_s=longest[index] * step_s,
             reading_s=float(read_s[index]),
         )
-        for index, each in enumerate(joints)
+        for index, joint in enumerate(joints)
     ]
 
 

@@ -55,7 +55,7 @@ class Slips:
             return False
         later = np.flatnonzero(opens[hold.stop :])
         until = hold.stop + int(later[0]) if len(later) else self.samples.n_steps
-        until = min([until, *(each.start for each in self._next_holds(hold))])
+        until = min([until, *(next_hold.start for next_hold in self._next_holds(hold))])
         first, last = (hold.stop - 1) // POSE_EVERY, -(-until // POSE_EVERY)
         apart = self._distances(hold.holder, poses, first, min(last, len(poses)))
         return len(apart) > 0 and bool((np.abs(apart - apart[0]) > LEFT_M).any())
@@ -83,8 +83,8 @@ class Slips:
         span = ends.opened - ends.closed
         asked = (self.samples.control[:, header.controls.index(gripper.name)] - ends.closed) / span
         at = ((self.samples.position[:, columns] * signs).mean(axis=1) - ends.closed) / span
-        found: Flags = (asked > asked[hold.start : hold.stop].min() + _RISE) & (asked > at + _LEADS)
-        return found
+        flags: Flags = (asked > asked[hold.start : hold.stop].min() + _RISE) & (asked > at + _LEADS)
+        return flags
 
     def _was_detached(self, hold: Hold) -> bool:
         """Return whether the hold ended with a weld, which a call of the controller undoes."""
@@ -96,9 +96,9 @@ class Slips:
     def _next_holds(self, hold: Hold) -> list[Hold]:
         names = self.contacts.log.bodies
         return [
-            each
-            for each in self.contacts.holds
-            if names[each.body].name == names[hold.body].name and each.start >= hold.stop
+            item
+            for item in self.contacts.holds
+            if names[item.body].name == names[hold.body].name and item.start >= hold.stop
         ]
 
     def _distances(self, holder: str, poses: Array, first: int, stop: int) -> Array:
@@ -112,14 +112,18 @@ class Slips:
         in_base = tool_places(arm, self.samples.position[rows][:, columns])
         header = self.samples.header
         hand = in_base @ rotation(header.base_rpy).T + header.base_xyz
-        found: Array = np.linalg.norm(poses[first:stop, :3] - hand, axis=1)
-        return found
+        distances: Array = np.linalg.norm(poses[first:stop, :3] - hand, axis=1)
+        return distances
 
     def _hand(self, holder: str) -> str | None:
         """Return the link that bears a gripper's fingers, or the link that holds by a weld."""
         robot = self.contacts.robot
         for gripper in robot.grippers:
             if gripper.name == holder:
-                bears = (each for each in robot.attachments if each.name in gripper.joints)
-                return next((each.parent for each in bears), None)
+                bears = (
+                    attachment
+                    for attachment in robot.attachments
+                    if attachment.name in gripper.joints
+                )
+                return next((bear.parent for bear in bears), None)
         return holder if holder in robot.link_names else None

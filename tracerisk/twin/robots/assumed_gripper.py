@@ -57,7 +57,11 @@ def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
     arms = [group for group in robot.groups.values() if group.tip_link is not None]
     tip = max(arms, key=lambda group: len(group.joints)).tip_link
     assert tip is not None
-    taken = {robot.base_link, *robot.link_names, *(each.name for each in robot.attachments)}
+    taken = {
+        robot.base_link,
+        *robot.link_names,
+        *(attachment.name for attachment in robot.attachments),
+    }
     named = tuple(name for name in joints if _FINGER.search(name) and name not in taken)[:2]
     moved = list(named) or [_fresh("gripper_joint", taken)]
     if len(moved) == 1:
@@ -68,7 +72,7 @@ def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
     hand = sliding_fingers(tuple(moved), tip, link, pad, _MASS, middle)
     group = _fresh(NAME, robot.groups)
     hand = replace(hand, gripper=replace(hand.gripper, group=group))
-    drivers = [each.name for each in robot.controllers]
+    drivers = [controller.name for controller in robot.controllers]
     driver = Controller(_fresh("gripper_controller", drivers), "gripper_command", tuple(moved))
     states = {"open": dict.fromkeys(moved, FINGER_OPENING), "close": dict.fromkeys(moved, 0.0)}
     return replace(

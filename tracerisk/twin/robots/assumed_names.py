@@ -65,7 +65,7 @@ class _AssumedGroups(Mapping[str, Group]):
         # An arm with its hand has no tip to which a pose could be asked for.
         plain = [name for name in arms if fingers.isdisjoint(groups[name].joints)]
         # Where every group is a gripper's, as of a tool on a table, one of them is what moves.
-        return max(plain or arms or groups, key=lambda each: len(groups[each].joints))
+        return max(plain or arms or groups, key=lambda arm: len(groups[arm].joints))
 
     def __contains__(self, name: object) -> bool:
         if not self._robot.groups:

@@ -149,11 +149,11 @@ def _words(value: ast.expr) -> list[str]:
     if not isinstance(value, (ast.List, ast.Tuple)) or not value.elts:
         return []
     words = [
-        each.value
-        for each in value.elts
-        if isinstance(each, ast.Constant)
-        and isinstance(each.value, str)
-        and re.fullmatch(r"[A-Za-z]\w*", each.value)
+        elt.value
+        for elt in value.elts
+        if isinstance(elt, ast.Constant)
+        and isinstance(elt.value, str)
+        and re.fullmatch(r"[A-Za-z]\w*", elt.value)
     ]
     return words if len(words) == len(value.elts) else []
 
@@ -180,21 +180,21 @@ def generic_arm(asked: NamesAsked) -> Robot:
     parents = (base, *arm_links[:-1])
     zero = (0.0, 0.0, 0.0)
     attachments = [
-        Attachment(name, "revolute", parent, link, each.xyz, zero, each.axis)
-        for name, parent, link, each in zip(names, parents, arm_links, axes, strict=True)
+        Attachment(name, "revolute", parent, link, axis.xyz, zero, axis.axis)
+        for name, parent, link, axis in zip(names, parents, arm_links, axes, strict=True)
     ]
     joints = [
         Joint(
             name,
             "revolute",
-            -each.range_rad,
-            each.range_rad,
-            each.speed,
+            -axis.range_rad,
+            axis.range_rad,
+            axis.speed,
             _ACCELERATION,
-            each.torque_nm,
-            derived_servo(each.torque_nm, each.speed),
+            axis.torque_nm,
+            derived_servo(axis.torque_nm, axis.speed),
         )
-        for name, each in zip(names, axes, strict=True)
+        for name, axis in zip(names, axes, strict=True)
     ]
     taken = {base, *arm_links}
     frames = [name for name in asked.frames if name not in taken][:20]
@@ -203,7 +203,7 @@ def generic_arm(asked: NamesAsked) -> Robot:
     attachments += [_fixed(name, tool, zero) for name in frames]
     links = [Link(base, 0.0, zero, None, (Shape("cylinder", (0.08, 0.1), (0, 0, 0.1)),))]
     links += [
-        Link(link, each.mass_kg, zero, None, ()) for link, each in zip(arm_links, axes, strict=True)
+        Link(link, axis.mass_kg, zero, None, ()) for link, axis in zip(arm_links, axes, strict=True)
     ]
     links += [Link(name, 0.0, zero, None, ()) for name in (tool, *frames)]
     pad = Shape("box", (0.015, 0.004, 0.01), (0.03, 0.0, 0.0), pad=True)
@@ -281,7 +281,7 @@ def sliding_fingers(
         Joint(name, "prismatic", 0.0, FINGER_OPENING, 0.2, 1.0, 20.0, Servo(0.0, 0.0, 0.1))
         for name in names
     ]
-    count, pads = len(names), tuple(each.name for each in links)
+    count, pads = len(names), tuple(item.name for item in links)
     gripper = Gripper(
         "gripper", "gripper", names, pads, FINGER_OPENING, 20.0, 0.2, 0.05, 500.0 * count,
         20.0 * count, 0.0, (1,) * count,

@@ -105,7 +105,7 @@ def pad_centres(robot: Robot, gripper: Gripper, at: Mapping[str, float]) -> tupl
 
     `at` are positions of joints [rad or m]; those that it leaves out are at 0.
     """
-    links = {each.name: each for each in robot.links}
+    links = {link.name: link for link in robot.links}
     centres = []
     for name in gripper.pads:
         marked = [shape.xyz for shape in links[name].shapes if shape.pad] or [(0.0, 0.0, 0.0)]
@@ -128,12 +128,12 @@ def _in_base(robot: Robot, link: str, point: Matrix, at: Mapping[str, float]) ->
 
 def _named(robot: Robot, gripper: Gripper) -> GripperEnds | None:
     """Return the positions of the named states that close and open a gripper, if it has both."""
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for name, state in robot.named_states.get(gripper.group, {}).items():
         own = {joint: state[joint] for joint in gripper.joints if joint in state}
         word = name.lower()[: len("open")]
         if own and word in ("open", "clos"):
-            found.setdefault(word, gripper.position(own))
-    if len(found) < 2 or found["clos"] == found["open"]:
+            values.setdefault(word, gripper.position(own))
+    if len(values) < 2 or values["clos"] == values["open"]:
         return None
-    return GripperEnds(found["clos"], found["open"])
+    return GripperEnds(values["clos"], values["open"])

@@ -63,7 +63,9 @@ def scan_names(text: str) -> RobotNames:
     """Return the names in a robot file that is written as the shipped ones are."""
     sections = dict(_sections(text))
     grippers = sections.get("grippers", "")
-    held = {joint.strip() for found in _JOINTS.finditer(grippers) for joint in found[1].split(",")}
+    held = {
+        joint.strip() for match_ in _JOINTS.finditer(grippers) for joint in match_[1].split(",")
+    }
     joints = tuple(name for name, rest in _entries(sections, "joints") if "type: fixed" not in rest)
     return RobotNames(
         name=sections["name"].strip(),
@@ -76,7 +78,7 @@ def scan_names(text: str) -> RobotNames:
         joints=joints,
         arm_joints=tuple(name for name in joints if name not in held),
         groups=MappingProxyType(
-            {found[1]: _list(found[2]) for found in _GROUP.finditer(sections["groups"])}
+            {match_[1]: _list(match_[2]) for match_ in _GROUP.finditer(sections["groups"])}
         ),
         grippers=tuple(name for name, _ in _entries(sections, "grippers")),
         controllers=tuple(name for name, _ in _entries(sections, "controllers")),
@@ -87,10 +89,10 @@ def _sections(text: str) -> Iterator[tuple[str, str]]:
     """Yield each key at the top with all that stands under it."""
     key, lines = "", list[str]()
     for line in text.splitlines():
-        found = _SECTION.match(line)
-        if found is not None:
+        matched = _SECTION.match(line)
+        if matched is not None:
             yield key, "\n".join(lines)
-            key, lines = found[1], [found[2]]
+            key, lines = matched[1], [matched[2]]
         elif not line.startswith("#"):
             lines.append(line)
     yield key, "\n".join(lines)
@@ -98,9 +100,9 @@ def _sections(text: str) -> Iterator[tuple[str, str]]:
 
 def _entries(sections: dict[str, str], key: str) -> Iterator[tuple[str, str]]:
     for line in sections.get(key, "").splitlines():
-        found = _ENTRY.match(line)
-        if found is not None:
-            yield found[1], found[2]
+        matched = _ENTRY.match(line)
+        if matched is not None:
+            yield matched[1], matched[2]
 
 
 def _list(text: str) -> tuple[str, ...]:

@@ -37,8 +37,9 @@ def _shares(names: Iterable[str]) -> dict[str, float]:
     """Return the shares of the shipped robots with most of their joints among the names."""
     wanted = set(names)
     shares = {
-        each.name: len(wanted.intersection(each.arm_joints)) / len(each.arm_joints)
-        for each in shipped_names()
+        shipped_name.name: len(wanted.intersection(shipped_name.arm_joints))
+        / len(shipped_name.arm_joints)
+        for shipped_name in shipped_names()
     }
     return {name: share for name, share in sorted(shares.items()) if share >= _MATCHES}
 
@@ -46,7 +47,11 @@ def _shares(names: Iterable[str]) -> dict[str, float]:
 def _prefixed_shares(given: Sequence[str]) -> tuple[dict[str, float], str]:
     shares = _shares(given)
     # Behind a prefix, numbers are no arm's own names.
-    named = (each for each in shipped_names() if not all(map(is_number, each.arm_joints)))
+    named = (
+        shipped_name
+        for shipped_name in shipped_names()
+        if not all(map(is_number, shipped_name.arm_joints))
+    )
     prefix = "" if shares else prefix_in(given, named)
     return (_shares(name.removeprefix(prefix) for name in given) if prefix else shares), prefix
 
@@ -57,7 +62,7 @@ def _all_shipped_like(names: Iterable[str]) -> Iterator[Robot]:
     Where that is none, one whose joints are all there with a prefix is yielded with it.
     """
     shares, prefix = _prefixed_shares(tuple(names))
-    for name in sorted(shares, key=lambda each: (-shares[each], each)):
+    for name in sorted(shares, key=lambda share: (-shares[share], share)):
         yield with_prefix(load_robot(name), prefix) if prefix else load_robot(name)
 
 
@@ -86,7 +91,7 @@ def _ours(robot: Robot) -> _Ours | None:
         ours = _distances(like)
         apart = [abs(own[name] - ours[name]) for name in sorted(own.keys() & ours.keys())]
         # The first joint stands on whatever the arm is mounted on.
-        same = [each for each in apart if each < _SAME_LENGTH]
+        same = [value for value in apart if value < _SAME_LENGTH]
         if len(same) < _MATCHES * len(apart):
             continue
         # Of arms that are alike it is the one whose lengths come nearest.
@@ -131,22 +136,22 @@ def _ours_by_shape(robot: Robot, own: Mapping[str, float]) -> _Ours | None:
 def _distances(robot: Robot) -> dict[str, float]:
     """Return how far each arm joint is from the moving one before it, or from the base [m]."""
     moving = {joint.name for joint in robot.arm_joints}
-    found: dict[str, float] = {}
-    for each in robot.attachments:
-        if each.name in moving:
-            place = np.array(each.xyz)
-            for above in robot.above(each.parent):
+    distances: dict[str, float] = {}
+    for attachment in robot.attachments:
+        if attachment.name in moving:
+            place = np.array(attachment.xyz)
+            for above in robot.above(attachment.parent):
                 if above.type != "fixed":
                     break
                 place = np.array(above.xyz) + rotation(above.rpy) @ place
-            found[each.name] = float(np.linalg.norm(place))
-    return found
+            distances[attachment.name] = float(np.linalg.norm(place))
+    return distances
 
 
 def is_variant(one: Robot, other: Robot) -> bool:
     """Return whether two robots have joints of the same names, in other places."""
-    names = [{joint.name for joint in each.joints} for each in (one, other)]
-    places = [[(at.name, at.xyz, at.rpy) for at in each.attachments] for each in (one, other)]
+    names = [{joint.name for joint in robot.joints} for robot in (one, other)]
+    places = [[(at.name, at.xyz, at.rpy) for at in robot.attachments] for robot in (one, other)]
     return names[0] == names[1] and places[0] != places[1]
 
 
@@ -156,14 +161,14 @@ def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
     A robot that knows its motors keeps torques and servos, and lacks only rated velocities. Limits
     that are placeholders are all taken from ours.
     """
-    found = _ours(robot)
-    if found is None:
+    result = _ours(robot)
+    if result is None:
         return robot
-    like = found.robot
-    ours = {mine: like.joint(name) for mine, name in found.names.items()}
+    like = result.robot
+    ours = {mine: like.joint(name) for mine, name in result.names.items()}
     arm = [joint for joint in robot.arm_joints if joint.name in ours]
     takes_all = not knows_motors and _is_placeholder(robot, arm, ours)
-    children = {each.name: each.child for each in robot.attachments}
+    children = {attachment.name: attachment.child for attachment in robot.attachments}
     joints = tuple(
         _rated(
             joint,
@@ -180,9 +185,9 @@ def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
     mine = {joint.name for joint in robot.arm_joints}
     taken = {element.name for element in robot.elements}
     sensors = tuple(
-        each
-        for each in sensors_like(like.own_sensors, mine, robot.link_names)
-        if each.name not in taken
+        sensor
+        for sensor in sensors_like(like.own_sensors, mine, robot.link_names)
+        if sensor.name not in taken
     )
     notes = []
     if takes_all:
@@ -190,7 +195,7 @@ def completed_as_ours(robot: Robot, *, knows_motors: bool = False) -> Robot:
             f"its description gives every joint the same speed, a placeholder: the limits of the "
             f"shipped robot '{like.name}', which has the same joints, are taken"
         )
-    elif found.by_shape:
+    elif result.by_shape:
         notes.append(
             f"limits that its file does not give are those of the shipped robot '{like.name}', "
             "whose joints have the same order, distances and ranges"

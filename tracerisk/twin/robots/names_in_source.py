@@ -26,7 +26,7 @@ def words_of_one(names: Set[str]) -> frozenset[str]:
 
 def words_shared(robot: str, stem: str) -> Set[str]:
     """Return the words of a robot's name that are in the name of a script's file."""
-    words, own = (set(re.findall(r"[a-z]{4,}", each)) for each in (robot, stem))
+    words, own = (set(re.findall(r"[a-z]{4,}", name)) for name in (robot, stem))
     return (words & own) - _IN_MANY_NAMES
 
 

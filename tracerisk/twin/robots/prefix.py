@@ -21,16 +21,16 @@ def prefix_in(words: Iterable[str], robots: Iterable[RobotNames]) -> str:
     Of several prefixes none is taken: they are of several arms.
     """
     known = frozenset(words)
-    found = set[str]()
+    texts = set[str]()
     for group in {joints for robot in robots for joints in robot.groups.values()}:
-        found |= _before(group, known)
-    return found.pop() if len(found) == 1 else ""
+        texts |= _before(group, known)
+    return texts.pop() if len(texts) == 1 else ""
 
 
 def prefix_before(joints: Sequence[str], words: Iterable[str]) -> str:
     """Return what stands before all `joints` among the words; empty for nothing, or several."""
-    found = _before(joints, frozenset(words))
-    return found.pop() if len(found) == 1 else ""
+    before = _before(joints, frozenset(words))
+    return before.pop() if len(before) == 1 else ""
 
 
 def _before(joints: Sequence[str], known: frozenset[str]) -> set[str]:
@@ -90,7 +90,7 @@ def with_numbered(robot: Robot, listed: Sequence[str]) -> Robot | None:
     """
     own = [joint.name for joint in robot.arm_joints]
     numbers = [re.search(r"\d+$", name) for name in listed]
-    counted = [int(found[0]) for found in numbers if found is not None]
+    counted = [int(number[0]) for number in numbers if number is not None]
     if len(own) < _FEWEST or len(listed) != len(own) or not all(map(is_number, listed)):
         return None
     if counted not in (list(range(len(own))), list(range(1, len(own) + 1))):

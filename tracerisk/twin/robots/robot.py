@@ -166,8 +166,8 @@ class Gripper:
 
     def position(self, joints: Mapping[str, float]) -> float:
         """Return the position of the gripper for those of its joints that are given."""
-        found = [self.sign(name) * joints[name] for name in self.joints if name in joints]
-        return sum(found) / len(found)
+        values = [self.sign(name) * joints[name] for name in self.joints if name in joints]
+        return sum(values) / len(values)
 
     def leader(self, goal: Mapping[str, float], here: float) -> str:
         """Return the joint whose goal the gripper goes to: that furthest from where it is.
@@ -229,12 +229,12 @@ class Masses:
     @property
     def error_factor(self) -> float:
         """How far the torque of a loaded joint may be off, the widest of them: a factor above 1."""
-        return max((max(each, 1.0 / each) for each in self.gravity.values()), default=1.0)
+        return max((max(value, 1.0 / value) for value in self.gravity.values()), default=1.0)
 
     @property
     def sentence(self) -> str:
         """What an output says of them."""
-        apart = ", ".join(f"{name} {each - 1.0:+.0%}" for name, each in self.gravity.items())
+        apart = ", ".join(f"{name} {value - 1.0:+.0%}" for name, value in self.gravity.items())
         return (
             f"masses are those of {self.source}; by {self.other} the gravity torque is another "
             f"({apart})"
@@ -344,7 +344,7 @@ class Robot:
         )
         sensors = tuple(sensor.element for sensor in self.sensors)
         taken = {element.name for element in own + sensors}
-        touching = [link.name for link in self.links if any(each.contact for each in link.shapes)]
+        touching = [link.name for link in self.links if any(shape.contact for shape in link.shapes)]
         contacts = tuple(
             Element(f"{name}/contact" if name in taken else name, "contact", part=name)
             for name in touching
@@ -371,22 +371,22 @@ class Robot:
 
     def above(self, link: str) -> Iterator[Attachment]:
         """Yield how a link hangs on its parent, then how that does on its own, up to the base."""
-        hangs = {each.child: each for each in self.attachments}
+        hangs = {attachment.child: attachment for attachment in self.attachments}
         while link in hangs:
             yield hangs[link]
             link = hangs[link].parent
 
     def with_followers(self, target: Mapping[str, float]) -> dict[str, float]:
         """Return joint positions with those of the fingers that follow the ones it names."""
-        found = dict(target)
+        followers = dict(target)
         for gripper in self.grippers:
             lead = next((name for name in gripper.joints if name in target), None)
             for name in gripper.joints:
                 if lead is not None and name not in target:
                     own = self.joint(name)
                     wanted = gripper.sign(lead) * gripper.sign(name) * target[lead]
-                    found[name] = min(max(wanted, own.lower), own.upper)
-        return found
+                    followers[name] = min(max(wanted, own.lower), own.upper)
+        return followers
 
     def joint(self, name: str) -> Joint:
         """Return the joint called `name`; raise RobotError listing those there are."""

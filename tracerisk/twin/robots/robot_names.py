@@ -55,7 +55,7 @@ def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
     is `gen3_pro` one of `gen3`, or `crx10ia/l` of `crx10ia`.
     """
     text = _plain(text)
-    found: set[str] = set()
+    texts: set[str] = set()
     shared: dict[str, set[str]] = {}
     for phrase, names in _phrases(robots):
         wanted = f" {phrase} "
@@ -67,12 +67,12 @@ def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
                 if len(names) > 1:
                     shared[phrase] = names
                 else:
-                    found |= names
+                    texts |= names
             text = f"{text[:at]} {_APART} {rest}"
-    named = {word for name in found for word in _split(name)}
+    named = {word for name in texts for word in _split(name)}
     # Of several robots that are called so, the one that is also named in full is meant.
     more = (names for phrase, names in shared.items() if not named.issuperset(phrase.split()))
-    return frozenset(found.union(*more))
+    return frozenset(texts.union(*more))
 
 
 def words_in(strings: Iterable[str]) -> frozenset[str]:
@@ -86,14 +86,14 @@ def words_in(strings: Iterable[str]) -> frozenset[str]:
 
 def _phrases(robots: Mapping[str, RobotNames]) -> list[tuple[str, set[str]]]:
     """Return what robots are called in plain words, with those called so, longer ones first."""
-    found: dict[str, set[str]] = {}
+    texts: dict[str, set[str]] = {}
     for name, robot in robots.items():
         for called in {robot.name, *robot.aliases} - EVERYDAY:
             phrase = " ".join(_split(called.lower()))
             apart = re.sub(r"(?<=[a-z])(?=\d)", " ", phrase)
-            for each in (phrase, apart):
-                found.setdefault(each, set()).add(name)
-    return sorted(found.items(), key=lambda each: (-len(each[0]), each[0]))
+            for text in (phrase, apart):
+                texts.setdefault(text, set()).add(name)
+    return sorted(texts.items(), key=lambda item: (-len(item[0]), item[0]))
 
 
 def _plain(text: str) -> str:

@@ -133,13 +133,13 @@ def _link(entry: YamlMap) -> Link:
 def _disabled_collisions(top: YamlMap, links: Collection[str]) -> frozenset[tuple[str, str]]:
     """Return the pairs of links that may touch, each pair in order; each link names others."""
     section = top.section("disabled_collisions")
-    found = set()
+    collisions = set()
     for link in section:
         if link not in links:
             section.fail(link, one_of(sorted(links), link))
         for other in section.choices(link, links, "link"):
-            found.add((min(link, other), max(link, other)))
-    return frozenset(found)
+            collisions.add((min(link, other), max(link, other)))
+    return frozenset(collisions)
 
 
 def _joints(
@@ -231,7 +231,7 @@ def _group(entry: YamlMap, joints: Mapping[str, Joint], links: Collection[str]) 
 def _named_states(
     top: YamlMap, groups: Mapping[str, Group], joints: Mapping[str, Joint]
 ) -> dict[str, Mapping[str, Mapping[str, float]]]:
-    found: dict[str, Mapping[str, Mapping[str, float]]] = {}
+    named_states: dict[str, Mapping[str, Mapping[str, float]]] = {}
     section = top.section("named_states")
     section.forbid_unknown(groups)
     for group, entry in section.items_as_maps():
@@ -240,8 +240,8 @@ def _named_states(
             state: MappingProxyType(_state(values, members))
             for state, values in entry.items_as_maps()
         }
-        found[group] = MappingProxyType(states)
-    return found
+        named_states[group] = MappingProxyType(states)
+    return named_states
 
 
 def _state(entry: YamlMap, joints: Mapping[str, Joint]) -> dict[str, float]:
@@ -352,10 +352,10 @@ def _positive(entry: YamlMap, key: str) -> float:
 
 
 def _known_all(entry: YamlMap, key: str, names: Collection[str]) -> tuple[str, ...]:
-    found = entry.choices(key, names, "name")
-    if not found:
+    choices = entry.choices(key, names, "name")
+    if not choices:
         entry.fail(key, "is empty; name one or more")
-    return found
+    return choices
 
 
 def _unique(names: Iterable[str], top: YamlMap, key: str) -> None:

@@ -57,7 +57,7 @@ def read_sensors(
 
     Names in `taken` are those of other elements. Raises RobotError with file and line.
     """
-    found: list[Sensor] = []
+    sensors: list[Sensor] = []
     with_encoder = tuple(arm_joints)
     for entry in top.maps("sensors"):
         kind: SensorKind = entry.choice("kind", get_args(SensorKind), "kind")
@@ -67,18 +67,18 @@ def read_sensors(
             continue
         entry.string("source")  # what a robot is said to have needs a source
         if kind == "torque":
-            found += _torque(entry, arm_joints, links)
+            sensors += _torque(entry, arm_joints, links)
         else:
             entry.forbid_unknown({"kind", "name", "link", "topics", "source"})
             link = entry.choice("link", links, "link")
             topics = tuple(entry.strings("topics"))
-            found.append(Sensor(kind, entry.string("name"), link, topics))
+            sensors.append(Sensor(kind, entry.string("name"), link, topics))
     seen = {*taken, *(joint_sensor("encoder", name).name for name in with_encoder)}
-    for sensor in found:
+    for sensor in sensors:
         if sensor.name in seen:
             top.fail("sensors", f"'{sensor.name}' is defined twice, or is the name of another part")
         seen.add(sensor.name)
-    return tuple(found), tuple(name for name in arm_joints if name not in with_encoder)
+    return tuple(sensors), tuple(name for name in arm_joints if name not in with_encoder)
 
 
 def sensors_like(
@@ -87,9 +87,11 @@ def sensors_like(
     """Return those sensors of another description of a robot whose joint or link is there."""
     known = {*joints, *links}
     return tuple(
-        each if each.link is None or each.link in known else replace(each, link=None, topics=())
-        for each in sensors
-        if each.part in known
+        sensor
+        if sensor.link is None or sensor.link in known
+        else replace(sensor, link=None, topics=())
+        for sensor in sensors
+        if sensor.part in known
     )
 
 

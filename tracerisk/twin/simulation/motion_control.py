@@ -93,7 +93,7 @@ class MotionControl:
         check_trajectory(trajectory, self._robot)
         trajectory = self._led_in(trajectory)
         goal = dict(zip(trajectory.joints, trajectory.position[-1].tolist(), strict=True))
-        ways = [(each, self._way_of(each, trajectory)) for each in self._grippers_in(trajectory)]
+        ways = [(item, self._way_of(item, trajectory)) for item in self._grippers_in(trajectory)]
         goal.update({gripper.name: float(way[1][-1, 0]) for gripper, way in ways})
         elements = self._elements_of(trajectory.joints)
         motion = Motion(
@@ -138,9 +138,9 @@ class MotionControl:
         The motion succeeds when they are there, or stand still on something before.
         Raises PlanningError("invalid_goal") for a position or an effort that is not allowed.
         """
-        found = self._robot.gripper(gripper)
-        motion = Motion(found.joints, (found.name,), self._simulation.time_ns, (position,))
-        track = self._gripper_track(motion, found, position, max_effort)
+        result = self._robot.gripper(gripper)
+        motion = Motion(result.joints, (result.name,), self._simulation.time_ns, (position,))
+        track = self._gripper_track(motion, result, position, max_effort)
         self._end("preempted", "preempted", motion.elements, by=motion)
         self._add(track)
         return motion
@@ -280,7 +280,7 @@ class MotionControl:
 
     def _grippers_in(self, trajectory: JointTrajectory) -> Iterator[Gripper]:
         names = set(trajectory.joints)
-        yield from (each for each in self._robot.grippers if names & set(each.joints))
+        yield from (gripper for gripper in self._robot.grippers if names & set(gripper.joints))
 
     def _way_of(self, gripper: Gripper, trajectory: JointTrajectory) -> TimedWay:
         """Return the way of a gripper in a trajectory of some of its joints: that of its leader."""

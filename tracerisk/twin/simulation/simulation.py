@@ -266,7 +266,7 @@ class Simulation:
 
         What pads touch and can be moved, or is a pad too, is held.
         """
-        found: tuple[float, str, str] = (0.0, "", "")
+        values: tuple[float, str, str] = (0.0, "", "")
         links = set(self.robot.link_names)
         pads = {pad for gripper in self.robot.grippers for pad in gripper.pads}
         force = np.zeros(6)
@@ -276,9 +276,9 @@ class Simulation:
             link, other = (one, two) if one in links else (two, one)
             held = link in pads and (other in pads or self._model.body(other).jntnum[0])
             mujoco.mj_contactForce(self._model, self._data, index, force)
-            if link in links and not held and force[0] > found[0]:
-                found = float(force[0]), link, other
-        return found[1:] if found[1] else None
+            if link in links and not held and force[0] > values[0]:
+                values = float(force[0]), link, other
+        return values[1:] if values[1] else None
 
     def bearing(self) -> dict[str, tuple[str, ...]]:
         """Return what each object of the scene touches now, without the robot's links, sorted.
@@ -337,7 +337,9 @@ class Simulation:
         """Begin the faults that are due; return how many steps come before another one."""
         if self.faults.is_due(self._steps):
             measured = self.joint_state()
-            wrists = {each.name: each for each in self.robot.sensors if each.kind == "wrench"}
+            wrists = {
+                sensor.name: sensor for sensor in self.robot.sensors if sensor.kind == "wrench"
+            }
             for fault in self.faults.begin(self._steps, self._model, self._data):
                 wrist = wrists.get(fault.unit)
                 self._sensors.begin(fault, measured, None if wrist is None else self.wrench(wrist))

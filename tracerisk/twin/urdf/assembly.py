@@ -88,10 +88,10 @@ def assembled_robot(parts: RobotParts) -> Robot:
     still = {joint.name for joint in tree.moving if joint.mimic and joint.name not in fingers}
     assumed = parts.assumed or bool(still)
     joints: list[Joint] = []
-    for each in tree.moving:
-        if each.name in still:
+    for urdf_joint in tree.moving:
+        if urdf_joint.name in still:
             continue
-        joint, guessed = _joint(each, tree, parts.links, parts.servos.get(each.name))
+        joint, guessed = _joint(urdf_joint, tree, parts.links, parts.servos.get(urdf_joint.name))
         joints.append(joint)
         assumed |= guessed
     by_name = {joint.name: joint for joint in joints}
@@ -207,15 +207,15 @@ def _with_grippers(
     links: Iterable[Link],
     tree: Tree,
 ) -> tuple[tuple[Gripper, ...], dict[str, Joint], tuple[Link, ...]]:
-    found, by_name = [], dict(joints)
+    grippers, by_name = [], dict(joints)
     by_link = {link.name: link for link in links}
     for parts in gripping:
         gripper, fingers = built_gripper(parts, by_name, tree)
-        found.append(gripper)
+        grippers.append(gripper)
         by_name.update(fingers)
         for pad in gripper.pads:
             by_link[pad] = padded(by_link[pad])
-    return tuple(found), by_name, tuple(by_link.values())
+    return tuple(grippers), by_name, tuple(by_link.values())
 
 
 def _with_states(
@@ -225,7 +225,7 @@ def _with_states(
     joints: Mapping[str, Joint],
 ) -> dict[str, Mapping[str, Mapping[str, float]]]:
     """Return the states of the groups, and those of the whole robot where a group has no such."""
-    found = dict(states)
+    fieldses = dict(states)
     for name, group in groups.items():
         inside = {
             state: MappingProxyType(
@@ -238,8 +238,8 @@ def _with_states(
             if all(joint in values for joint in group.joints)
         }
         if inside:
-            found[name] = MappingProxyType({**inside, **found.get(name, {})})
-    return found
+            fieldses[name] = MappingProxyType({**inside, **fieldses.get(name, {})})
+    return fieldses
 
 
 def _initial(
@@ -257,13 +257,13 @@ def _initial(
 
 def _at_rest(states: Mapping[str, Mapping[str, Mapping[str, float]]]) -> dict[str, float]:
     """Return where joints are at rest, as the groups of the SRDF call it."""
-    found: dict[str, float] = {}
+    at_rest: dict[str, float] = {}
     for group in sorted(states, key=lambda name: (sum(map(len, states[name].values())), name)):
         for name in _RESTS:
             if name in states[group]:
-                found.update(states[group][name])
+                at_rest.update(states[group][name])
                 break
-    return found
+    return at_rest
 
 
 # Names under which a file says where the arm rests.

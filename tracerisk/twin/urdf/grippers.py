@@ -43,7 +43,7 @@ def is_finger(joint: UrdfJoint, tree: Tree) -> bool:
     return (
         joint.moves
         and _looks_so(joint, tree)
-        and all(_looks_so(each, tree) for each in tree.movers_below(joint.child))
+        and all(_looks_so(mover, tree) for mover in tree.movers_below(joint.child))
         and not _carries_a_hand(joint, tree)
     )
 
@@ -51,9 +51,9 @@ def is_finger(joint: UrdfJoint, tree: Tree) -> bool:
 def _carries_a_hand(joint: UrdfJoint, tree: Tree) -> bool:
     """Return whether several fingers, none of which moves with the joint, are fixed behind it."""
     nearest = [
-        each
-        for each in tree.movers_below(joint.child)
-        if not any(between.moves for between in tree.way(each.parent, joint.child))
+        mover
+        for mover in tree.movers_below(joint.child)
+        if not any(between.moves for between in tree.way(mover.parent, joint.child))
     ]
     return len(nearest) > 1 and len(_linkage(joint, tree)) == 1
 
@@ -66,26 +66,35 @@ def _looks_so(joint: UrdfJoint, tree: Tree) -> bool:
     together = _linkage(joint, tree)
     if len(together) > 1:
         return _is_hand(together, tree)
-    beside = [each for each in tree.below(joint.parent) if each.moves and each != joint]
+    beside = [
+        urdf_joint
+        for urdf_joint in tree.below(joint.parent)
+        if urdf_joint.moves and urdf_joint != joint
+    ]
     return (
         joint.type == "prismatic"
         and not any(tree.movers_below(joint.child))
         and any(
-            each.type == "prismatic" and not any(tree.movers_below(each.child)) for each in beside
+            urdf_joint.type == "prismatic" and not any(tree.movers_below(urdf_joint.child))
+            for urdf_joint in beside
         )
     )
 
 
 def _linkage(joint: UrdfJoint, tree: Tree) -> frozenset[str]:
     """Return the joints that move as one with a joint, itself included: who mimics whom."""
-    found = {joint.name}
-    pairs = [(each.name, each.mimic[0]) for each in tree.moving if each.mimic is not None]
+    texts = {joint.name}
+    pairs = [
+        (urdf_joint.name, urdf_joint.mimic[0])
+        for urdf_joint in tree.moving
+        if urdf_joint.mimic is not None
+    ]
     for _ in pairs:
-        more = {name for pair in pairs if found & set(pair) for name in pair}
-        if more <= found:
+        more = {name for pair in pairs if texts & set(pair) for name in pair}
+        if more <= texts:
             break
-        found |= more
-    return frozenset(name for name in found if tree.joint(name) is not None)
+        texts |= more
+    return frozenset(name for name in texts if tree.joint(name) is not None)
 
 
 def _is_hand(together: frozenset[str], tree: Tree) -> bool:
@@ -98,13 +107,13 @@ def _is_hand(together: frozenset[str], tree: Tree) -> bool:
     members = [joint for joint in tree.moving if joint.name in together]
     roots = [joint for joint in members if not _names_on(joint.parent, tree) & together]
     carriers = {_carrier(joint, tree) for joint in roots}
-    branches = [[joint.name, *(each.name for each in tree.movers_below(joint.child))]
+    branches = [[joint.name, *(mover.name for mover in tree.movers_below(joint.child))]
                 for joint in roots]  # fmt: skip
     if len(roots) < 2 or len(carriers) > 1 or len({len(branch) for branch in branches}) > 1:
         return False
     if any(not together.issuperset(branch) for branch in branches):
         return False
-    links = {each.child for joint in roots for each in _hanging_on(joint.child, tree)}
+    links = {urdf_joint.child for joint in roots for urdf_joint in _hanging_on(joint.child, tree)}
     return not any(_TOOL.search(link) for link in links)
 
 
@@ -115,7 +124,9 @@ def _names_on(link: str, tree: Tree) -> frozenset[str]:
 
 def _carrier(joint: UrdfJoint, tree: Tree) -> str:
     """Return the last joint before one that moves, an empty name at the base."""
-    return next((each.name for each in reversed(tree.way(joint.parent)) if each.moves), "")
+    return next(
+        (urdf_joint.name for urdf_joint in reversed(tree.way(joint.parent)) if urdf_joint.moves), ""
+    )
 
 
 def _hanging_on(link: str, tree: Tree) -> Iterator[UrdfJoint]:
@@ -154,17 +165,22 @@ def grippers_of(
     hands: dict[str, list[UrdfJoint]] = {}
     for joint in fingers:
         carrying = [
-            each.name for each in tree.way(joint.parent) if each.moves and each.name not in names
+            urdf_joint.name
+            for urdf_joint in tree.way(joint.parent)
+            if urdf_joint.moves and urdf_joint.name not in names
         ]
         hands.setdefault(carrying[-1] if carrying else "", []).append(joint)
-    found: list[GripperParts] = []
+    grippers: list[GripperParts] = []
     for hand in hands.values():
-        leaders = {each.mimic[0] for each in hand if each.mimic}
-        ordered = sorted(hand, key=lambda each: (each.mimic is not None, each.name not in leaders))
+        leaders = {urdf_joint.mimic[0] for urdf_joint in hand if urdf_joint.mimic}
+        ordered = sorted(
+            hand,
+            key=lambda urdf_joint: (urdf_joint.mimic is not None, urdf_joint.name not in leaders),
+        )
         joints = tuple(joint.name for joint in ordered)
-        group = _group(joints, groups) or _fresh("gripper", {*groups, *(p.group for p in found)})
-        found.append(GripperParts(group, group, joints))
-    return tuple(found)
+        group = _group(joints, groups) or _fresh("gripper", {*groups, *(p.group for p in grippers)})
+        grippers.append(GripperParts(group, group, joints))
+    return tuple(grippers)
 
 
 def _is_arm(effector: EndEffector, srdf: Srdf | None, tree: Tree) -> bool:

@@ -26,17 +26,17 @@ def groups_of(tree: Tree, srdf: Srdf | None) -> dict[str, Group]:
     written = {group.name: group for group in srdf.groups}
     order = {joint.name: index for index, joint in enumerate(tree.joints)}
     passive = srdf.passive_joints | {joint.name for joint in tree.moving if joint.mimic}
-    found = {}
+    groups = {}
     for name, group in written.items():
         joints = _members(group, written, tree, frozenset())
         moving = {joint.name for joint in tree.moving}
-        driven = sorted((joints & moving) - passive, key=lambda each: order[each])
+        driven = sorted((joints & moving) - passive, key=lambda key: order[key])
         # Fingers that follow another one are in the group if it is theirs alone.
-        names = driven or sorted(joints & moving, key=lambda each: order[each])
+        names = driven or sorted(joints & moving, key=lambda key: order[key])
         if names:
-            members = tuple(sorted(joints & order.keys(), key=lambda each: order[each]))
-            found[name] = Group(tuple(names), _tip(group, names, tree), members=members)
-    return found
+            members = tuple(sorted(joints & order.keys(), key=lambda key: order[key]))
+            groups[name] = Group(tuple(names), _tip(group, names, tree), members=members)
+    return groups
 
 
 def _plain_groups(tree: Tree) -> dict[str, Group]:
@@ -47,15 +47,19 @@ def _plain_groups(tree: Tree) -> dict[str, Group]:
     for joint in tree.joints:
         if joint.child in parents:
             continue
-        way = [each for each in tree.way(joint.child) if each.moves and not each.mimic]
-        arm = [each for each in way if not is_finger(each, tree)]
-        names = tuple(each.name for each in arm)
+        way = [
+            urdf_joint
+            for urdf_joint in tree.way(joint.child)
+            if urdf_joint.moves and not urdf_joint.mimic
+        ]
+        arm = [urdf_joint for urdf_joint in way if not is_finger(urdf_joint, tree)]
+        names = tuple(urdf_joint.name for urdf_joint in arm)
         if not names:
             continue
         on_the_way = tree.way(joint.child)
-        last = max(i for i, each in enumerate(on_the_way) if each.name == names[-1])
-        rigid = takewhile(lambda each: not each.moves, on_the_way[last + 1 :])
-        *_, end = (on_the_way[last].child, *(each.child for each in rigid))
+        last = max(i for i, urdf_joint in enumerate(on_the_way) if urdf_joint.name == names[-1])
+        rigid = takewhile(lambda urdf_joint: not urdf_joint.moves, on_the_way[last + 1 :])
+        *_, end = (on_the_way[last].child, *(urdf_joint.child for urdf_joint in rigid))
         ways.append(names)
         if names not in tips or (_TOOL.search(end) and not _TOOL.search(tips[names])):
             tips[names] = end
@@ -72,18 +76,18 @@ def _plain_groups(tree: Tree) -> dict[str, Group]:
 def _members(
     group: SrdfGroup, groups: Mapping[str, SrdfGroup], tree: Tree, above: frozenset[str]
 ) -> set[str]:
-    found = set(group.joints)
+    members = set(group.joints)
     for link in group.links:
         joint = tree.joint_to(link)
         if joint is not None:
-            found.add(joint.name)
+            members.add(joint.name)
     for base, tip in group.chains:
-        found.update(joint.name for joint in tree.way(tip, tree.place_of(base)))
+        members.update(joint.name for joint in tree.way(tip, tree.place_of(base)))
     for name in group.subgroups:
         # A group that contains itself is cut, as it would be endless.
         if name in groups and name not in above and name != group.name:
-            found |= _members(groups[name], groups, tree, above | {group.name})
-    return found
+            members |= _members(groups[name], groups, tree, above | {group.name})
+    return members
 
 
 def _tip(group: SrdfGroup, joints: Iterable[str], tree: Tree) -> str | None:
@@ -103,9 +107,9 @@ def _tip(group: SrdfGroup, joints: Iterable[str], tree: Tree) -> str | None:
     listed = {*group.links, *group.joints}
     while True:
         rigid = [
-            each
-            for each in tree.below(tip)
-            if not each.moves and ({each.child, each.name} & listed)
+            urdf_joint
+            for urdf_joint in tree.below(tip)
+            if not urdf_joint.moves and ({urdf_joint.child, urdf_joint.name} & listed)
         ]
         if not rigid:
             return tip
@@ -116,7 +120,7 @@ def states_of(
     srdf: Srdf | None, groups: Mapping[str, Group], joints: Mapping[str, Joint]
 ) -> dict[str, Mapping[str, Mapping[str, float]]]:
     """Return the named states of the groups, within the limits of the joints."""
-    found: dict[str, Mapping[str, Mapping[str, float]]] = {}
+    s: dict[str, Mapping[str, Mapping[str, float]]] = {}
     for group, states in (srdf.states if srdf is not None else {}).items():
         if group not in groups:
             continue
@@ -130,8 +134,8 @@ def states_of(
             }
             if inside:
                 kept[name] = MappingProxyType(inside)
-        found[group] = MappingProxyType(kept)
-    return found
+        s[group] = MappingProxyType(kept)
+    return s
 
 
 def controllers_of(
@@ -140,15 +144,15 @@ def controllers_of(
     """Return one controller a group: of trajectories for arms, of one command for grippers."""
     held = list(grippers)
     fingers = {name for gripper in held for name in gripper.joints}
-    found = [
+    controllers = [
         Controller(f"{name}_controller", "follow_joint_trajectory", group.joints)
         for name, group in groups.items()
         if not fingers & set(group.joints)
     ]
-    names = {controller.name for controller in found}
-    found += [
+    names = {controller.name for controller in controllers}
+    controllers += [
         Controller(f"{gripper.name}_controller", "gripper_command", gripper.joints)
         for gripper in held
         if f"{gripper.name}_controller" not in names
     ]
-    return tuple(found)
+    return tuple(controllers)

@@ -27,7 +27,7 @@ def changed_as_beside(
     Raises RobotError with file and line for what it must not say, or a file that is not YAML.
     """
     beside = (
-        (each.with_name(name), each.parent.parent / "config" / name) for each in (srdf, Path(shown))
+        (item.with_name(name), item.parent.parent / "config" / name) for item in (srdf, Path(shown))
     )
     for path, place in zip(*beside, strict=True):
         if path.is_file():
@@ -57,14 +57,14 @@ def _limited_robot(robot: Robot, top: YamlMap) -> Robot:
 
 
 def _scaling(top: YamlMap, default: Scaling) -> Scaling:
-    found = []
+    values = []
     for kind, value in (("velocity", default.velocity), ("acceleration", default.acceleration)):
         key = f"default_{kind}_scaling_factor"
         factor = top.number(key, default=value, minimum=0.0, maximum=1.0)
         if factor == 0.0:
             top.fail(key, "0 is not allowed; give a fraction of the limits above 0, at most 1")
-        found.append(factor)
-    return Scaling(*found)
+        values.append(factor)
+    return Scaling(*values)
 
 
 def _limited(joint: Joint, entry: YamlMap) -> Joint:

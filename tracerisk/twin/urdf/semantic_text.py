@@ -19,7 +19,7 @@ def srdf_text(robot: Robot) -> str:
             node = ET.SubElement(top, "group_state", name=name, group=group_name)
             for joint, value in positions.items():
                 ET.SubElement(node, "joint", name=joint, value=f"{value:.9g}")
-    hangs = {each.child: each.parent for each in robot.attachments}
+    hangs = {attachment.child: attachment.parent for attachment in robot.attachments}
     for gripper in robot.grippers:
         if gripper.group in robot.groups and gripper.pads:
             parent = hangs.get(gripper.pads[0], robot.base_link)

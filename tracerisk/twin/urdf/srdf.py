@@ -107,12 +107,13 @@ def read_srdf(text: str | bytes, file: str) -> Srdf:
 def _group(entry: XmlElement) -> SrdfGroup:
     return SrdfGroup(
         name=entry.string("name"),
-        joints=tuple(each.string("name") for each in entry.all("joint")),
-        links=tuple(each.string("name") for each in entry.all("link")),
+        joints=tuple(xml_element.string("name") for xml_element in entry.all("joint")),
+        links=tuple(xml_element.string("name") for xml_element in entry.all("link")),
         chains=tuple(
-            (each.string("base_link"), each.string("tip_link")) for each in entry.all("chain")
+            (xml_element.string("base_link"), xml_element.string("tip_link"))
+            for xml_element in entry.all("chain")
         ),
-        subgroups=tuple(each.string("name") for each in entry.all("group")),
+        subgroups=tuple(xml_element.string("name") for xml_element in entry.all("group")),
     )
 
 

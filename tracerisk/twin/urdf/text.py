@@ -27,20 +27,20 @@ def urdf_text(robot: Robot, *, with_shapes: bool = False) -> str:
             ET.SubElement(body, "origin", xyz=_numbers(link.centre_of_mass), rpy="0 0 0")
             ET.SubElement(body, "mass", value=f"{link.mass:.6g}")
             moments = zip(_MOMENTS, link.inertia or [0.0] * 6, strict=True)
-            ET.SubElement(body, "inertia", {name: f"{each:.6g}" for name, each in moments})
+            ET.SubElement(body, "inertia", {name: f"{moment:.6g}" for name, moment in moments})
         for shape in link.shapes if with_shapes else ():
             _add_shape(node, shape)
-    for each in robot.attachments:
-        node = ET.SubElement(top, "joint", name=each.name, type=each.type)
-        ET.SubElement(node, "origin", xyz=_numbers(each.xyz), rpy=_numbers(each.rpy))
-        ET.SubElement(node, "parent", link=each.parent)
-        ET.SubElement(node, "child", link=each.child)
-        joint = joints.get(each.name)
+    for attachment in robot.attachments:
+        node = ET.SubElement(top, "joint", name=attachment.name, type=attachment.type)
+        ET.SubElement(node, "origin", xyz=_numbers(attachment.xyz), rpy=_numbers(attachment.rpy))
+        ET.SubElement(node, "parent", link=attachment.parent)
+        ET.SubElement(node, "child", link=attachment.child)
+        joint = joints.get(attachment.name)
         if joint is None:
             continue
-        ET.SubElement(node, "axis", xyz=_numbers(each.axis))
+        ET.SubElement(node, "axis", xyz=_numbers(attachment.axis))
         limits = {"effort": joint.torque_limit, "velocity": joint.velocity_limit}
-        if each.type != "continuous":
+        if attachment.type != "continuous":
             limits |= {"lower": joint.lower, "upper": joint.upper}
         ET.SubElement(node, "limit", {name: f"{value:.9g}" for name, value in limits.items()})
     return ET.tostring(top, encoding="unicode")
@@ -49,7 +49,7 @@ def urdf_text(robot: Robot, *, with_shapes: bool = False) -> str:
 def _add_shape(link: ET.Element, shape: Shape) -> None:
     """Add a shape to be seen; a capsule as its cylinder and a ball at each end."""
     if shape.kind == "box":
-        _add_visual(link, shape, "box", size=_numbers(2.0 * each for each in shape.size))
+        _add_visual(link, shape, "box", size=_numbers(2.0 * value for value in shape.size))
         return
     radius = f"{shape.size[0]:.9g}"
     if shape.kind == "sphere":
@@ -71,4 +71,4 @@ def _add_visual(link: ET.Element, shape: Shape, kind: str, **size: str) -> None:
 
 
 def _numbers(values: Iterable[float]) -> str:
-    return " ".join(f"{each + 0.0:.9g}" for each in values)
+    return " ".join(f"{value + 0.0:.9g}" for value in values)

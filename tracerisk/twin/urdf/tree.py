@@ -89,23 +89,23 @@ class Tree:
 
     def parent_link(self, joint: str) -> str | None:
         """Return the link on which a joint sits."""
-        found = self.joint(joint)
-        return None if found is None else found.parent
+        urdf_joint = self.joint(joint)
+        return None if urdf_joint is None else urdf_joint.parent
 
     def way(self, tip: str, base: str | None = None) -> tuple[UrdfJoint, ...]:
         """Return the joints from `base` (the root by default) to a link, in this order.
 
         Empty where `base` is not on the way.
         """
-        found: list[UrdfJoint] = []
+        urdf_joints: list[UrdfJoint] = []
         at = tip
         while at != base:
             joint = self.joint_to(at)
             if joint is None:
-                return tuple(reversed(found)) if base in (None, at) else ()
-            found.append(joint)
+                return tuple(reversed(urdf_joints)) if base in (None, at) else ()
+            urdf_joints.append(joint)
             at = joint.parent
-        return tuple(reversed(found))
+        return tuple(reversed(urdf_joints))
 
     def movers_below(self, link: str) -> Iterator[UrdfJoint]:
         """Yield every joint that moves behind a link."""
@@ -170,12 +170,12 @@ def _without_world(tree: Tree) -> Tree:
         return tree
     below = list(tree.below(_WORLD))
     if len(below) == 1 and not below[0].moves and not any((*below[0].xyz, *below[0].rpy)):
-        return Tree(below[0].child, tuple(each for each in tree.joints if each != below[0]))
+        return Tree(below[0].child, tuple(joint for joint in tree.joints if joint != below[0]))
     return Tree(
         _WORLD_LINK,
         tuple(
-            replace(each, parent=_WORLD_LINK) if each.parent == _WORLD else each
-            for each in tree.joints
+            replace(joint, parent=_WORLD_LINK) if joint.parent == _WORLD else joint
+            for joint in tree.joints
         ),
     )
 
@@ -184,12 +184,12 @@ def _ordered(root: str, joints: list[UrdfJoint]) -> list[UrdfJoint]:
     below: dict[str, list[UrdfJoint]] = {}
     for joint in joints:
         below.setdefault(joint.parent, []).append(joint)
-    found, waiting = [], list(reversed(below.get(root, [])))
+    urdf_joints, waiting = [], list(reversed(below.get(root, [])))
     while waiting:
         joint = waiting.pop()
-        found.append(joint)
+        urdf_joints.append(joint)
         waiting += reversed(below.get(joint.child, []))
-    return found
+    return urdf_joints
 
 
 def on_a_moving_base(joint: UrdfJoint) -> UrdfJoint:
@@ -243,13 +243,19 @@ def _link(entry: XmlElement, tag: str, links: dict[str, XmlElement]) -> str:
 def tree_of(robot: Robot) -> Tree:
     """Return the tree of a robot that is known already."""
     joints = {joint.name: joint for joint in robot.joints}
-    found = []
-    for each in robot.attachments:
-        joint = joints.get(each.name)
+    urdf_joints = []
+    for attachment in robot.attachments:
+        joint = joints.get(attachment.name)
         figures = (0.0, 0.0, 0.0, 0.0)
         if joint is not None:
             figures = (joint.lower, joint.upper, joint.velocity_limit, joint.torque_limit)
         kind: MovingType = "revolute" if joint is None or joint.type == "fixed" else joint.type
-        placing = (each.parent, each.child, each.xyz, each.rpy, each.axis)
-        found.append(UrdfJoint(each.name, kind, joint is not None, *placing, *figures))
-    return Tree(robot.base_link, tuple(_ordered(robot.base_link, found)))
+        placing = (
+            attachment.parent,
+            attachment.child,
+            attachment.xyz,
+            attachment.rpy,
+            attachment.axis,
+        )
+        urdf_joints.append(UrdfJoint(attachment.name, kind, joint is not None, *placing, *figures))
+    return Tree(robot.base_link, tuple(_ordered(robot.base_link, urdf_joints)))

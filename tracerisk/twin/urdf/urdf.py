@@ -148,18 +148,18 @@ def _inertial(
     if moments.min() <= 1e-9 or moments.max() > mass * _FARTHEST**2:
         # Placeholders and slips of the sign: no body turns like that.
         return mass, centre, None
-    found = (full[0, 0], full[1, 1], full[2, 2], full[0, 1], full[0, 2], full[1, 2])
-    a, b, c, d, e, f = (float(value) for value in found)
+    row = (full[0, 0], full[1, 1], full[2, 2], full[0, 1], full[0, 2], full[1, 2])
+    a, b, c, d, e, f = (float(value) for value in row)
     return mass, centre, (a, b, c, d, e, f)
 
 
 def _primitives(entry: XmlElement, mesh_shape: MeshShape) -> tuple[Shape, ...]:
     """Return the primitives of the collision geometry, else of the visual one."""
     for kind in ("collision", "visual"):
-        shapes = (_shape(each, mesh_shape) for each in entry.all(kind))
-        found = [shape for shape in shapes if shape is not None]
-        if found:
-            return tuple(found)
+        shapes = (_shape(xml_element, mesh_shape) for xml_element in entry.all(kind))
+        primitives = [shape for shape in shapes if shape is not None]
+        if primitives:
+            return tuple(primitives)
     return ()
 
 
@@ -177,8 +177,8 @@ def _shape(entry: XmlElement, mesh_shape: MeshShape) -> Shape | None:
         if solid.tag in ("cylinder", "capsule"):
             size = (max(solid.number("radius"), 1e-4), max(solid.number("length") / 2, 1e-4))
             return Shape("cylinder" if solid.tag == "cylinder" else "capsule", size, xyz, rpy)
-        if solid.tag == "mesh" and (found := mesh_shape(solid)) is not None:
-            return placed(found, xyz, rpy)
+        if solid.tag == "mesh" and (shape := mesh_shape(solid)) is not None:
+            return placed(shape, xyz, rpy)
     return None
 
 

@@ -122,7 +122,7 @@ def expanded_xacro(
         raise RobotError(f"xacro cannot expand it: {reason[:_LONGEST_REASON]}", Location(file))
     try:
         answer = json.loads(done.stdout)
-        text, files = answer["text"].encode(), [str(each) for each in answer["files"]]
+        text, files = answer["text"].encode(), [str(item) for item in answer["files"]]
         lacked = {
             key: tuple(map(str, answer[key])) for key in ("packages", "arguments", "includes")
         }
@@ -142,7 +142,7 @@ def _refusal(answer: Mapping[str, Any], shown: str, path: Path) -> RobotError:
         where = shown if by == path.resolve() else str(by)
         name = asked.rpartition("/")[2].encode()
         lines = by.read_bytes().splitlines()
-        line = next((number for number, each in enumerate(lines, 1) if name in each), None)
+        line = next((number for number, chunk in enumerate(lines, 1) if name in chunk), None)
     return RobotError(
         f"'{asked}' lies outside {top} and the packages of the workspace, and only files in them "
         "are read; put the file there, or take this line out",

@@ -72,7 +72,7 @@ def with_shipped_robots(
     root = ET.fromstring(text)
     drawing = _Drawing(root, packages)
     drawing.replace_calls()
-    if not any(each.get("type") in _MOVING for each in root.iter("joint")):
+    if not any(element.get("type") in _MOVING for element in root.iter("joint")):
         drawing.replace_includes(includes)
     drawing.hang_loose_links()
     return Completed(ET.tostring(root), tuple(drawing.notes), tuple(drawing.doubts))
@@ -82,23 +82,27 @@ class _Drawing:
     def __init__(self, root: ET.Element, packages: Sequence[str]) -> None:
         self._root = root
         self._packages = packages
-        self._robots = {each.name: each for each in shipped_names()}
-        self._called = {word for each in shipped_names() for word in (each.name, *each.aliases)}
+        self._robots = {shipped_name.name: shipped_name for shipped_name in shipped_names()}
+        self._called = {
+            word
+            for shipped_name in shipped_names()
+            for word in (shipped_name.name, *shipped_name.aliases)
+        }
         self._anchor = ""
         """The link on which what is loose hangs: the last tip or parent."""
         self.notes: list[str] = []
         self.doubts: list[str] = []
 
     def _links(self) -> set[str]:
-        return {each.get("name", "") for each in self._root.iter("link")}
+        return {element.get("name", "") for element in self._root.iter("link")}
 
     def replace_calls(self) -> None:
         for above in list(self._root.iter()):
-            for call in [each for each in above if each.tag == ABSENT_MACRO]:
+            for call in [element for element in above if element.tag == ABSENT_MACRO]:
                 above.remove(call)
                 macro = call.get(MACRO_NAME, "")
-                found = self._arms_of(call, macro)
-                if not found or not self._put(call, macro, found):
+                arms = self._arms_of(call, macro)
+                if not arms or not self._put(call, macro, arms):
                     self._anchor = self._parent(call) or self._anchor
                     self.notes.append(
                         f"macro '{macro}' of {self._shown()} is left out: the package is absent"
@@ -111,30 +115,30 @@ class _Drawing:
             stem = name.rpartition("/")[2].partition(".")[0]
             family = ARMS.get(package, ())
             named = mentioned(stem, self._robots) or mentioned(package, self._robots)
-            found = [each for each in family if each in named] or sorted(named) or list(family)
-            if not found:
+            texts = [text for text in family if text in named] or sorted(named) or list(family)
+            if not texts:
                 continue
-            robot = load_robot(found[0])
+            robot = load_robot(texts[0])
             links = self._links()
             base = robot.base_link
             if (links - {base}) & set(robot.link_names):
                 continue
-            hung = {each.get("link", "") for each in self._root.iter("child")}
-            parent = next((each for each in sorted(links) if each not in hung), "")
-            own = [each for each in self._root.findall("link") if each.get("name") == base]
-            for each in own:
-                self._root.remove(each)
+            hung = {element.get("link", "") for element in self._root.iter("child")}
+            parent = next((link for link in sorted(links) if link not in hung), "")
+            own = [text for text in self._root.findall("link") if text.get("name") == base]
+            for element in own:
+                self._root.remove(element)
             self._root.extend(ET.fromstring(urdf_text(robot, with_shapes=True)))
             if parent and parent != base and base not in hung:
                 self._root.append(_fixed(parent, base, None))
             self._anchor = base
             self.notes.append(
-                f"'{name}' of '{package}', which is absent, is the shipped robot '{found[0]}'"
+                f"'{name}' of '{package}', which is absent, is the shipped robot '{texts[0]}'"
             )
-            if len(found) > 1:
-                others = ", ".join(found[1:])
+            if len(texts) > 1:
+                others = ", ".join(texts[1:])
                 self.doubts.append(
-                    f"the absent file '{name}' may be {others} as well as {found[0]}"
+                    f"the absent file '{name}' may be {others} as well as {texts[0]}"
                 )
             return
 
@@ -143,7 +147,7 @@ class _Drawing:
 
     def _arms_of(self, call: ET.Element, macro: str) -> tuple[str, ...]:
         """Return the shipped robots that a call may mean, the most usual first."""
-        family = tuple(name for each in self._packages for name in ARMS.get(each, ()))
+        family = tuple(name for package in self._packages for name in ARMS.get(package, ()))
         for text in self._texts(call, macro):
             named = mentioned(text, self._robots)
             narrowed = [name for name in family if name in named] or sorted(named)
@@ -163,7 +167,7 @@ class _Drawing:
         for name in _TELLING:
             if name in given:
                 # With the number of its joints first: `gen3` of 6 is no `gen3` of 7.
-                numbered = {f"{given[name]}{each}" for each in digits}
+                numbered = {f"{given[name]}{digit}" for digit in digits}
                 yield "\n".join(sorted(numbered & self._called))
                 yield given[name]
                 yield "\n".join(sorted(numbered))
@@ -183,7 +187,7 @@ class _Drawing:
             for key in ("name", "link"):
                 if key in node.attrib and node is not drawn:
                     node.set(key, rename(node.attrib[key]))
-        links = {each.get("name", "") for each in drawn.iter("link")}
+        links = {element.get("name", "") for element in drawn.iter("link")}
         if links & self._links():
             return False
         parent = self._parent(call)
@@ -206,8 +210,8 @@ class _Drawing:
         named = next((call.attrib[key] for key in _PARENTS if call.attrib.get(key) in links), "")
         if named or not links:
             return named
-        hanging = {each.get("link", "") for each in self._root.iter("child")}
-        return next((each for each in sorted(links) if each not in hanging), "")
+        hanging = {element.get("link", "") for element in self._root.iter("child")}
+        return next((link for link in sorted(links) if link not in hanging), "")
 
     def hang_loose_links(self) -> None:
         """Add the links that joints name and that were left out."""

@@ -42,8 +42,8 @@ class DescriptionFile:
     @property
     def robot_name(self) -> str:
         """The name of the robot as it is written, which macros may make; empty for none."""
-        found = _ROBOT_NAME.search(self.text.decode(errors="replace"))
-        return found[1] if found else ""
+        matched = _ROBOT_NAME.search(self.text.decode(errors="replace"))
+        return matched[1] if matched else ""
 
     @property
     def stem(self) -> str:

@@ -73,11 +73,11 @@ class DescriptionTexts:
                 self._expanded[key] = self._expand_named(file, given)
             except RobotError as error:
                 self._expanded[key] = error
-        found = self._expanded[key]
-        if isinstance(found, RobotError):
-            raise found
-        self._read_for[file.path] = found.files
-        return found.text
+        result = self._expanded[key]
+        if isinstance(result, RobotError):
+            raise result
+        self._read_for[file.path] = result.files
+        return result.text
 
     def read_for(self, file: DescriptionFile) -> tuple[Path, ...]:
         """Return the files that were read for one, none where it was not expanded."""
@@ -95,25 +95,27 @@ class DescriptionTexts:
         return replace(
             robot,
             assumed_figures=(*robot.assumed_figures, *done.notes),
-            doubt="; ".join(each for each in (robot.doubt, *done.doubts) if each),
+            doubt="; ".join(doubt for doubt in (robot.doubt, *done.doubts) if doubt),
         )
 
     def _expand_named(self, file: DescriptionFile, given: Mapping[str, str]) -> Expanded:
         try:
-            found = self._expand(file, given)
-            if found.is_old:
-                self._completed[file.path] = Completed(found.text, (_OLD,), ())
-            return found
+            expand = self._expand(file, given)
+            if expand.is_old:
+                self._completed[file.path] = Completed(expand.text, (_OLD,), ())
+            return expand
         except LackingError as error:
             # What a launch file gives for another file is given here too; what the robot is
             # called is no matter of which robot it is.
             elsewhere = {
-                name: value for each in self._launched.values() for name, value in each.arguments
+                name: value
+                for description in self._launched.values()
+                for name, value in description.arguments
             }
             known = {_ROBOTS_NAME: file.stem, **elsewhere, **given}
-            found = self._expand(file, known, may_lack=True)
-            is_whole = not found.packages and not found.arguments
-            return found if is_whole else self._completed_of(file, found, error)
+            expand = self._expand(file, known, may_lack=True)
+            is_whole = not expand.packages and not expand.arguments
+            return expand if is_whole else self._completed_of(file, expand, error)
 
     def _completed_of(
         self, file: DescriptionFile, found: Expanded, error: LackingError

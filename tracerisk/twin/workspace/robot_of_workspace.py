@@ -109,9 +109,9 @@ class _Search:
         self._skipped: list[str] = []
         self._unreadable: list[str] = []
         self._launched: dict[Path, LaunchedDescription] = {}
-        for each in spoken.described:
-            if each.path is not None:
-                self._launched.setdefault(each.path, each)
+        for description in spoken.described:
+            if description.path is not None:
+                self._launched.setdefault(description.path, description)
         self._texts = DescriptionTexts(packages, self._launched, limits)
         self._files = description_files(roots)
         known = {file.path for file in self._files}
@@ -121,13 +121,13 @@ class _Search:
         self._urdf_files = [file for file in self._files if file.is_robot and not file.is_srdf]
 
     def run(self) -> WorkspaceRobots:
-        found = [each for each in (self._from_srdf(),) if each is not None]
-        if not found or self._lacks_joints(found[0].robot):
-            found += [each for each in (self._from_urdf(),) if each is not None]
-        for each in self._spoken.described:
-            if each.problem and each.by == "controller":
-                self._unreadable.append(f"{each.file}: {each.problem}")
-        described = tuple(map(self._described, found))
+        takens = [taken for taken in (self._from_srdf(),) if taken is not None]
+        if not takens or self._lacks_joints(takens[0].robot):
+            takens += [taken for taken in (self._from_urdf(),) if taken is not None]
+        for description in self._spoken.described:
+            if description.problem and description.by == "controller":
+                self._unreadable.append(f"{description.file}: {description.problem}")
+        described = tuple(map(self._described, takens))
         return WorkspaceRobots(
             described, tuple(self._skipped), tuple(dict.fromkeys(self._unreadable))
         )
@@ -184,7 +184,7 @@ class _Search:
                 self._skip(file, error.message, is_meant=len(files) == 1 or self._is_meant(file))
         self._srdf_names = {srdf.name for _, srdf in read}
         self._variants = words_of_one(self._srdf_names)
-        ranked = sorted(read, key=lambda each: self._srdf_rank(*each))
+        ranked = sorted(read, key=lambda pair: self._srdf_rank(*pair))
         only = len({srdf.name for file, srdf in read if not self._is_of_tests(file)}) == 1
         for file, srdf in ranked:
             speaks = sorted(self._spoken.exactly(srdf.words))
@@ -201,9 +201,9 @@ class _Search:
             is_only = only and not is_of_tests
             if starts and not speaks:
                 why = f"by {self._launched[file.path].file}"
-            found = self._urdf_for(file, srdf)
-            if found is not None:
-                robot, urdf = found
+            result = self._urdf_for(file, srdf)
+            if result is not None:
+                robot, urdf = result
                 origin = f"{file.shown} with {urdf.shown} in the workspace ({why})"
                 return _Taken(robot, origin, (file, urdf), is_only=is_only)
             like, prefix = shipped_like(srdf.words)
@@ -408,4 +408,4 @@ class _Search:
 
 
 def _doubted(robot: Robot, doubt: str) -> Robot:
-    return replace(robot, doubt="; ".join(each for each in (robot.doubt, doubt) if each))
+    return replace(robot, doubt="; ".join(name for name in (robot.doubt, doubt) if name))

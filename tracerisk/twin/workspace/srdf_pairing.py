@@ -61,7 +61,7 @@ def noted_package(folder: Path) -> str | None:
 
 def needed_packages(srdf: Path, packages: Mapping[str, Path]) -> tuple[Path, ...]:
     """Return the folders of the packages that the manifest of an SRDF's package names."""
-    own = next((each for each in packages.values() if srdf.is_relative_to(each)), None)
+    own = next((package for package in packages.values() if srdf.is_relative_to(package)), None)
     if own is None:
         return ()
     try:
@@ -152,8 +152,8 @@ def with_srdf(robot: Robot, srdf: Srdf) -> Robot:
     joints = {joint.name: joint for joint in robot.joints}
     groups = {**robot.groups, **groups_of(tree_of(robot), srdf)}
     states = {**robot.named_states}
-    for group, found in states_of(srdf, groups, joints).items():
-        states[group] = MappingProxyType({**states.get(group, {}), **found})
+    for group, item in states_of(srdf, groups, joints).items():
+        states[group] = MappingProxyType({**states.get(group, {}), **item})
     return replace(
         robot,
         groups=MappingProxyType(groups),

@@ -31,7 +31,11 @@ def spoken_srdf(roots: Sequence[Path], spoken: Spoken, script: Path) -> tuple[Sr
 
     One of which it names nothing is taken only if no other is there. Macros are not expanded.
     """
-    files = [each for each in description_files(tuple(roots)) if each.is_srdf and not each.is_macro]
+    files = [
+        description_file
+        for description_file in description_files(tuple(roots))
+        if description_file.is_srdf and not description_file.is_macro
+    ]
     read: list[tuple[int, int, str, Srdf, Path]] = []
     for file in files:
         try:
@@ -45,7 +49,7 @@ def spoken_srdf(roots: Sequence[Path], spoken: Spoken, script: Path) -> tuple[Sr
             )
     if not read:
         return None
-    best = min(read, key=lambda each: each[:3])
+    best = min(read, key=lambda row: row[:3])
     return best[3], best[4]
 
 
@@ -96,14 +100,14 @@ class _Drawing:
         self.joints: dict[str, _Drawn] = {}
         self._frames: dict[str, str] = {}
         """What hangs rigidly on a link."""
-        hands = {each.group for each in srdf.end_effectors}
-        self._hands = [each for each in srdf.groups if self._is_hand(each, hands)]
-        arms = [each for each in srdf.groups if each not in self._hands]
-        members = {each.name: self._members(each) for each in arms}
+        hands = {end_effector.group for end_effector in srdf.end_effectors}
+        self._hands = [srdf_group for srdf_group in srdf.groups if self._is_hand(srdf_group, hands)]
+        arms = [srdf_group for srdf_group in srdf.groups if srdf_group not in self._hands]
+        members = {arm.name: self._members(arm) for arm in arms}
         self._starts = {names[0] for names in members.values() if len(names) >= _FEWEST}
         self._tips = self._child_names(arms, members)
         self._base = self._base_of(arms, members)
-        for group in sorted(arms, key=lambda each: -len(members[each.name])):
+        for group in sorted(arms, key=lambda arm: -len(members[arm.name])):
             if members[group.name] and not _is_union(group.name, members):
                 self._add_chain(members[group.name])
         for group in arms:
@@ -118,10 +122,10 @@ class _Drawing:
     def _named(self, group: SrdfGroup) -> tuple[str, ...]:
         """Return a group's joints: those that are listed, else those of its states."""
         states = self._srdf.states.get(group.name, {}).values()
-        return group.joints or tuple(dict.fromkeys(name for each in states for name in each))
+        return group.joints or tuple(dict.fromkeys(name for state in states for name in state))
 
     def _members(self, group: SrdfGroup) -> tuple[str, ...]:
-        held = {name for each in self._hands for name in self._named(each)}
+        held = {name for hand in self._hands for name in self._named(hand)}
         still = held | self._srdf.passive_joints
         return tuple(name for name in self._named(group) if name not in still)
 
@@ -129,30 +133,30 @@ class _Drawing:
         self, arms: Iterable[SrdfGroup], members: Mapping[str, tuple[str, ...]]
     ) -> dict[str, str]:
         """Return what the links behind joints are called, by chains and links of groups."""
-        found: dict[str, str] = {}
+        texts: dict[str, str] = {}
         for group in arms:
             names = members[group.name]
             if names and group.chains:
-                found.setdefault(names[-1], group.chains[-1][1])
+                texts.setdefault(names[-1], group.chains[-1][1])
             for joint, link in zip(names, group.links, strict=False):
                 if len(names) == len(group.links):
-                    found.setdefault(joint, link)
+                    texts.setdefault(joint, link)
             for other in members.values():
                 # The link behind the joint before an arm is the one that its chain begins at.
                 before = other.index(names[0]) if names and names[0] in other else 0
                 if before and group.chains:
-                    found.setdefault(other[before - 1], group.chains[0][0])
+                    texts.setdefault(other[before - 1], group.chains[0][0])
         taken: set[str] = set()
         kept = {}
-        for joint, link in found.items():
+        for joint, link in texts.items():
             if link not in taken:
                 kept[joint] = link
                 taken.add(link)
         return kept
 
     def _base_of(self, arms: Iterable[SrdfGroup], members: Mapping[str, tuple[str, ...]]) -> str:
-        chains = [(len(members[each.name]), each.chains[0][0]) for each in arms if each.chains]
-        base = max(chains, key=lambda each: each[0])[1] if chains else "base_link"
+        chains = [(len(members[arm.name]), arm.chains[0][0]) for arm in arms if arm.chains]
+        base = max(chains, key=lambda chain: chain[0])[1] if chains else "base_link"
         return "base_link" if base in self._tips.values() else base
 
     def _add_chain(self, names: Iterable[str]) -> None:
@@ -164,7 +168,7 @@ class _Drawing:
             xyz = axis_figures(place).xyz
             if name in self._starts:
                 beside = sum(
-                    each.parent == parent and not each.place for each in self.joints.values()
+                    joint.parent == parent and not joint.place for joint in self.joints.values()
                 )
                 side = _APART[min(beside, 1)] if beside < _FEWEST - 1 else _APART[2] * beside
                 place, xyz = 0, (0.0, side, axis_figures(0).xyz[2])
@@ -173,7 +177,7 @@ class _Drawing:
             parent, place = child, place + 1
 
     def _links(self) -> set[str]:
-        drawn = {link for each in self.joints.values() for link in (each.parent, each.child)}
+        drawn = {link for joint in self.joints.values() for link in (joint.parent, joint.child)}
         return {self._base, *drawn, *self._frames}
 
     def _add_frame(self, name: str, parent: str) -> None:
@@ -190,16 +194,20 @@ class _Drawing:
             self._add_frame(link, last)
 
     def _add_hand(self, group: SrdfGroup) -> None:
-        names = [each for each in self._named(group) if each not in self.joints]
-        names.sort(key=lambda each: each in self._srdf.passive_joints)
+        names = [text for text in self._named(group) if text not in self.joints]
+        names.sort(key=lambda text: text in self._srdf.passive_joints)
         carriers = [
-            each.parent_link for each in self._srdf.end_effectors if each.group == group.name
+            end_effector.parent_link
+            for end_effector in self._srdf.end_effectors
+            if end_effector.group == group.name
         ]
-        parent = next((each for each in carriers if each in self._links()), self._first_tip())
-        states = [state for each in self._srdf.states.values() for state in each.values()]
+        parent = next(
+            (carrier for carrier in carriers if carrier in self._links()), self._first_tip()
+        )
+        states = [state for fields in self._srdf.states.values() for state in fields.values()]
         values = [abs(state[name]) for state in states for name in names if name in state]
         slides = bool(values) and max(values) <= _SLIDES
-        links = [each for each in group.links if each not in self._links()]
+        links = [text for text in group.links if text not in self._links()]
         for index, name in enumerate(names[:2]):
             child = links[index] if len(links) == len(names) else f"{name}_link"
             onwards, side = _FINGER
@@ -210,9 +218,9 @@ class _Drawing:
             self._add_frame(link, parent)
 
     def _first_tip(self) -> str:
-        arms = [each for each in self.joints.values() if not each.is_finger]
-        parents = {each.parent for each in arms}
-        return next((each.child for each in arms if each.child not in parents), self._base)
+        arms = [joint for joint in self.joints.values() if not joint.is_finger]
+        parents = {arm.parent for arm in arms}
+        return next((arm.child for arm in arms if arm.child not in parents), self._base)
 
     def add_asked(self, asked: NamesAsked) -> None:
         """Add what the controller names and the SRDF does not."""
@@ -227,8 +235,8 @@ class _Drawing:
     def urdf(self) -> bytes:
         """Return the description of what is drawn."""
         lines = [f'<robot name="{NAME}">', f'<link name="{self._base}"/>']
-        for name, each in self.joints.items():
-            lines += _joint_lines(name, each)
+        for name, joint in self.joints.items():
+            lines += _joint_lines(name, joint)
         for name, parent in self._frames.items():
             lines += [
                 f'<link name="{name}"/>',
@@ -265,7 +273,7 @@ def _numbers(values: Iterable[float]) -> str:
 def _is_union(name: str, members: Mapping[str, tuple[str, ...]]) -> bool:
     """Return whether a group is others together that share no joint: no chain of its own."""
     whole = set(members[name])
-    parts = [set(each) for each in members.values() if each and set(each) < whole]
+    parts = [set(member) for member in members.values() if member and set(member) < whole]
     return any(
         not one & other and one | other == whole
         for index, one in enumerate(parts)

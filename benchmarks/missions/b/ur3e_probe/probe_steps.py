@@ -114,8 +114,8 @@ class StepProbe(Node):
             raise Contact("nothing was touched")
         self.finish(handle.cancel_goal_async())
         self.wait(0.3)
-        found = self.buffer.lookup_transform("base_link", "tool0", Time())
-        return found.transform.translation.z
+        lookup_transform = self.buffer.lookup_transform("base_link", "tool0", Time())
+        return lookup_transform.transform.translation.z
 
     def probe(self, name):
         above, *down = PROBES[name]

@@ -79,12 +79,12 @@ class Metadata:
         Raises HardwareError at a feature that the metadata does not have.
         """
         assert self.kind is not None
-        found: dict[str, Given] = {}
-        for each in reversed(ancestors(self.symbol)):
-            if isinstance(each, Symbol):
-                assert isinstance(each.node, Annotation | Element)
-                _read_members(each.node.members, each, self.kind, found)
-        return found
+        s: dict[str, Given] = {}
+        for ancestor in reversed(ancestors(self.symbol)):
+            if isinstance(ancestor, Symbol):
+                assert isinstance(ancestor.node, Annotation | Element)
+                _read_members(ancestor.node.members, ancestor, self.kind, s)
+        return s
 
 
 def _read_members(
@@ -139,15 +139,15 @@ def own_annotations(symbol: Symbol) -> list[Metadata]:
     node = symbol.node
     if not isinstance(node, Element):
         return []
-    found = [
-        metadata(each)
-        for each in symbol.members
-        if isinstance(each.node, Annotation) and not each.node.about
+    annotations = [
+        metadata(member)
+        for member in symbol.members
+        if isinstance(member.node, Annotation) and not member.node.about
     ]
     for mark in node.annotations:
         placed = Symbol(mark, symbol.owner, symbol.source, symbol.find_package)
-        found.append(metadata(placed))
-    return found
+        annotations.append(metadata(placed))
+    return annotations
 
 
 def metadata(symbol: Symbol) -> Metadata:
@@ -164,11 +164,11 @@ def metadata(symbol: Symbol) -> Metadata:
             return Metadata(symbol, None, None)
         raise scope.unknown(node.type)
     standards = [hit] if isinstance(hit, Standard) else list(ancestors(hit))
-    for each in standards:
-        if isinstance(each, Standard):
-            kind = _kind(each)
+    for standard in standards:
+        if isinstance(standard, Standard):
+            kind = _kind(standard)
             if kind is not None:
-                return Metadata(symbol, kind, each)
+                return Metadata(symbol, kind, standard)
     return Metadata(symbol, None, None)
 
 
@@ -209,7 +209,7 @@ class Annotations:
             hit = scope.lookup(target)
             if not isinstance(hit, Symbol):
                 raise scope.unknown(target)
-            full = (*target.name, *(each for step in target.steps for each in step))
+            full = (*target.name, *(name for step in target.steps for name in step))
             if len(full) > 1 and hit.owner is not None:
                 outer = scope.lookup(type(target)(full[:-1], target.at))
                 if isinstance(outer, Symbol) and hit.owner is not outer:
@@ -226,10 +226,10 @@ class Annotations:
 
     def own(self, symbol: Symbol) -> list[Metadata]:
         """Return the metadata on an element itself, those about it included."""
-        found = self._own.get(symbol)
-        if found is None:
-            found = self._own[symbol] = own_annotations(symbol) + self._about.get(symbol, [])
-        return found
+        metadatas = self._own.get(symbol)
+        if metadatas is None:
+            metadatas = self._own[symbol] = own_annotations(symbol) + self._about.get(symbol, [])
+        return metadatas
 
     def of(self, symbol: Symbol, *kinds: str) -> list[Metadata]:
         """Return the metadata of some kinds that hold for an element: its own, else inherited.
@@ -239,33 +239,37 @@ class Annotations:
         """
         sources = self._sources(symbol, kinds)
         if len(sources) > 1:
-            names = " and ".join(f"'{each}'" for each in sources)
+            names = " and ".join(f"'{source}'" for source in sources)
             raise HardwareError(
                 f"'{symbol.name}' inherits {kinds[0]} from {names}; annotate it directly",
                 symbol.location(),
             )
-        return [each for each in self.own(sources[0]) if each.kind in kinds] if sources else []
+        return (
+            [metadata for metadata in self.own(sources[0]) if metadata.kind in kinds]
+            if sources
+            else []
+        )
 
     def _sources(self, symbol: Symbol, kinds: tuple[str, ...]) -> list[Symbol]:
         if self._gives(symbol, kinds):
             return [symbol]
         givers = [
-            each
-            for each in ancestors(symbol)
-            if isinstance(each, Symbol) and self._gives(each, kinds)
+            ancestor
+            for ancestor in ancestors(symbol)
+            if isinstance(ancestor, Symbol) and self._gives(ancestor, kinds)
         ]
         if len(givers) < 2:
             return givers
         return [
-            each
-            for each in givers
-            if not any(each is not other and each in ancestors(other) for other in givers)
+            giver
+            for giver in givers
+            if not any(giver is not other and giver in ancestors(other) for other in givers)
         ]
 
     def _gives(self, symbol: Symbol, kinds: tuple[str, ...]) -> bool:
         return any(
-            each.kind in kinds and (each.kind != "Risk" or _has_number(each))
-            for each in self.own(symbol)
+            metadata.kind in kinds and (metadata.kind != "Risk" or _has_number(metadata))
+            for metadata in self.own(symbol)
         )
 
 

@@ -51,11 +51,11 @@ class Composition:
         return known
 
     def _collect(self, symbol: Symbol) -> tuple[Symbol, ...]:
-        found: dict[Symbol, None] = {}
+        members: dict[Symbol, None] = {}
         for general in reversed(ancestors(symbol)):
             if isinstance(general, Symbol):
-                found = _with_members(general, found)
-        return tuple(found)
+                members = _with_members(general, members)
+        return tuple(members)
 
     def unfold(self, root: Symbol) -> Iterator[Place]:
         """Yield the root and all parts within it, each before its own parts.
@@ -101,14 +101,14 @@ class Composition:
 
 def _with_members(general: Symbol, inherited: dict[Symbol, None]) -> dict[Symbol, None]:
     """Return the parts that were inherited, and those of `general` in their place or after them."""
-    found: dict[Symbol, Symbol] = {each: each for each in inherited}
-    names = {each.name: each for each in inherited if each.name}
+    symbols: dict[Symbol, Symbol] = {symbol: symbol for symbol in inherited}
+    names = {symbol.name: symbol for symbol in inherited if symbol.name}
     for member in general.members:
         node = member.node
         if not isinstance(node, Element) or node.is_definition:
             continue
         redefined = member.redefined() if node.redefines else ()
-        replaced = [each for each in redefined if each in found]
+        replaced = [symbol for symbol in redefined if symbol in symbols]
         if node.kind not in ("part", "item") and not (node.kind == "" and replaced):
             continue
         if "ref" in node.prefixes and not replaced:
@@ -116,13 +116,13 @@ def _with_members(general: Symbol, inherited: dict[Symbol, None]) -> dict[Symbol
             continue
         _forbid_variation(member)
         if replaced:
-            found[replaced[0]] = member
-            for each in replaced[1:]:
-                del found[each]
+            symbols[replaced[0]] = member
+            for symbol in replaced[1:]:
+                del symbols[symbol]
             continue
-        _forbid_redefined(member, redefined, found)
+        _forbid_redefined(member, redefined, symbols)
         before = names.get(member.name) if member.name else None
-        if before is not None and found.get(before) is before:
+        if before is not None and symbols.get(before) is before:
             line = before.location().line
             text = f"inherited from line {line} already; write 'part :>> {member.name}' to redefine"
             if before in general.members:
@@ -130,26 +130,26 @@ def _with_members(general: Symbol, inherited: dict[Symbol, None]) -> dict[Symbol
             raise HardwareError(
                 f"'{member.name}' is {text} it, or give it another name", member.location()
             )
-        found[member] = member
+        symbols[member] = member
         if member.name:
             names[member.name] = member
-    return dict.fromkeys(found.values())
+    return dict.fromkeys(symbols.values())
 
 
 def _forbid_redefined(
     member: Symbol, redefined: tuple[Symbol, ...], found: dict[Symbol, Symbol]
 ) -> None:
     """Refuse to redefine what another part has redefined already: it would count twice."""
-    for each in found if redefined else ():
-        if any(every in redefined for every in ancestors(each) if every is not each):
+    for symbol in found if redefined else ():
+        if any(every in redefined for every in ancestors(symbol) if every is not symbol):
             raise HardwareError(
-                f"redefines the same part as '{each.name}'; write 'part :>> {each.name}'",
+                f"redefines the same part as '{symbol.name}'; write 'part :>> {symbol.name}'",
                 member.location(),
             )
 
 
 def _forbid_data_on_reference(member: Symbol) -> None:
-    if any(each.kind is not None for each in own_annotations(member)):
+    if any(annotation.kind is not None for annotation in own_annotations(member)):
         raise HardwareError(
             f"'{member.name}' is a reference, not a part; put the data where the part is declared",
             member.location(),
@@ -170,7 +170,7 @@ def _forbid_variation(member: Symbol) -> None:
 
 def _check_circle(place: Place, part: Symbol) -> None:
     if len(place.way) > MAX_NESTING or part in place.way:
-        names = " > ".join(str(each.name) for each in (*place.way[-3:], part))
+        names = " > ".join(str(symbol.name) for symbol in (*place.way[-3:], part))
         raise HardwareError(
             f"a part contains itself, or parts nest more than {MAX_NESTING} levels deep: {names}",
             part.location(),
@@ -186,13 +186,13 @@ def _is_covered(part: Symbol, subsetters: list[Symbol]) -> bool:
     if not subsetters:
         return False
     bounds = multiplicity(part)
-    counts = [multiplicity(each) or (1, 1) for each in subsetters]
+    counts = [multiplicity(subsetter) or (1, 1) for subsetter in subsetters]
     if bounds is None or bounds[1] is None:
         return True
     total = sum(low for low, _ in counts)
     if bounds[0] == bounds[1] == total and all(low == high for low, high in counts):
         return True
-    names = ", ".join(f"'{each.name}'" for each in subsetters)
+    names = ", ".join(f"'{subsetter.name}'" for subsetter in subsetters)
     raise HardwareError(
         f"'{part.name}' has {_text(bounds)} units, but the parts that are subsets of it, {names}, "
         f"have {total}; name every unit, or none",

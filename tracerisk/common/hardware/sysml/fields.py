@@ -141,13 +141,13 @@ class Fields:
         each_of = value if isinstance(value, tuple) else (value,)
         if not each_of:
             self.fail(key, f"is an empty list; {advice}")
-        found: list[str] = []
-        for each in each_of:
-            word = read(key, each)
-            if word in found:
+        several: list[str] = []
+        for number in each_of:
+            word = read(key, number)
+            if word in several:
                 self.fail(key, f"names '{word}' twice")
-            found.append(word)
-        return tuple(found)
+            several.append(word)
+        return tuple(several)
 
     def _word(self, key: str, enumeration: str, value: Meaning) -> str:
         words = ENUMERATIONS[enumeration]

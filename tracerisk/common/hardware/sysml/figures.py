@@ -153,16 +153,16 @@ def read_load_law(fields: Fields) -> LoadLaw:
 def read_modes(found: list[Metadata], way: tuple[Symbol, ...]) -> tuple[FailureMode, ...]:
     """Return the failure modes that metadata of a part name."""
     modes: dict[str, FailureMode] = {}
-    for each in found:
-        name = each.symbol.name
+    for metadata in found:
+        name = metadata.symbol.name
         if name is None:
             raise HardwareError(
                 "a failure mode without a name; write 'metadata jam : FailureMode { ... }'",
-                each.location,
+                metadata.location,
             )
         if name in modes:
-            raise HardwareError(f"duplicate failure mode '{name}'; keep one", each.location)
-        fields = Fields.of(each, way)
+            raise HardwareError(f"duplicate failure mode '{name}'; keep one", metadata.location)
+        fields = Fields.of(metadata, way)
         uses: Any = fields.words("uses", "Use") if "uses" in fields else ()
         fraction = fields.positive("fraction", maximum=1.0)
         fault: Any = fields.word("fault", "Fault") if "fault" in fields else None

@@ -71,7 +71,7 @@ class Project:
             rb"\bpackage\s+(?:<[^>]*>\s*)?(?:%b\b|'%b')"
             % (re.escape(name.encode()), re.escape(name.encode()))
         )
-        found: list[tuple[str, Symbol]] = []
+        pairs: list[tuple[str, Symbol]] = []
         for path in sorted(self._path.parent.glob("*.sysml")):
             if path == self._path or not path.is_file() or path.stat().st_size > MAX_BYTES:
                 continue
@@ -86,14 +86,14 @@ class Project:
                 top = self._read(path, str(Path(self._shown).with_name(path.name)))
             hit = top.own(name)
             if hit is not None:
-                found.append((path.name, hit))
-        if len(found) > 1:
-            files = " and ".join(file for file, _ in found)
+                pairs.append((path.name, hit))
+        if len(pairs) > 1:
+            files = " and ".join(file for file, _ in pairs)
             raise HardwareError(
                 f"package '{name}' is declared by {files} beside this file; keep one of them",
                 asked_at,
             )
-        return found[0][1] if found else None
+        return pairs[0][1] if pairs else None
 
 
 def is_part(symbol: Symbol) -> bool:

@@ -21,25 +21,25 @@ def find_root(main: Symbol, composition: Composition, annotations: Annotations) 
     """
     holds = _Holding(composition, annotations)
     top = list(_in_packages(main))
-    usages = [each for each in top if _is(each, is_definition=False) and holds(each)]
-    found = usages or _unused(
-        [each for each in top if _is(each, is_definition=True) and holds(each)], main
+    usages = [symbol for symbol in top if _is(symbol, is_definition=False) and holds(symbol)]
+    symbols = usages or _unused(
+        [symbol for symbol in top if _is(symbol, is_definition=True) and holds(symbol)], main
     )
-    if not found:
+    if not symbols:
         raise HardwareError(
             "no part has failure data; give one '@FailureData { rate = 5.7e-6 [h^-1]; }' "
             "(and 'private import TraceriskHardware::*;')",
             main.location(0),
         )
-    if len(found) > 1:
-        names = ", ".join(f"'{each.name}' (line {each.location().line})" for each in found)
+    if len(symbols) > 1:
+        names = ", ".join(f"'{symbol.name}' (line {symbol.location().line})" for symbol in symbols)
         kind = "parts" if usages else "part definitions"
         raise HardwareError(
             f"several {kind} could be the system as a whole: {names}; keep one, with the others "
             "as its parts",
-            found[1].location(),
+            symbols[1].location(),
         )
-    return found[0]
+    return symbols[0]
 
 
 def _in_packages(top: Symbol) -> Iterator[Symbol]:
@@ -85,9 +85,12 @@ class _Holding:
         known = self._known.get(symbol)
         if known is None:
             known = any(
-                any(found.kind in ("FailureData", "Risk") for found in self._annotations.own(each))
-                for each in ancestors(symbol)
-                if isinstance(each, Symbol)
+                any(
+                    metadata.kind in ("FailureData", "Risk")
+                    for metadata in self._annotations.own(ancestor)
+                )
+                for ancestor in ancestors(symbol)
+                if isinstance(ancestor, Symbol)
             )
             self._known[symbol] = known
         return known
@@ -104,5 +107,5 @@ def _unused(definitions: list[Symbol], main: Symbol) -> list[Symbol]:
         if isinstance(symbol.node, Package | Element):
             waiting.extend(symbol.members)
         if isinstance(symbol.node, Element) and symbol.is_structural:
-            used.update(each for each in symbol.generals() if isinstance(each, Symbol))
-    return [each for each in definitions if each not in used]
+            used.update(general for general in symbol.generals() if isinstance(general, Symbol))
+    return [definition for definition in definitions if definition not in used]

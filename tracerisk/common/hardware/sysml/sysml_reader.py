@@ -92,27 +92,29 @@ class _Reading:
 
     def _single(self, part: Symbol, kind: str, way: tuple[Symbol, ...]) -> Fields | None:
         """Return the fields of the one metadata of a kind that a part has."""
-        found = self._annotations.of(part, kind)
-        if len(found) > 1:
-            raise HardwareError(f"duplicate {kind} on '{part.name}'; keep one", found[1].location)
-        return Fields.of(found[0], way) if found else None
+        metadatas = self._annotations.of(part, kind)
+        if len(metadatas) > 1:
+            raise HardwareError(
+                f"duplicate {kind} on '{part.name}'; keep one", metadatas[1].location
+            )
+        return Fields.of(metadatas[0], way) if metadatas else None
 
     def _components(self, root: Symbol) -> dict[str, Component]:
-        found: dict[str, Component] = {}
+        components: dict[str, Component] = {}
         for place in self._composition.unfold(root):
             component = self._component(place)
             if component is None:
                 continue
-            if component.name in found:
-                before = found[component.name].location
+            if component.name in components:
+                before = components[component.name].location
                 line = before.line if before is not None else None
                 raise HardwareError(
                     f"duplicate component '{component.name}', first in line {line}; rename one "
                     "of the parts",
                     component.location,
                 )
-            found[component.name] = component
-        return found
+            components[component.name] = component
+        return components
 
     def _component(self, place: Place) -> Component | None:
         part = place.symbol
@@ -152,8 +154,10 @@ class _Reading:
         )
         if described is not None and "robot" in described:
             described.fail("robot", "is on the system as a whole; remove it here")
-        known = {each.kind: each.location for each in reversed((*data, *modes))}
-        known |= {each.owner: each.location for each in (group, binding) if each is not None}
+        known = {mode.kind: mode.location for mode in reversed((*data, *modes))}
+        known |= {
+            fields.owner: fields.location for fields in (group, binding) if fields is not None
+        }
 
         def find(*keys: str) -> Location:
             kind = _METADATA_OF.get(keys[0], "FailureData") if keys else ""
@@ -166,11 +170,11 @@ class _Reading:
         self, place: Place, data: list[Metadata]
     ) -> tuple[tuple[FailureFigure, ...], LoadLaw | None, float]:
         """Return the figures of a part, its load law and its age [s]."""
-        failures = [each for each in data if each.kind == "FailureData"]
-        risks = [each for each in data if each.kind == "Risk"]
+        failures = [metadata for metadata in data if metadata.kind == "FailureData"]
+        risks = [metadata for metadata in data if metadata.kind == "Risk"]
         if not failures:
             return self._risk_figures(place, risks), None, 0.0
-        if any(meaning.read_risk(Fields.of(each, place.way)) for each in risks):
+        if any(meaning.read_risk(Fields.of(risk, place.way)) for risk in risks):
             self._warn(
                 risks[0].location,
                 f"'{place.symbol.name}' has FailureData, so the probability of its @Risk is "
@@ -179,8 +183,8 @@ class _Reading:
         law: LoadLaw | None = None
         age_s = 0.0
         figures = []
-        for each in failures:
-            fields = Fields.of(each, place.way)
+        for failure in failures:
+            fields = Fields.of(failure, place.way)
             figures.append(meaning.read_figure(fields))
             if "loadLaw" in fields:
                 if law is not None:
@@ -193,37 +197,37 @@ class _Reading:
         return tuple(figures), law, age_s
 
     def _risk_figures(self, place: Place, risks: list[Metadata]) -> tuple[FailureFigure, ...]:
-        found = [
-            (each, figure)
-            for each in risks
-            if (figure := meaning.read_risk(Fields.of(each, place.way))) is not None
+        pairs = [
+            (risk, figure)
+            for risk in risks
+            if (figure := meaning.read_risk(Fields.of(risk, place.way))) is not None
         ]
-        if len(found) > 1:
+        if len(pairs) > 1:
             raise HardwareError(
                 f"duplicate @Risk with a probability on '{place.symbol.name}'; keep one, or use "
                 "FailureData, of which several add up",
-                found[1][0].location,
+                pairs[1][0].location,
             )
-        if not found:
+        if not pairs:
             self._warn_without_figure(place)
-        return tuple(figure for _, figure in found)
+        return tuple(figure for _, figure in pairs)
 
     def _warn_without_figure(self, place: Place) -> None:
         """Warn of a part that is described in part only: a level, or our data without a figure."""
         own = self._annotations.own(place.symbol)
-        for each in own:
-            if each.kind == "Risk" and "totalRisk" in each.values():
+        for metadata in own:
+            if metadata.kind == "Risk" and "totalRisk" in metadata.values():
                 self._warn(
-                    each.location,
+                    metadata.location,
                     f"'{place.symbol.name}' has a risk level but no figure, and is ignored; give "
                     "it a probability or FailureData",
                 )
                 return
-            if each.kind in ("Redundancy", "TwinBinding", "FailureMode"):
+            if metadata.kind in ("Redundancy", "TwinBinding", "FailureMode"):
                 raise HardwareError(
-                    f"'{place.symbol.name}' has {each.kind} but no failure data; give it "
+                    f"'{place.symbol.name}' has {metadata.kind} but no failure data; give it "
                     "'@FailureData { rate = 5.7e-6 [h^-1]; }', or leave it out",
-                    each.location,
+                    metadata.location,
                 )
 
     def _warn(self, location: Location, message: str) -> None:
@@ -250,7 +254,7 @@ def component_name(place: Place) -> str:
 
     Raises HardwareError at a part without a name, or with one that is not a component's.
     """
-    return ".".join(_own_name(each) for each in (place.way[1:] or place.way))
+    return ".".join(_own_name(symbol) for symbol in (place.way[1:] or place.way))
 
 
 def _own_name(part: Symbol) -> str:
@@ -271,13 +275,13 @@ def _own_name(part: Symbol) -> str:
 
 
 def _is_plain(name: str) -> bool:
-    return bool(name) and all(each.isascii() and (each.isalnum() or each in "_.-") for each in name)
+    return bool(name) and all(text.isascii() and (text.isalnum() or text in "_.-") for text in name)
 
 
 def _check_one_group(place: Place, group: Fields) -> None:
     if place.outer == (1, 1):
         return
-    around = next(each for each in reversed(place.way[:-1]))
+    around = next(symbol for symbol in reversed(place.way[:-1]))
     raise HardwareError(
         f"'{place.symbol.name}' is a redundant group in several parts '{around.name}'; declare "
         "each of these as a separate part",

@@ -107,7 +107,7 @@ def _computed(context: Context, node: Computed) -> Meaning:
 
 
 def _sequence(context: Context, node: Sequence) -> Meaning:
-    return tuple(context.evaluate(each) for each in node.items)
+    return tuple(context.evaluate(item) for item in node.items)
 
 
 def _reference(context: Context, node: Reference) -> Meaning:
@@ -133,10 +133,10 @@ def _effective(attribute: Symbol, way: tuple[Symbol, ...]) -> tuple[Symbol, Symb
         kin = ancestors(part)
         if attribute.owner not in kin:
             continue
-        for each in kin:
-            if not isinstance(each, Symbol):
+        for symbol in kin:
+            if not isinstance(symbol, Symbol):
                 continue
-            for member in each.members:
+            for member in symbol.members:
                 if member is attribute or _redefines(member, attribute):
                     node = member.node
                     if isinstance(node, Element) and node.value is not None:
@@ -252,14 +252,14 @@ def _operation(context: Context, node: Operation) -> Meaning:
 
 def _apply(context: Context, operator: str, left: Meaning, right: Meaning, at: int) -> Meaning:
     try:
-        found = _applied(operator, left, right)
+        value = _applied(operator, left, right)
     except (OverflowError, ZeroDivisionError, ValueError):
-        found = None
-    if isinstance(found, complex) or (isinstance(found, float) and not math.isfinite(found)):
-        found = None
-    if found is None:
+        value = None
+    if isinstance(value, complex) or (isinstance(value, float) and not math.isfinite(value)):
+        value = None
+    if value is None:
         context.fail(f"'{operator}' has no finite value, or does not apply to its operands", at)
-    return found
+    return value
 
 
 def _applied(operator: str, left: Meaning, right: Meaning) -> Meaning:

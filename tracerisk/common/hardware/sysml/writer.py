@@ -41,8 +41,10 @@ def write_sysml(hardware: Hardware) -> str:
 
     The dots of names become parts within parts, where that keeps the order of the components.
     """
-    parts = {part for each in hardware.components for part in each.name.split(".")}
-    hidden = frozenset(parts | {m.name for each in hardware.components for m in each.modes})
+    parts = {part for component in hardware.components for part in component.name.split(".")}
+    hidden = frozenset(
+        parts | {m.name for component in hardware.components for m in component.modes}
+    )
     writer = _Writer(hidden)
     body = [
         *writer.metadata("HardwareData", {"robot": hardware.robot, "source": hardware.source}),
@@ -75,11 +77,11 @@ def _name(name: str) -> str:
     """Return a name as it is written: in quotes where it is a word or has other characters."""
     if _BASIC_NAME.fullmatch(name) and name not in WORDS:
         return name
-    return "'" + "".join(_QUOTED_ESCAPED.get(each, each) for each in name) + "'"
+    return "'" + "".join(_QUOTED_ESCAPED.get(text, text) for text in name) + "'"
 
 
 def _text(text: str) -> str:
-    return '"' + "".join(_ESCAPED.get(each, each) for each in text) + '"'
+    return '"' + "".join(_ESCAPED.get(name, name) for name in text) + '"'
 
 
 def _number(number: float) -> str:
@@ -177,13 +179,13 @@ class _Writer:
         tree = _Assembly()
         for component in components:
             tree.add(component.name.split("."), component)
-        nested = [each.name for each in tree.in_order()]
-        is_whole = all(part for each in components for part in each.name.split("."))
-        if is_whole and tree.is_free() and nested == [each.name for each in components]:
+        nested = [item.name for item in tree.in_order()]
+        is_whole = all(part for item in components for part in item.name.split("."))
+        if is_whole and tree.is_free() and nested == [item.name for item in components]:
             return tree.lines(self)
         # Quotes keep the dots of a name, where parts within parts would change the order, or
         # what they are.
-        return [line for each in components for line in self.part(each.name, each, [])]
+        return [line for item in components for line in self.part(item.name, item, [])]
 
     def part(self, name: str, component: Component, inner: list[str]) -> list[str]:
         lines = [
@@ -236,7 +238,7 @@ class _Writer:
     def _mode(self, mode: FailureMode) -> list[str]:
         values = {
             "fraction": mode.fraction,
-            "uses": _several(self._word("Use", each) for each in mode.when),
+            "uses": _several(self._word("Use", literal) for literal in mode.when),
             "fault": None if mode.fault is None else self._word("Fault", mode.fault),
             "source": mode.source,
         }
@@ -304,10 +306,10 @@ class _Assembly:
 
     def in_order(self) -> list[Component]:
         """Return the components in the order in which they would be read."""
-        found = [] if self._component is None else [self._component]
-        for each in self._inner.values():
-            found += each.in_order()
-        return found
+        components = [] if self._component is None else [self._component]
+        for assembly in self._inner.values():
+            components += assembly.in_order()
+        return components
 
     def is_free(self) -> bool:
         """Whether parts can stand within components as they are.
@@ -321,12 +323,14 @@ class _Assembly:
                 return False
             if _multiplicity(here) not in ("", " [1]"):
                 return False
-        return all(each.is_free() for each in self._inner.values())
+        return all(assembly.is_free() for assembly in self._inner.values())
 
     def lines(self, writer: _Writer) -> list[str]:
         """Return the parts within."""
         return [
-            line for name, each in self._inner.items() for line in each._part_lines(name, writer)
+            line
+            for name, assembly in self._inner.items()
+            for line in assembly._part_lines(name, writer)
         ]
 
     def _part_lines(self, name: str, writer: _Writer) -> list[str]:

@@ -26,13 +26,13 @@ def read_figures(entry: YamlMap) -> tuple[FailureFigure, ...]:
     if _is_number(entry.get("probability")):
         # A bare number is the published reading: one figure for each visit of a function.
         value = entry.number("probability", minimum=0.0, maximum=1.0)
-        found = [FailureFigure("probability", value, Basis.VISIT)]
+        figures = [FailureFigure("probability", value, Basis.VISIT)]
     else:
-        found = [_probability(each) for each in _given(entry, "probability")]
-    found += [_rate(each, standby=False) for each in _given(entry, "failure_rate")]
-    found += [_rate(each, standby=True) for each in _given(entry, "standby_rate")]
-    found += [_weibull(each) for each in _given(entry, "weibull")]
-    return tuple(found)
+        figures = [_probability(yaml_map) for yaml_map in _given(entry, "probability")]
+    figures += [_rate(yaml_map, standby=False) for yaml_map in _given(entry, "failure_rate")]
+    figures += [_rate(yaml_map, standby=True) for yaml_map in _given(entry, "standby_rate")]
+    figures += [_weibull(yaml_map) for yaml_map in _given(entry, "weibull")]
+    return tuple(figures)
 
 
 def read_time(entry: YamlMap, key: str, *, value: str = "value") -> float:

@@ -70,13 +70,13 @@ def _exponent(law: YamlMap) -> float:
         return 3.0
     given = law.require("exponent")
     if isinstance(given, str):
-        found = 10.0 / 3.0 if given == "10/3" else None
+        exponent = 10.0 / 3.0 if given == "10/3" else None
     else:
         number = law.number("exponent")
-        found = number if number in WEAR_EXPONENTS else None
-    if found is None:
+        exponent = number if number in WEAR_EXPONENTS else None
+    if exponent is None:
         law.fail("exponent", unmeasured_exponent(f"{given}"))
-    return found
+    return exponent
 
 
 def _fraction(entry: YamlMap, key: str) -> float:

@@ -82,10 +82,10 @@ def run_branches(
     """
     before_s = nominal.trace.end.simulated_s
     wanted = [
-        replace(each, faults=check_faults(each.faults, nominal.robot, before_s=before_s))
-        for each in branches
+        replace(branch, faults=check_faults(branch.faults, nominal.robot, before_s=before_s))
+        for branch in branches
     ]
-    if len({each.index for each in wanted}) < len(wanted):
+    if len({branch.index for branch in wanted}) < len(wanted):
         raise InputError("two branches have the same index")
     if at_once < 1:
         raise InputError(f"{at_once} branches at once are none; expected 1 or more")
@@ -133,15 +133,15 @@ class _Branching:
     """How the runs are recorded and judged."""
 
     def results(self, at_once: int, claims: str) -> Iterator[BranchResult]:
-        found = _Found(_cannot_branch())
-        if not found.reason and self.branches:
-            found = self._branched(at_once, claims)
+        result = _Found(_cannot_branch())
+        if not result.reason and self.branches:
+            result = self._branched(at_once, claims)
         for branch in self.branches:
-            done, error = found.done.pop(branch.index, None), None
-            is_ours = done is not None or branch.index in found.left
+            done, error = result.done.pop(branch.index, None), None
+            is_ours = done is not None or branch.index in result.left
             if claims and not is_ours and not claimed(claims, branch.index):
                 continue
-            reason = "" if done else found.reason or found.reasons.get(branch.index, "")
+            reason = "" if done else result.reason or result.reasons.get(branch.index, "")
             if done is None:
                 options = replace(self.options, keep=self._kept(branch.index))
                 try:
@@ -158,9 +158,9 @@ class _Branching:
         return None if self.options.keep is None else self.options.keep / str(index)
 
     def _branched(self, at_once: int, claims: str) -> _Found:
-        found = _Found()
+        result = _Found()
         nominal, settings = self.nominal, self.settings
-        faults = {each.index: each.faults for each in self.branches}
+        faults = {item.index: item.faults for item in self.branches}
 
         def ended(index: int, request: RunRequest, end: ProcessEnd) -> None:
             folder = Path(request.folder)
@@ -169,7 +169,7 @@ class _Branching:
                     self.controller, nominal.robot, settings, request, end, self.options
                 )
                 if done.trace.end.cause == "died":
-                    found.reasons[index] = f"its branch died: {done.trace.end.message}"
+                    result.reasons[index] = f"its branch died: {done.trace.end.message}"
                     return
                 kept = self._kept(index)
                 if kept is not None:
@@ -178,7 +178,7 @@ class _Branching:
             except MachineError:
                 raise
             except (TraceRiskError, RuntimeError, OSError) as error:
-                found.reasons[index] = f"its branch left nothing to read: {error}"
+                result.reasons[index] = f"its branch left nothing to read: {error}"
                 return
             finally:
                 # The run sees by the name that it may go on.
@@ -187,14 +187,14 @@ class _Branching:
                     folder.parent.rename(over)
                 shutil.rmtree(over, ignore_errors=True)
             asked = replace(nominal.request, faults=faults[index])
-            found.done[index] = replace(done, request=asked)
+            result.done[index] = replace(done, request=asked)
 
         watch = BranchWatch(ended)
         with run_folders(None) as (folder, written):
             top = str(folder.parent / "branches")
             plan = BranchPlan(top, self.branches, at_once, settings.cpu_limit_s, claims)
-            for each in plan.writable:
-                Path(each).mkdir(parents=True, exist_ok=True)
+            for name in plan.writable:
+                Path(name).mkdir(parents=True, exist_ok=True)
             request = replace(nominal.request, folder=str(folder), greenlets=True, plan=plan)
             try:
                 trunk = run_request(
@@ -205,12 +205,14 @@ class _Branching:
             except (TraceRiskError, RuntimeError) as error:
                 left = frozenset({*watch.left, *watch.refused})
                 return _Found(f"the run on greenlets left nothing to read: {error}", left)
-        found.left = frozenset({*watch.left, *watch.refused})
+        result.left = frozenset({*watch.left, *watch.refused})
         if replace(trunk.trace, inputs=()) != replace(nominal.trace, inputs=()):
             # The files that its robot was chosen by are those of the first run alone.
-            return _Found(f"on greenlets the run is another: {trunk.trace.end.message}", found.left)
-        found.reasons |= watch.refused
+            return _Found(
+                f"on greenlets the run is another: {trunk.trace.end.message}", result.left
+            )
+        result.reasons |= watch.refused
         for branch in self.branches:
-            if branch.index not in found.done:
-                found.reasons.setdefault(branch.index, "the run ended before it")
-        return found
+            if branch.index not in result.done:
+                result.reasons.setdefault(branch.index, "the run ended before it")
+        return result

@@ -49,7 +49,7 @@ class FateWatch:
         self._arrivals = {number: np.array(at) for number, at in beside.arrivals}
         self._only_touches = beside.has_conditions
         self._hands = frozenset(
-            link for each in robot.grippers for link in hand_links(robot, each.name)[1]
+            link for gripper in robot.grippers for link in hand_links(robot, gripper.name)[1]
         )
         self._from_ns = 0
         self._notified_ns: int | None = None

@@ -68,7 +68,8 @@ class BranchPoints:
         self._known: frozenset[int] = frozenset()
         plan = request.plan
         self._pending = sorted(
-            () if plan is None else plan.branches, key=lambda each: (_step_of(each), each.index)
+            () if plan is None else plan.branches,
+            key=lambda branch: (_step_of(branch), branch.index),
         )
 
     def begin(self) -> None:
@@ -172,7 +173,7 @@ class BranchPoints:
             del self._alive[process]
             self._unread.add(index)
             self._note(index=index, code=os.waitstatus_to_exitcode(status))
-        read = {each for each in self._unread if not os.path.lexists(plan.folders(each)[0])}
+        read = {number for number in self._unread if not os.path.lexists(plan.folders(number)[0])}
         self._unread -= read
 
     def _note(self, **cause: object) -> None:

@@ -97,8 +97,8 @@ class BranchWatch:
             return self._wait(child)
         finally:
             self._read_log(child.request, child.start)
-            for each in self._live.values():
-                each.close()
+            for live in self._live.values():
+                live.close()
 
     def _wait(self, child: RunningChild) -> ProcessEnd:
         start, settings, folder = child.start, child.settings, Path(child.request.folder)
@@ -108,11 +108,11 @@ class BranchWatch:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 return ProcessEnd(child.process.wait(timeout=POLL_S))
             self._read_log(child.request, start)
-            for each in self._live.values():
-                self._look(each, settings)
+            for live in self._live.values():
+                self._look(live, settings)
             now = time.monotonic()
             # While branches run, which have limits of their own, it may wait for them.
-            may_wait = any(each.runs for each in self._live.values())
+            may_wait = any(live.runs for live in self._live.values())
             wall_s, looked = wall_s + (0.0 if may_wait else now - looked), now
             if own is None and (cpu_s := start.cpu_s) is not None:
                 own, wall_s = OwnTime(start.pid or child.process.pid, cpu_s), 0.0
@@ -141,7 +141,7 @@ class BranchWatch:
 
     def _noted(self, entry: dict[str, Any], request: RunRequest, start: StartMark) -> None:
         assert request.plan is not None
-        index, known = entry["index"], {each.index for each in request.plan.branches}
+        index, known = entry["index"], {branch.index for branch in request.plan.branches}
         if not isinstance(index, int) or index not in known:
             return
         if "refused" in entry:
@@ -222,12 +222,12 @@ def _is_small(top: Path) -> bool:
     while folders:
         try:
             with os.scandir(folders.pop()) as entries:
-                for each in entries:
+                for entry in entries:
                     count += 1
-                    if each.is_dir(follow_symlinks=False):
-                        folders.append(each.path)
+                    if entry.is_dir(follow_symlinks=False):
+                        folders.append(entry.path)
                     else:
-                        size += each.stat(follow_symlinks=False).st_blocks * 512
+                        size += entry.stat(follow_symlinks=False).st_blocks * 512
                     if size > _MOST_WRITTEN or count > _MOST_FILES:
                         return False
         except OSError:

@@ -48,17 +48,17 @@ class Companions:
         tracer: Any = self._runtime.tracer
         if tracer is not None:
             tracer.on_behalf = self._asking
-        for each in self._companions:
-            script = Path(each.script)
+        for companion in self._companions:
+            script = Path(companion.script)
             for folder in (script.parent, package_of(script)[1]):
                 if str(folder) not in sys.path:
                     sys.path.append(str(folder))
             self._scheduler.spawn(
-                self._main(each, script),
-                f"companion {each.told}",
+                self._main(companion, script),
+                f"companion {companion.told}",
                 inherit=False,
                 is_controllers=False,
-                process=self._process_of(each),
+                process=self._process_of(companion),
             )
 
     def _process_of(self, companion: Companion) -> NodeProcess:

@@ -68,26 +68,33 @@ def find_companions(
     script = controller.path.resolve()
     workspace = workspace_of(controller, settings)
     ros = controller.ros_version
-    passed_over = {script, *(Path(each.script) for each in known)}
+    passed_over = {script, *(Path(companion.script) for companion in known)}
     candidates = [
-        each for each in _candidates(root, workspace, ros, needs) if each.script not in passed_over
+        candidate
+        for candidate in _candidates(root, workspace, ros, needs)
+        if candidate.script not in passed_over
     ]
     if not candidates:
         return ()
     launched = _launched(script, root, workspace, ros)
     candidates = [
         replace(
-            each,
-            is_launched_too=bool(launched & _launched(each.script, root, workspace, ros)),
+            candidate,
+            is_launched_too=bool(launched & _launched(candidate.script, root, workspace, ros)),
         )
-        for each in candidates
+        for candidate in candidates
     ]
     candidates.sort(
-        key=lambda each: (not each.is_near, not each.is_launched_too, -len(each.met), each.script)
+        key=lambda candidate: (
+            not candidate.is_near,
+            not candidate.is_launched_too,
+            -len(candidate.met),
+            candidate.script,
+        )
     )
     chosen: dict[Path, list[Need]] = {}
     for need in needs:
-        best = next((each for each in candidates if need in each.met), None)
+        best = next((candidate for candidate in candidates if need in candidate.met), None)
         if best is not None:
             chosen.setdefault(best.script, []).append(need)
     return tuple(_companion(path, met, root, settings) for path, met in chosen.items())
@@ -119,7 +126,7 @@ def _is_program(path: Path, source: bytes, tree: ast.Module) -> bool:
         return True
     return any(
         isinstance(node, ast.If | ast.Expr | ast.Try | ast.With | ast.While | ast.For)
-        and any(isinstance(each, ast.Call) for each in ast.walk(node))
+        and any(isinstance(item, ast.Call) for item in ast.walk(node))
         for node in tree.body
     )
 
@@ -143,8 +150,8 @@ def _launched(
 ) -> frozenset[Path]:
     """Return the launch files that name a program."""
     program = program_of(script, root, workspace)
-    found = find_launch_files(program, root, workspace, ros)
-    return frozenset(each.path for each in found if each.is_direct)
+    launch_files = find_launch_files(program, root, workspace, ros)
+    return frozenset(launch_file.path for launch_file in launch_files if launch_file.is_direct)
 
 
 def _companion(path: Path, met: Sequence[Need], root: Path, settings: Settings) -> Companion:
@@ -152,7 +159,7 @@ def _companion(path: Path, met: Sequence[Need], root: Path, settings: Settings) 
     launch = _setup(program, settings)
     files = [path, *own_modules(program)]
     if launch is not None:
-        files += [program.root.resolve() / each for each in launch.sources]
+        files += [program.root.resolve() / source for source in launch.sources]
     return Companion(
         script=str(path),
         root=str(program.root.resolve()),

@@ -104,7 +104,10 @@ class _LiveRun:
             request.root,
             request.argv,
             None if entry is None else entry.function,
-            {name: str(each) for name, each in self._graph.workspace.python_packages.items()},
+            {
+                name: str(python_package)
+                for name, python_package in self._graph.workspace.python_packages.items()
+            },
             (
                 *map(str, self._graph.workspace.import_paths),
                 *([str(modules)] if has_made else []),

@@ -123,7 +123,7 @@ class _Maker:
         last: Rest | None = None
         left_ns = 0
         reached = dict.fromkeys(arm.joints, 0.0)
-        found: list[tuple[int, Rest]] = []
+        pairs: list[tuple[int, Rest]] = []
         for span in _busy_spans(own, self._end_ns):
             self._reach(reached, span)
             stood_s = rounded((span.next_ns - span.end_ns) / 1e9, TICK_S)
@@ -138,13 +138,13 @@ class _Maker:
             )
             left_ns = span.next_ns
             if last is not None and not rest.via_m and _is_same(rest.joints, last.joints):
-                time_ns, before = found.pop()
+                time_ns, before = pairs.pop()
                 last = replace(before, held_s=rounded((span.next_ns - time_ns) / 1e9, TICK_S))
-                found.append((time_ns, last))
+                pairs.append((time_ns, last))
                 continue
             last = rest
-            found.append((span.end_ns, last))
-        yield from found
+            pairs.append((span.end_ns, last))
+        yield from pairs
 
     def _reach(self, reached: dict[str, float], span: _Span) -> None:
         """Note where the commands of a span brought the joints: to their goals, or measured."""
@@ -242,7 +242,7 @@ class _Maker:
 
     def _declared(self) -> Mapping[str, tuple[Array, Array]]:
         """Return where each body that the controller declared was first, and last [m]."""
-        found: dict[str, tuple[Array, Array]] = {}
+        pair: dict[str, tuple[Array, Array]] = {}
         moved: set[str] = set()
         for change in read_declared(self.ran.folder):
             free = [body.name for body in change.bodies if body.is_free]
@@ -252,10 +252,10 @@ class _Maker:
                     moved.add(body.name)
                     if len(change.poses):
                         end = change.poses[-1, free.index(body.name)]
-                begin = found[body.name][0] if body.name in found else np.array(body.pose)
-                found[body.name] = begin, end
+                begin = pair[body.name][0] if body.name in pair else np.array(body.pose)
+                pair[body.name] = begin, end
         # What was never attached is furniture.
-        return {name: places for name, places in found.items() if name in moved}
+        return {name: places for name, places in pair.items() if name in moved}
 
     def _object(self, name: str, begin: Array, end: Array, is_round: bool) -> ObjectOutcome:
         before, after = matrix_of(begin[3:].tolist()), matrix_of(end[3:].tolist())

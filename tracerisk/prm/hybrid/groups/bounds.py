@@ -46,15 +46,15 @@ def any_group(groups: Sequence[Moments], *, is_certain: bool) -> Range:
     if len(groups) == 1:
         return Range(groups[0].least, groups[0].most)
     if is_certain:
-        return any_block([Range(each.least, each.most) for each in groups])
+        return any_block([Range(group.least, group.most) for group in groups])
     return Range(_least(groups), _most(groups))
 
 
 def any_block(blocks: Sequence[Range]) -> Range:
     """Return the probability that one of independent blocks fails."""
     return Range(
-        _any([each.least for each in blocks]),
-        _any([each.most for each in blocks]),
+        _any([block.least for block in blocks]),
+        _any([block.most for block in blocks]),
     )
 
 
@@ -65,20 +65,20 @@ def _any(independent: Sequence[float]) -> float:
 
 
 def _most(groups: Sequence[Moments]) -> float:
-    mean = math.fsum(each.most for each in groups)
+    mean = math.fsum(group.most for group in groups)
     if mean > _TANGENT:
         return min(1.0, mean)
-    square = math.fsum(each.square for each in groups)
+    square = math.fsum(group.square for group in groups)
     return min(mean, mean - mean * mean / 2.0 + mean**3 / 6.0 + square / 2.0)
 
 
 def _least(groups: Sequence[Moments]) -> float:
-    mean = math.fsum(each.least for each in groups)
-    squares = math.fsum(each.square for each in groups)
-    second = math.fsum(math.sqrt(each.square) for each in groups) ** 2
-    found = [each.least for each in groups]
-    found.append(mean - max(0.0, second - squares) / 2.0)
+    mean = math.fsum(group.least for group in groups)
+    squares = math.fsum(group.square for group in groups)
+    second = math.fsum(math.sqrt(group.square) for group in groups) ** 2
+    leasts = [group.least for group in groups]
+    leasts.append(mean - max(0.0, second - squares) / 2.0)
     if second > 0.0 and mean > 0.0:
         ratio = second / mean
-        found.append(0.0 - mean * math.expm1(-ratio) / ratio)
-    return max(found)
+        leasts.append(0.0 - mean * math.expm1(-ratio) / ratio)
+    return max(leasts)

@@ -98,17 +98,17 @@ class GroupChain(HiddenChain):
         """Return the layers to which a visit leads that the rest of the tree does not fail."""
         key = (number, layer)
         if key not in self._products:
-            found: dict[tuple[int, ...], float] = {(): 1.0}
+            values: dict[tuple[int, ...], float] = {(): 1.0}
             hidden = self.states.hidden[layer]
             for chain, lost, failed in zip(self._own, hidden, self._failed, strict=True):
                 ways = self._ways(chain, number, lost, failed)
-                found = {
+                values = {
                     (*before, after): weight * share
-                    for before, weight in found.items()
+                    for before, weight in values.items()
                     for after, share in ways
                 }
             joined: dict[int, float] = {}
-            for after, weight in found.items():
+            for after, weight in values.items():
                 to = self._index[tuple(sorted(after)) if self._alike else after]
                 joined[to] = joined.get(to, 0.0) + weight
             self._products[key] = tuple(joined.items())

@@ -65,21 +65,21 @@ class Grouped:
     @cached_property
     def groups_in(self) -> list[list[int]]:
         """The groups of each function, by number."""
-        found: list[list[int]] = [[] for _ in self.states.functions]
+        groups: list[list[int]] = [[] for _ in self.states.functions]
         for group, chain in enumerate(self.own):
             for number, function in enumerate(chain.states.functions):
                 if function.parts:
-                    found[number].append(group)
-        return found
+                    groups[number].append(group)
+        return groups
 
     @cached_property
     def groups_with(self) -> dict[str, list[int]]:
         """The groups of which units have a parameter."""
-        found: dict[str, list[int]] = {}
+        groups: dict[str, list[int]] = {}
         for group, chain in enumerate(self.own):
             for name in {n: None for f in chain.states.functions for n in f.parameters.values()}:
-                found.setdefault(name, []).append(group)
-        return found
+                groups.setdefault(name, []).append(group)
+        return groups
 
     def all_units(self) -> HiddenChain:
         """Return the chain with all groups, of which only few hidden states are held."""
@@ -117,19 +117,19 @@ class Grouped:
 
         Each is by itself: their sum is above the mission's failure by what fails twice.
         """
-        found = [list(row) for row in zip(*self.flow.failures, strict=True)]
+        result = [list(row) for row in zip(*self.flow.failures, strict=True)]
         for chain, own, flow in zip(self._chains, self.own, self.flows, strict=True):
             last = len(chain.states.hidden) - 1
             for number, function in enumerate(own.states.functions):
                 if function.parts:
                     q = own.rest[number].q
-                    found[number] += [
+                    result[number] += [
                         row[number] * q * share
                         for layer, row in enumerate(flow.visits[:last])
                         for to, share in chain.spread(number, layer)
                         if to == last and row[number] > 0.0
                     ]
-        return [math.fsum(parts) for parts in found]
+        return [math.fsum(parts) for parts in result]
 
     def _bound(
         self, rest: Probability, ends: Sequence[Sequence[float]], passage: Passage | None

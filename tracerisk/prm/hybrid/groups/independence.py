@@ -38,7 +38,7 @@ def blocks_of(
         for part in function.parts:
             used[group_of[part.classes[0]]].add(segment_of[number])
     return tuple(
-        Block(tuple(sorted(members)), all(segments[each][1] for each in own))
+        Block(tuple(sorted(members)), all(segments[index][1] for index in own))
         for own, members in joined_parts((own, [number]) for number, own in enumerate(used))
     )
 
@@ -59,20 +59,20 @@ def _segments(states: HiddenStates) -> list[Segment]:
     components = strong_components({states.entry: following[states.entry], **following})[::-1]
     place = {number: i for i, component in enumerate(components) for number in component}
     heads = _heads(components, place, following)
-    found: list[tuple[set[int], bool]] = []
+    pairs: list[tuple[set[int], bool]] = []
     farthest = 0
     for i, component in enumerate(components):
         if farthest <= i and len(heads.get(i, {states.entry})) == 1:
-            found.append((set(), True))
-        numbers, is_certain = found[-1]
+            pairs.append((set(), True))
+        numbers, is_certain = pairs[-1]
         is_plain = len(component) == 1 and component[0] not in following[component[0]]
-        found[-1] = numbers | set(component), is_certain and is_plain and not numbers
+        pairs[-1] = numbers | set(component), is_certain and is_plain and not numbers
         for number in component:
             # A mission that may end here passes nothing else in any case.
             ends = states.functions[number].done > 0.0
             reached = (place[target] for target in following[number])
             farthest = len(components) if ends else max(farthest, *reached)
-    return [(frozenset(numbers), is_certain) for numbers, is_certain in found]
+    return [(frozenset(numbers), is_certain) for numbers, is_certain in pairs]
 
 
 def _heads(
@@ -92,14 +92,14 @@ def _heads(
 
 def _passed(passage: Passage) -> list[Segment]:
     return [
-        (frozenset([each]), True)
-        if isinstance(each, int)
-        else (each.round.functions, _is_certain(each))
-        for each in passage
+        (frozenset([number]), True)
+        if isinstance(number, int)
+        else (number.round.functions, _is_certain(number))
+        for number in passage
     ]
 
 
 def _is_certain(loop: Loop) -> bool:
     return loop.body is not None and all(
-        isinstance(each, int) or _is_certain(each) for each in loop.body
+        isinstance(number, int) or _is_certain(number) for number in loop.body
     )

@@ -190,22 +190,22 @@ class HiddenChain:
 
         More failures than the states hold count as no success.
         """
-        found: list[tuple[float, ...]] = [()] * len(self.states.hidden)
-        for layer in range(len(found) - 1, -1, -1):
+        valueses: list[tuple[float, ...]] = [()] * len(self.states.hidden)
+        for layer in range(len(valueses) - 1, -1, -1):
             reward = []
             for number, function in enumerate(self.states.functions):
                 parts = [
-                    weight * (function.done if to == layer else found[to][number])
+                    weight * (function.done if to == layer else valueses[to][number])
                     for to, weight in self.spread(number, layer)
                 ]
                 reward.append(self.rest[number].q * total(parts))
             from_each = self._layer(layer, None).right(reward)
-            found[layer] = tuple(
+            valueses[layer] = tuple(
                 function.done
                 + total(weight * from_each[target] for target, weight in function.steps)
                 for function in self.states.functions
             )
-        return tuple(found)
+        return tuple(valueses)
 
     def returns(self) -> list[float]:
         """Return how often each function is visited from it on while no unit has failed unseen."""
@@ -248,14 +248,14 @@ class HiddenChain:
             return cache[layer]
         states = self.states
         held = states.held[number]
-        found = [(layer, 1.0)] if held[layer] else []
+        pairs = [(layer, 1.0)] if held[layer] else []
         for unit_class, p in self.units[number].items():
             if chosen is not None and unit_class in chosen:
                 counts = chosen[unit_class]
             else:
                 counts = self._counts(number, layer, unit_class, p)
             grown = []
-            for reached, weight in found:
+            for reached, weight in pairs:
                 for failed, share in enumerate(counts):
                     if failed > 0:
                         reached = states.more[reached][unit_class]
@@ -263,8 +263,8 @@ class HiddenChain:
                             break
                     if share != 0.0:
                         grown.append((reached, weight * share))
-            found = grown
-        spread = tuple(found)
+            pairs = grown
+        spread = tuple(pairs)
         if chosen is None:
             cache[layer] = spread
         return spread
@@ -302,8 +302,8 @@ class HiddenChain:
         if most is None:
             return 0.0
         own = [
-            counts if each == part else self._failures(number, each, layer, None)[0]
-            for each in self.states.functions[number].parts
+            counts if spare_group == part else self._failures(number, spare_group, layer, None)[0]
+            for spare_group in self.states.functions[number].parts
         ]
         return self._more_than(most - sum(self.states.hidden[layer]), own)
 

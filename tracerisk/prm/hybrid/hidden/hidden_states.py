@@ -92,21 +92,21 @@ class HiddenStates:
     @cached_property
     def parts_of(self) -> tuple[tuple[Part, ...], ...]:
         """The different parts, of any function, that each class is in."""
-        found: list[dict[Part, None]] = [{} for _ in self.classes]
+        tables: list[dict[Part, None]] = [{} for _ in self.classes]
         for function in self.functions:
             for part in function.parts:
                 for unit_class in part.classes:
-                    found[unit_class][part] = None
-        return tuple(map(tuple, found))
+                    tables[unit_class][part] = None
+        return tuple(map(tuple, tables))
 
     @cached_property
     def functions_with(self) -> Mapping[str, tuple[int, ...]]:
         """The functions that each parameter is in, by number."""
-        found: dict[str, list[int]] = {}
+        table: dict[str, list[int]] = {}
         for number, function in enumerate(self.functions):
             for name in function.state.probabilities:
-                found.setdefault(name, []).append(number)
-        return {name: tuple(numbers) for name, numbers in found.items()}
+                table.setdefault(name, []).append(number)
+        return {name: tuple(numbers) for name, numbers in table.items()}
 
     def working(self, layer: int, unit_class: int) -> int:
         """Return how many units of a class have not failed."""
@@ -127,8 +127,8 @@ def hidden_states(model: HybridModel, limit: int = MOST_STATES) -> HiddenStates:
     class_of = {unit: number for number, units in enumerate(classes) for unit in units}
     number_of = {state.name: number for number, state in enumerate(states)}
     functions = tuple(
-        _function(state, found, class_of, number_of)
-        for state, found in zip(states, parts, strict=True)
+        _function(state, latent_parts, class_of, number_of)
+        for state, latent_parts in zip(states, parts, strict=True)
     )
     pattern = Pattern(
         lambda number: f"'{states[number].name}'",
@@ -192,10 +192,10 @@ def _classes(
 ) -> tuple[tuple[str, ...], ...]:
     """Return the units in classes: in every state of one part, with one parameter."""
     uses: dict[str, list[tuple[int, int, str]]] = {}
-    for number, (state, found) in enumerate(zip(states, parts, strict=True)):
-        if found:
+    for number, (state, of_state) in enumerate(zip(states, parts, strict=True)):
+        if of_state:
             parameters = {event.name: event.parameter for event in state.tree.events}
-            for index, part in enumerate(found):
+            for index, part in enumerate(of_state):
                 for unit in part.units:
                     uses.setdefault(unit, []).append((number, index, parameters[unit]))
     alike: dict[tuple[tuple[int, int, str], ...], list[str]] = {}
@@ -255,17 +255,17 @@ def _enumerate(
     that would not with fewer.
     """
     level: dict[Hidden, None] = {(0,) * len(classes): None}
-    found = list(level)
+    numberses = list(level)
     different = list({function.parts: set(function.parameters) for function in functions}.items())
     while level:
         following: dict[Hidden, None] = {}
         for one in _grown(level, different, classes):
             following[one] = None
-            if len(found) + len(following) > limit:
-                return tuple(found), False
-        found += following
+            if len(numberses) + len(following) > limit:
+                return tuple(numberses), False
+        numberses += following
         level = following
-    return tuple(found), True
+    return tuple(numberses), True
 
 
 def _grown(

@@ -45,10 +45,10 @@ class RestTrees:
     def events(self, number: int, name: str) -> Sequence[str]:
         """Return the events of a parameter."""
         if number not in self._events:
-            found: dict[str, list[str]] = {}
+            texts: dict[str, list[str]] = {}
             for event in self._functions[number].rest.events:
-                found.setdefault(event.parameter, []).append(event.name)
-            self._events[number] = found
+                texts.setdefault(event.parameter, []).append(event.name)
+            self._events[number] = texts
         return self._events[number].get(name, ())
 
     def sensitivities(self, number: int) -> Mapping[str, float]:

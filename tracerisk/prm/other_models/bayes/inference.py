@@ -65,7 +65,7 @@ def joint_probabilities(
         table = inference.jointPosterior(wanted)
     else:
         table = inference.posterior(next(iter(wanted)))
-    found = {}
+    probabilities = {}
     for joint in product(*domains):
         states = {
             names[name]: network.states(name).index(state)
@@ -74,8 +74,8 @@ def joint_probabilities(
         }
         probability = float(table[states])
         if probability > 0.0:
-            found[joint] = probability
-    return found
+            probabilities[joint] = probability
+    return probabilities
 
 
 def _translated(pyagrum: Any, network: BayesianNetwork, names: Mapping[str, str]) -> Any:

@@ -157,15 +157,15 @@ class BayesianNetwork(Displayed):
             dict.fromkeys(parent for name in bearing for parent in self.events[name].names)
         )
         tables = {name: self.events[name].rows() for name in bearing}
-        found = []
+        result = []
         for joint, probability in self.joint(conditions, evidence).items():
             states = dict(zip(conditions, joint, strict=True))
             values = {}
             for name, table in tables.items():
                 figure = table[tuple(states[parent] for parent in self.events[name].names)]
                 values[name] = _figure(name, figure, mission_time_h)
-            found.append(Case(states, probability, values))
-        return tuple(found)
+            result.append(Case(states, probability, values))
+        return tuple(result)
 
     def solve(
         self,
@@ -194,7 +194,7 @@ class BayesianNetwork(Displayed):
         needed = set(product(*(self.states(parent) for parent in given.names)))
         for states in given.rows():
             if states not in needed:
-                allowed = one_of(", ".join(each) for each in needed)
+                allowed = one_of(", ".join(texts) for texts in needed)
                 raise ModelError(
                     f"{where}: a row for {', '.join(states)}, which is not a state of "
                     f"{', '.join(given.names)}; {allowed}"

@@ -96,8 +96,8 @@ def solve_network(
     bearing = tuple(cases[0].values)
     given: dict[str, float | list[float]] = {**tree.values_at(mission_time_h), **values}
     given.update(zip(bearing, map(list, zip(*figures, strict=True)), strict=True))
-    found = tree.probabilities(given).tolist()
-    tops = {row: Probability(p, q) for row, (p, q) in zip(figures, found, strict=True)}
+    tolist = tree.probabilities(given).tolist()
+    tops = {row: Probability(p, q) for row, (p, q) in zip(figures, tolist, strict=True)}
     solved = [
         SolvedCase(case.states, case.probability, tops[tuple(case.values.values())])
         for case in cases

@@ -66,12 +66,12 @@ class CutSets:
         are rare; above one where they are not.
         Raises ModelError for a parameter without a value.
         """
-        found = self._literal_values(values)
+        literal_values = self._literal_values(values)
         if self.max_order is not None:
-            return float(sum(self._by_order(found)))
+            return float(sum(self._by_order(literal_values)))
         for literal, family in self._families.items():
-            found[literal] = float(family.totals(found)[family.root])
-        return found[self._graph.top]
+            literal_values[literal] = float(family.totals(literal_values)[family.root])
+        return literal_values[self._graph.top]
 
     def most_probable(
         self, values: Mapping[str, float] | None = None, *, cut_off: float = 0.0
@@ -86,7 +86,9 @@ class CutSets:
         if values is None:
             # All of one weight: then the order decides.
             weight = {TRUE: 1.0, FALSE: 0.0} | dict.fromkeys(self._literals(), 1.0)
-            return (CutSet(each.events, each.absent) for each in self._in_order(weight, 0.0))
+            return (
+                CutSet(cut_set.events, cut_set.absent) for cut_set in self._in_order(weight, 0.0)
+            )
         if not 0.0 <= cut_off <= 1.0:
             raise ModelError(f"cut_off is {cut_off!r}; give a probability, 0 to 1")
         return self._in_order(self._literal_values(values), cut_off)
@@ -195,7 +197,7 @@ class CutSets:
         return by_order[top] if top in by_order else [0, values[top]]
 
     def _literal_values(self, values: Mapping[str, float]) -> dict[int, float]:
-        found = {TRUE: 1.0, FALSE: 0.0}
+        literal_values = {TRUE: 1.0, FALSE: 0.0}
         for node, event in enumerate(self._graph.events, FIRST_EVENT):
             parameter = self._parameters[event]
             if parameter not in values:
@@ -209,8 +211,8 @@ class CutSets:
                     f"event '{event}': probability {value!r} is outside [0, 1]; "
                     "give a number within"
                 )
-            found[node], found[-node] = pair_of(value)
-        return found
+            literal_values[node], literal_values[-node] = pair_of(value)
+        return literal_values
 
 
 def _rounded(value: float) -> float:

@@ -58,11 +58,11 @@ class Family:
     def lightest(self, weights: Mapping[int, int], most: int | None) -> Any:
         """Return by node the least weight of one of its sets; above `most` where it has none."""
         by_level = self.loops.listed([weights[literal] for literal in self.literals])
-        found = self.loops.integers(self.size)
+        integers = self.loops.integers(self.size)
         # More than any set can weigh where there is no limit.
         none = (sum(weights[literal] for literal in self.literals) if most is None else most) + 1
-        self.loops.lightest(*self.nodes, by_level, none, found)
-        return found
+        self.loops.lightest(*self.nodes, by_level, none, integers)
+        return integers
 
     def by_order(
         self, of_literal: Mapping[int, Sequence[float]], most: int | None = None
@@ -90,9 +90,9 @@ class Family:
 
     def _filled(self, loop: Callable[..., None], values: Mapping[int, float]) -> Any:
         by_level = self.loops.listed_floats([values[literal] for literal in self.literals])
-        found = self.loops.floats(self.size)
-        loop(*self.nodes, by_level, found)
-        return found
+        floats = self.loops.floats(self.size)
+        loop(*self.nodes, by_level, floats)
+        return floats
 
 
 def of_conjunction(literals: Sequence[int]) -> Family:
@@ -120,8 +120,8 @@ def phases(graph: LogicGraph, module: Module) -> dict[int, int] | None:
     for gate in reversed(module.gates):
         sign = signs[gate]
         for argument in graph.arguments[gate]:
-            found = sign if argument > 0 else -sign
-            if signs.setdefault(abs(argument), found) != found:
+            number = sign if argument > 0 else -sign
+            if signs.setdefault(abs(argument), number) != number:
                 return None
     return {node: signs[node] for node in module.inputs}
 

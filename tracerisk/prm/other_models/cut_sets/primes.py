@@ -30,9 +30,9 @@ class _Primes:
     def __init__(self, diagram: Diagram, budget: int) -> None:
         self._budget = budget
         self._levels = len(diagram.order)
-        self.level = [int(each) for each in diagram.level]
-        self.low = [int(each) for each in diagram.low]
-        self.high = [int(each) for each in diagram.high]
+        self.level = [int(item) for item in diagram.level]
+        self.low = [int(item) for item in diagram.low]
+        self.high = [int(item) for item in diagram.high]
         self._nodes = {
             key: node
             for node, key in enumerate(zip(self.level, self.low, self.high, strict=True))
@@ -57,7 +57,7 @@ class _Primes:
                 continue
             above, below = self._cofactors(edge, self.level[edge >> 1])
             both = self._and(above, below)
-            missing = [each for each in (above, below, both) if each not in self._primes]
+            missing = [number for number in (above, below, both) if number not in self._primes]
             if missing:
                 stack.extend(missing)
                 continue
@@ -98,8 +98,8 @@ class _Primes:
                 continue
             above, below = results.pop(), results.pop()
             level = min(self.level[f >> 1], self.level[g >> 1])
-            found = self._ands[f, g] = self._node(level, below, above)
-            results.append(found)
+            node = self._ands[f, g] = self._node(level, below, above)
+            results.append(node)
         return results[0]
 
     def _node(self, level: int, low: int, high: int) -> int:
@@ -137,8 +137,8 @@ class _Primes:
             a, b, step = stack.pop()
             if step:
                 low, high = results.pop(), results.pop()
-                found = self._less[a, b] = self._set(self.set_level[a], low, high)
-                results.append(found)
+                result = self._less[a, b] = self._set(self.set_level[a], low, high)
+                results.append(result)
                 continue
             while b > EMPTY_SET and self.set_level[b] < self.set_level[a]:
                 b = self.set_low[b]

@@ -77,15 +77,15 @@ def _starts(layout: Layout) -> list[tuple[float, bytes]]:
             f"the group of dynamic gates below '{layout.names[layout.top]}' has "
             f"{len(open_events)} events that may be failed from the start; allowed: 16"
         )
-    found = []
+    starts = []
     for outcome in product((False, True), repeat=len(open_events)):
         failed = [event for event, happens in zip(open_events, outcome, strict=True) if happens]
         chance = prod(
             layout.starting[event] if happens else 1.0 - layout.starting[event]
             for event, happens in zip(open_events, outcome, strict=True)
         )
-        found += [(chance * share, state) for share, state in start(layout, (*certain, *failed))]
-    return found
+        starts += [(chance * share, state) for share, state in start(layout, (*certain, *failed))]
+    return starts
 
 
 def _moves(layout: Layout, state: bytes) -> Iterator[tuple[bytes, float]]:

@@ -112,7 +112,7 @@ class FailureChain:
         for source, _, rate in self.transitions:
             rates[source].append(rate)
         # A sum beyond all numbers is infinite: fsum raises an error.
-        return [math.fsum(each) if sum(each) < math.inf else math.inf for each in rates]
+        return [math.fsum(values) if sum(values) < math.inf else math.inf for values in rates]
 
     def _steps(self) -> tuple[list[float], list[float]]:
         """Return the chance to stay in each state at a step, and that of each transition."""

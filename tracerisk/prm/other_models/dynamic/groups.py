@@ -83,13 +83,13 @@ def _dominators(
 
 def _dominator_of(names: Iterable[str], above: Mapping[str, str], depth: Mapping[str, int]) -> str:
     """Return the lowest element that dominates all of the names."""
-    found = ""
+    dominator = ""
     for name in names:
-        other = found or name
+        other = dominator or name
         while other != name:
             if depth[other] >= depth[name]:
                 other = above[other]
             else:
                 name = above[name]
-        found = other
-    return found
+        dominator = other
+    return dominator

@@ -46,9 +46,9 @@ def start(layout: Layout, failed: Iterable[int]) -> list[Outcome]:
         if layout.owner[gate] is None:
             _put_in_service(layout, row, first)
     together = bytearray(row)
-    found = list(_settle(layout, together, _fail(layout, together, failed), 1.0))
-    if found:
-        return found
+    pairs = list(_settle(layout, together, _fail(layout, together, failed), 1.0))
+    if pairs:
+        return pairs
     for event in failed:
         row[slots[event]] = 0
     return list(_settle(layout, row, [], 1.0))
@@ -251,7 +251,9 @@ def _without_the_forgotten(layout: Layout, row: bytearray) -> bytes:
                 grown = True
         for _, inputs in layout.restrictions:
             # Those that failed, too: what may happen now depends on them.
-            if any(counts[each] for each in inputs) and not all(counts[each] for each in inputs):
+            if any(counts[index] for index in inputs) and not all(
+                counts[index] for index in inputs
+            ):
                 _mark(layout, row, counts, inputs)
                 grown = True
     for element, counted in enumerate(counts):
@@ -269,7 +271,7 @@ def _without_the_forgotten(layout: Layout, row: bytearray) -> bytes:
 def _in_order(layout: Layout, row: bytearray) -> bytes:
     """Return the state with events that are alike in order: only how many failed counts."""
     for members in layout.alike:
-        for member, status in zip(members, sorted(row[each] for each in members), strict=True):
+        for member, status in zip(members, sorted(row[index] for index in members), strict=True):
             row[member] = status
     return bytes(row)
 

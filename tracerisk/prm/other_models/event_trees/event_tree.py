@@ -55,7 +55,9 @@ class EventTree(Displayed):
     def __post_init__(self) -> None:
         check_names_of(self)
         object.__setattr__(self, "_branches", {branch.name: branch for branch in self.branches})
-        object.__setattr__(self, "_sequences", {each.name: each for each in self.sequences})
+        object.__setattr__(
+            self, "_sequences", {sequence.name: sequence for sequence in self.sequences}
+        )
         check_targets(self)
         check_order(self)
 

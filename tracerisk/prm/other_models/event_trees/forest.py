@@ -95,7 +95,7 @@ class Forest:
         grown = _Growth(self)
         tops = []
         for alternative in alternatives:
-            inputs = [grown.occurrence(each) for each in dict.fromkeys(alternative)]
+            inputs = [grown.occurrence(row) for row in dict.fromkeys(alternative)]
             tops.append(inputs[0] if len(inputs) == 1 else grown.gate(GateKind.AND, inputs))
         top = tops[0] if len(tops) == 1 else grown.gate(GateKind.OR, tops)
         return grown.tree(top)
@@ -188,10 +188,10 @@ class _Growth:
 
 
 def _joined(kind: str, parts: Iterable[_Named]) -> dict[str, _Named]:
-    found: dict[str, _Named] = {}
+    result: dict[str, _Named] = {}
     for part in parts:
-        if found.setdefault(part.name, part) != part:
+        if result.setdefault(part.name, part) != part:
             raise ModelError(
                 f"{kind} '{part.name}' has different definitions in two fault trees; rename one"
             )
-    return found
+    return result

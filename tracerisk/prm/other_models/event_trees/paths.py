@@ -83,11 +83,11 @@ class CollectedPath:
         Keys are gates and events under their settings of house events, and forks whose paths
         have probabilities.
         """
-        found: dict[object, object] = {
+        table: dict[object, object] = {
             (name, houses): happens for name, happens, houses in self.occurrences
         }
-        found.update((taken[:2], taken.state) for taken, _ in self.weights if taken)
-        return found
+        table.update((taken[:2], taken.state) for taken, _ in self.weights if taken)
+        return table
 
 
 def collected_paths(
@@ -98,7 +98,10 @@ def collected_paths(
     Raises ModelError when a link leads to no tree or back into one it came from, TooLargeError
     beyond 100,000 paths.
     """
-    walk = _Walk({each.name: each for each in (tree, *linked)}, initiating_event or tree.name)
+    walk = _Walk(
+        {event_tree.name: event_tree for event_tree in (tree, *linked)},
+        initiating_event or tree.name,
+    )
     if _path_count(tree, walk.trees) > _MOST_PATHS:
         raise TooLargeError(
             f"event tree '{tree.name}' has more than {_MOST_PATHS} paths; "

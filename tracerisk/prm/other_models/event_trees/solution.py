@@ -94,11 +94,15 @@ class EventTreeSolution:
 
     def __getitem__(self, sequence: str) -> float:
         """Return the value of a sequence, summed where linked trees share the name."""
-        found = [each.value for each in self.sequences if each.name == sequence]
-        if not found:
-            names = (each.name for each in self.sequences)
+        values = [
+            sequence_figure.value
+            for sequence_figure in self.sequences
+            if sequence_figure.name == sequence
+        ]
+        if not values:
+            names = (sequence_figure.name for sequence_figure in self.sequences)
             raise ModelError(f"'{sequence}' is not a sequence; {one_of(names, sequence)}")
-        return math.fsum(found)
+        return math.fsum(values)
 
 
 def solve_event_tree(
@@ -167,7 +171,7 @@ def _check_names(path: CollectedPath, forest: Forest) -> None:
 
 def _overlapping(paths: Sequence[CollectedPath]) -> list[list[CollectedPath]]:
     """Part the paths into groups; paths of different groups exclude each other."""
-    found: list[list[CollectedPath]] = []
+    collected_pathses: list[list[CollectedPath]] = []
     waiting = [[(path, path.choices) for path in paths]]
     while waiting:
         group = waiting.pop()
@@ -175,8 +179,8 @@ def _overlapping(paths: Sequence[CollectedPath]) -> list[list[CollectedPath]]:
         if len(parts) > 1:
             waiting.extend(reversed(parts))
         else:
-            found.extend(_compared(group))
-    return found
+            collected_pathses.extend(_compared(group))
+    return collected_pathses
 
 
 def _parted(group: list[_Choosing]) -> list[list[_Choosing]]:
@@ -204,7 +208,7 @@ def _compared(group: list[_Choosing]) -> list[list[CollectedPath]]:
             else:
                 joined = other + joined
         groups = [*apart, joined]
-    return [[path for path, _ in each] for each in groups]
+    return [[path for path, _ in pairs] for pairs in groups]
 
 
 def _exclude(choices: Mapping[object, object], others: Mapping[object, object]) -> bool:

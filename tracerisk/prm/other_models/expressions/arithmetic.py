@@ -146,12 +146,12 @@ class Call(Expression):
     def value(self, arguments: Sequence[float], mission_time_h: float) -> float:  # noqa: ARG002
         """Return the function's value."""
         try:
-            found = FUNCTIONS[self.function][0](*arguments)
+            result = FUNCTIONS[self.function][0](*arguments)
         except (ValueError, ZeroDivisionError, OverflowError) as error:
             raise _undefined(self.function, arguments) from error
-        if isinstance(found, complex) or not math.isfinite(found):
+        if isinstance(result, complex) or not math.isfinite(result):
             raise _undefined(self.function, arguments)
-        return float(found)
+        return float(result)
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the function's values."""
@@ -162,13 +162,13 @@ class Call(Expression):
             return Expression.values(self, arguments, mission_time_h, size)
         function = getattr(np, name)
         with np.errstate(all="ignore"):
-            found: Array = (
+            array: Array = (
                 function(*arguments) if function.nin == 1 else reduce(function, arguments)
             )
-        bad = ~np.isfinite(found)
+        bad = ~np.isfinite(array)
         if bad.any():
-            raise _undefined(self.function, [float(each[bad][0]) for each in arguments])
-        return found
+            raise _undefined(self.function, [float(argument[bad][0]) for argument in arguments])
+        return array
 
 
 def _arity(function: str) -> str:

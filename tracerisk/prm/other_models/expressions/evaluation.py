@@ -131,8 +131,8 @@ class Evaluation(Walk):
 
     def of(self, expression: Expression) -> float:
         """Return the point value of the expression; raises as `evaluate` does."""
-        found: float = self._values((expression,))[0]
-        return found
+        value: float = self._values((expression,))[0]
+        return value
 
     def probability(self, expression: Expression) -> Probability:
         """Return the expression's value and its complement as a probability.

@@ -66,8 +66,8 @@ class Exponential(_Law):
         rate, time = arguments
         if (np.minimum(rate, time) < 0).any():
             return Expression.values(self, arguments, mission_time_h, size)
-        found: Array = -np.expm1(-rate * time)
-        return found
+        array: Array = -np.expm1(-rate * time)
+        return array
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +100,8 @@ class Glm(_Law):
         total = rate + repair_rate
         if (np.minimum.reduce([*arguments, 1 - on_demand]) < 0).any() or not total.all():
             return Expression.values(self, arguments, mission_time_h, size)
-        found: Array = on_demand * np.exp(-total * time) - rate / total * np.expm1(-total * time)
-        return found
+        array: Array = on_demand * np.exp(-total * time) - rate / total * np.expm1(-total * time)
+        return array
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,8 +134,8 @@ class Weibull(_Law):
         if (np.minimum(scale, shape) <= 0).any() or (np.minimum(shift, time) < 0).any():
             return Expression.values(self, arguments, mission_time_h, size)
         with np.errstate(over="ignore"):
-            found: Array = -np.expm1(-np.power(np.maximum(time - shift, 0.0) / scale, shape))
-        return found
+            array: Array = -np.expm1(-np.power(np.maximum(time - shift, 0.0) / scale, shape))
+        return array
 
 
 @dataclass(frozen=True, slots=True)

@@ -165,7 +165,7 @@ def change(
     if isinstance(node, Sum):
         return math.fsum(changes)
     if isinstance(node, Difference):
-        return math.fsum((changes[0], *(-each for each in changes[1:])))
+        return math.fsum((changes[0], *(-value for value in changes[1:])))
     if isinstance(node, Negation):
         return -changes[0]
     if isinstance(node, Product):
@@ -178,11 +178,11 @@ def change(
         quotient = node.value([pair.p for pair in low], mission_time_h)
         grown = product_change(high[1:], low[1:], changes[1:])
         return (changes[0] - quotient * grown) / divisor
-    above, below = (pair_of(node, each, mission_time_h) for each in (high, low))
+    above, below = (pair_of(node, probabilities, mission_time_h) for probabilities in (high, low))
     direct = apart(above, below)
     if abs(direct) >= _CANCELS * max(abs(above.p), abs(below.p)):
         return direct
-    wanted = [bool(each) for each in changes]
+    wanted = [bool(value) for value in changes]
     return along(lambda point: partials(node, point, mission_time_h, wanted), low, changes)
 
 
@@ -190,9 +190,9 @@ def product_change(high: Pairs, low: Pairs, changes: Sequence[float]) -> float:
     """Return the product of `high` less that of `low`, as a telescoping sum."""
     above, below = [pair.p for pair in high], [pair.p for pair in low]
     return math.fsum(
-        math.prod(above[:index]) * each * math.prod(below[index + 1 :])
-        for index, each in enumerate(changes)
-        if each
+        math.prod(above[:index]) * change * math.prod(below[index + 1 :])
+        for index, change in enumerate(changes)
+        if change
     )
 
 
@@ -207,17 +207,17 @@ def along(
     total = []
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):
         point = [
-            Probability(pair.p + node * each, pair.q - node * each)
-            for pair, each in zip(low, changes, strict=True)
+            Probability(pair.p + node * change, pair.q - node * change)
+            for pair, change in zip(low, changes, strict=True)
         ]
         total += [
-            weight * slope * each for slope, each in zip(gradient(point), changes, strict=True)
+            weight * slope * change for slope, change in zip(gradient(point), changes, strict=True)
         ]
     return math.fsum(total)
 
 
 def _selected(numbers: Sequence[float], index: int) -> tuple[float, ...]:
-    return tuple(1.0 if each == index else 0.0 for each in range(len(numbers)))
+    return tuple(1.0 if number == index else 0.0 for number in range(len(numbers)))
 
 
 def _pow(numbers: Sequence[float]) -> tuple[float, ...]:

@@ -59,8 +59,8 @@ class Sampling(Walk):
         Raises ModelError as `evaluate` does.
         """
         self._owner, self._ranks = owner, {}
-        found: Array = self._values((expression,))[0]
-        return found
+        value: Array = self._values((expression,))[0]
+        return value
 
     def _number(self, number: float) -> Array:
         from tracerisk.prm.numbers.arrays import np

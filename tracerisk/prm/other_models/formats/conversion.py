@@ -49,17 +49,17 @@ def logic_of_dynamic(tree: DynamicTree, mission_time_h: float | None = None) -> 
     """
     gates = [gate for gate in tree.gates if isinstance(gate, Gate)]
     dynamic = [gate.name for gate in tree.gates if not isinstance(gate, Gate)]
-    found = [*dynamic, *(tie.name for tie in tree.ties)]
-    if found:
+    texts = [*dynamic, *(tie.name for tie in tree.ties)]
+    if texts:
         raise ModelError(
-            f"{_listed(found)}: only Galileo can hold elements that depend on the order of failures"
+            f"{_listed(texts)}: only Galileo can hold elements that depend on the order of failures"
         )
     return LogicModel(
         name=tree.top,
         gates=tuple(GateDefinition(gate) for gate in gates),
         events=tuple(
-            EventDefinition(each.name, _expression(each.name, each.model, mission_time_h))
-            for each in tree.events
+            EventDefinition(event.name, _expression(event.name, event.model, mission_time_h))
+            for event in tree.events
         ),
     )
 
@@ -83,25 +83,23 @@ def logic_of_tree(
     written = _of_gates(tree)
     shared = [name for name in tree.parameters if name in given]
     taken = set(_names_of(written))
-    figures = {each: f"p_{each}" if each in taken else each for each in shared}
+    figures = {text: f"p_{text}" if text in taken else text for text in shared}
     return LogicModel(
         name=name or tree.top,
         gates=tuple(GateDefinition(gate) for gate in reversed(written.upwards)),
         events=tuple(
             EventDefinition(
-                each.name,
-                Reference(figures[each.parameter])
-                if each.parameter in figures
+                event.name,
+                Reference(figures[event.parameter])
+                if event.parameter in figures
                 else None
-                if each.model is None
-                else _expression(each.name, each.model, None),
+                if event.model is None
+                else _expression(event.name, event.model, None),
             )
-            for each in written.events
+            for event in written.events
         ),
-        houses=tuple(HouseDefinition(each) for each in written.houses),
-        parameters=tuple(
-            ParameterDefinition(figures[each], Number(given[each])) for each in shared
-        ),
+        houses=tuple(HouseDefinition(house) for house in written.houses),
+        parameters=tuple(ParameterDefinition(figures[key], Number(given[key])) for key in shared),
     )
 
 
@@ -130,7 +128,8 @@ def logic_of_functions(model: HybridModel) -> LogicModel:
             figure = Reference(f"{state.name}.{event.parameter}")
             events.append(EventDefinition(names[event.name], figure, place))
         houses += [
-            HouseDefinition(HouseEvent(names[each.name], each.state), place) for each in tree.houses
+            HouseDefinition(HouseEvent(names[house.name], house.state), place)
+            for house in tree.houses
         ]
         for name in tree.parameters:
             value = Number(state.probabilities[name])
@@ -155,7 +154,7 @@ def tree_of_logic(
     figures that no failure model has where no mission time is given.
     """
     if model.event_trees:
-        names = _listed([each.name for each in model.event_trees])
+        names = _listed([event_tree.name for event_tree in model.event_trees])
         raise ModelError(f"{names}: only Open-PSA and OpenPRA can hold event trees")
     if top is None and len(model.tops) != 1:
         raise ModelError(f"the model has {len(model.tops)} tops; choose one: {one_of(model.tops)}")
@@ -166,12 +165,12 @@ def tree_of_logic(
     events = []
     for event in tree.events:
         figure = event.model
-        found = None if figure is None else _law(figure, model, evaluation)
-        if found is None and figure is not None and mission_time_h is not None:
-            found = failure_models.Constant(figure.probability(mission_time_h).p)
-        if found is None and figure is not None:
+        law = None if figure is None else _law(figure, model, evaluation)
+        if law is None and figure is not None and mission_time_h is not None:
+            law = failure_models.Constant(figure.probability(mission_time_h).p)
+        if law is None and figure is not None:
             timed.append(event.name)
-        events.append(replace(event, model=found))
+        events.append(replace(event, model=law))
     if timed:
         raise ModelError(
             f"{_listed(timed)}: the figure depends on the mission time and is none of Galileo's "
@@ -205,7 +204,7 @@ def _law(model: FailureModel, owner: LogicModel, evaluation: Evaluation) -> Fail
         while isinstance(time, Reference):
             time = names[time.name]
         if isinstance(time, MissionTime) and not depends_on_mission_time(figures, names):
-            return expression.model([evaluation.of(each) for each in figures])
+            return expression.model([evaluation.of(figure) for figure in figures])
     return None
 
 
@@ -217,7 +216,7 @@ def _expression(name: str, model: FailureModel, mission_time_h: float | None) ->
         return Exponential(Number(model.rate), MissionTime())
     if isinstance(model, failure_models.Weibull) and model.age_h == 0.0:
         scale, shape, shift = (
-            Number(each) for each in (model.scale_h, model.shape, model.location_h)
+            Number(value) for value in (model.scale_h, model.shape, model.location_h)
         )
         return Weibull(scale, shape, shift, MissionTime())
     if mission_time_h is None:
@@ -241,13 +240,15 @@ def _of_gates(tree: FaultTree) -> FaultTree:
         replace(gate, inputs=tuple(names.get(name, name) for name in gate.inputs))
         for gate in tree.gates
     )
-    houses = tuple(HouseEvent(names.get(each.name, each.name), each.state) for each in tree.houses)
+    houses = tuple(
+        HouseEvent(names.get(house.name, house.name), house.state) for house in tree.houses
+    )
     if gates:
         return replace(tree, gates=gates, houses=houses)
     top = "top"
     while top in taken:
         top += "_"
-    inputs = (*(each.name for each in tree.events), *(each.name for each in houses))
+    inputs = (*(event.name for event in tree.events), *(house.name for house in houses))
     return FaultTree(top, (Gate(top, GateKind.OR, inputs),), tree.events, houses)
 
 

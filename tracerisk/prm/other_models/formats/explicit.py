@@ -70,14 +70,14 @@ def read_explicit(
     given). States are named by the first label that they have alone, else `s` and their number.
     Raises ModelError with the position of what is malformed; TooLargeError beyond `most_states`.
     """
-    found, count, rows = _read_transitions(transitions, transitions_file, kind, most_states)
+    chain_kind, count, rows = _read_transitions(transitions, transitions_file, kind, most_states)
     sets = read_labels(labels, labels_file, count)
     starts = sets.get(INITIAL, frozenset())
     if not starts:
         raise ModelError(f"no state has the label '{INITIAL}'; label one", Location(labels_file, 1))
     names = names_from_labels(count, sets)
     several = tuple(sorted(starts)) if len(starts) > 1 else ()
-    return ExplicitChain(found, min(starts), rows, sets, names, starts=several)
+    return ExplicitChain(chain_kind, min(starts), rows, sets, names, starts=several)
 
 
 def _read_transitions(
@@ -127,7 +127,7 @@ def _read_transitions(
         )
     allowed = min(named, most_states, declared[0] if declared is not None else named)
     with collection_paused():
-        found, highest, there, last = _rows(text, head, file, allowed, most_states, declared)
+        fieldses, highest, there, last = _rows(text, head, file, allowed, most_states, declared)
     if declared is not None and there != declared[1]:
         raise ModelError(
             f"{declared[1]} transitions are declared, but the file has {there}; it is truncated "
@@ -139,12 +139,12 @@ def _read_transitions(
         raise ModelError("the file contains no transitions", Location(file, first))
     kind = kind or ChainKind.DTMC
     if kind is ChainKind.DTMC:
-        _check_sums(found, text, head, file)
+        _check_sums(fieldses, text, head, file)
     return (
         kind,
         size,
         tuple(
-            row if (row := found.get(state)) and not (len(row) == 1 and state in row) else {}
+            row if (row := fieldses.get(state)) and not (len(row) == 1 and state in row) else {}
             for state in range(size)
         ),
     )
@@ -177,7 +177,7 @@ def _rows(
 
     States are below `allowed`; the first `head` lines are left out.
     """
-    found: dict[int, dict[int, float]] = {}
+    fieldses: dict[int, dict[int, float]] = {}
     highest, ways, last, number = -1, 0, 0, 0
     never: set[int] = set()
     for piece in pieces(document):
@@ -204,18 +204,18 @@ def _rows(
         highest = max(highest, max(sources), max(targets))
         ways += len(sources)
         for source, target, weight in zip(sources, targets, weights, strict=True):
-            row = found.get(source)
+            row = fieldses.get(source)
             if row is None:
-                found[source] = {target: weight}
+                fieldses[source] = {target: weight}
             else:
                 row[target] = weight
         if 0.0 in weights:
             never.update(s for s, weight in zip(sources, weights, strict=True) if weight == 0.0)
-    if sum(map(len, found.values())) < ways:
+    if sum(map(len, fieldses.values())) < ways:
         raise _twice(document, head, file)
     for source in never:
-        found[source] = {target: p for target, p in found[source].items() if p > 0.0}
-    return found, highest, ways, last
+        fieldses[source] = {target: p for target, p in fieldses[source].items() if p > 0.0}
+    return fieldses, highest, ways, last
 
 
 def _plain_piece(piece: str, allowed: int) -> tuple[list[int], list[int], list[float]] | None:

@@ -183,22 +183,22 @@ def identifiers(names: Sequence[str], taken: Iterable[str]) -> dict[str, str]:
     where two would be alike.
     """
     used = set(taken)
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     plain = [name for name in names if name not in used and _is_identifier(name)]
     for name in plain:
-        found[name] = name
+        texts[name] = name
         used.add(name)
     for name in names:
-        if name in found:
+        if name in texts:
             continue
         stem = _NOT_IN_IDENTIFIERS.sub("_", name)
         stem = stem if stem[:1].isalpha() or stem[:1] == "_" else f"s{stem}"
         candidate, number = stem, 2
         while candidate in used:
             candidate, number = f"{stem}_{number}", number + 1
-        found[name] = candidate
+        texts[name] = candidate
         used.add(candidate)
-    return found
+    return texts
 
 
 def _is_left(state: int, row: Mapping[int, float]) -> bool:

@@ -50,11 +50,11 @@ def linked_data(model: LinkedModel) -> dict[str, Any]:
         "schema": SCHEMA,
         "version": VERSION,
         "name": model.name,
-        "modelData": [_parameter_to_json(each) for each in model.parameters],
-        "faultTrees": [_tree_to_json(each) for each in model.trees],
-        "markovChains": [_chain_to_json(each) for each in model.chains],
+        "modelData": [_parameter_to_json(parameter) for parameter in model.parameters],
+        "faultTrees": [_tree_to_json(tree) for tree in model.trees],
+        "markovChains": [_chain_to_json(chain) for chain in model.chains],
         "figures": [
-            {"name": each.name, "value": value_to_json(each.value)} for each in model.figures
+            {"name": figure.name, "value": value_to_json(figure.value)} for figure in model.figures
         ],
     }
     if model.mission_time_h is not None:
@@ -93,15 +93,15 @@ def loads(text: str, file: str) -> LinkedModel:
 
 
 def _model(top: Element) -> LinkedModel:
-    found = top.fields(
+    fields = top.fields(
         ("schema", "version", "name"),
         optional=("systemMissionTime", "modelData", "faultTrees", "markovChains", "figures"),
     )
-    if found["schema"].value != SCHEMA:
-        found["schema"].fail(f"is {found['schema'].value!r}; expected '{SCHEMA}'")
-    version = found["version"].value
+    if fields["schema"].value != SCHEMA:
+        fields["schema"].fail(f"is {fields['schema'].value!r}; expected '{SCHEMA}'")
+    version = fields["version"].value
     if version != VERSION or isinstance(version, bool):
-        found["version"].fail(
+        fields["version"].fail(
             f"is {version!r}; this version of tracerisk reads {VERSION}: "
             "write the model again with it, or use the version that wrote it"
         )
@@ -111,20 +111,20 @@ def _model(top: Element) -> LinkedModel:
         places.setdefault(str(key), element)
 
     parameters, trees, chains, figures = [], [], [], []
-    for each in _list(found, "modelData"):
-        parameters.append(_parameter(each))
-        placed(parameters[-1].key, each)
-    for each in _list(found, "faultTrees"):
-        trees.append(_tree(each))
-        placed(trees[-1].key, each)
-    for each in _list(found, "markovChains"):
-        chains.append(_chain(each))
-        placed(chains[-1].key, each)
-    for each in _list(found, "figures"):
-        figures.append(_figure(each))
-        placed(f"figure '{figures[-1].name}'", each)
-    name = found["name"].string()
-    time_h = found["systemMissionTime"].number() if "systemMissionTime" in found else None
+    for item in _list(fields, "modelData"):
+        parameters.append(_parameter(item))
+        placed(parameters[-1].key, item)
+    for item in _list(fields, "faultTrees"):
+        trees.append(_tree(item))
+        placed(trees[-1].key, item)
+    for item in _list(fields, "markovChains"):
+        chains.append(_chain(item))
+        placed(chains[-1].key, item)
+    for item in _list(fields, "figures"):
+        figures.append(_figure(item))
+        placed(f"figure '{figures[-1].name}'", item)
+    name = fields["name"].string()
+    time_h = fields["systemMissionTime"].number() if "systemMissionTime" in fields else None
     try:
         return LinkedModel(
             name, tuple(parameters), tuple(trees), tuple(chains), tuple(figures), time_h
@@ -151,28 +151,29 @@ def _parameter_to_json(parameter: ModelParameter) -> dict[str, Any]:
 
 
 def _parameter(element: Element) -> ModelParameter:
-    found = element.fields(("name", "value"), optional=("unit", "distribution"))
+    fields = element.fields(("name", "value"), optional=("unit", "distribution"))
     return ModelParameter(
-        found["name"].string(),
-        read_value(found["value"]),
-        found["unit"].choice(UNITS) if "unit" in found else "",
-        read_distribution(found["distribution"]) if "distribution" in found else None,
+        fields["name"].string(),
+        read_value(fields["value"]),
+        fields["unit"].choice(UNITS) if "unit" in fields else "",
+        read_distribution(fields["distribution"]) if "distribution" in fields else None,
     )
 
 
 def _figure(element: Element) -> Figure:
-    found = element.fields(("name", "value"))
-    return Figure(found["name"].string(), read_value(found["value"]))
+    fields = element.fields(("name", "value"))
+    return Figure(fields["name"].string(), read_value(fields["value"]))
 
 
 def _tree_to_json(tree: LinkedTree) -> dict[str, Any]:
     events: list[dict[str, Any]] = [
-        {"name": each.name, "type": "basic", "value": value_to_json(each.value)}
-        for each in tree.events
+        {"name": event.name, "type": "basic", "value": value_to_json(event.value)}
+        for event in tree.events
     ]
-    events += [{"name": each.name, "type": "house", "value": each.state} for each in tree.houses]
+    events += [{"name": house.name, "type": "house", "value": house.state} for house in tree.houses]
     events += [
-        {"name": each.name, "type": "transfer", "faultTree": each.tree} for each in tree.transfers
+        {"name": transfer.name, "type": "transfer", "faultTree": transfer.tree}
+        for transfer in tree.transfers
     ]
     return {
         "name": tree.name,
@@ -183,28 +184,28 @@ def _tree_to_json(tree: LinkedTree) -> dict[str, Any]:
 
 
 def _tree(element: Element) -> LinkedTree:
-    found = element.fields(("name", "topEvent"), optional=("gates", "events"))
+    elements = element.fields(("name", "topEvent"), optional=("gates", "events"))
     events: list[LinkedEvent] = []
     houses: list[HouseEvent] = []
     transfers: list[Transfer] = []
-    for each in _list(found, "events"):
-        kind = each.entries().get("type")
+    for item in _list(elements, "events"):
+        kind = item.entries().get("type")
         if kind is None:
-            each.fail("'type' is missing")
+            item.fail("'type' is missing")
         if kind.choice(("basic", "house", "transfer")) == "transfer":
-            fields = each.fields(("name", "type", "faultTree"))
+            fields = item.fields(("name", "type", "faultTree"))
             transfers.append(Transfer(fields["name"].string(), fields["faultTree"].string()))
             continue
-        fields = each.fields(("name", "type", "value"))
+        fields = item.fields(("name", "type", "value"))
         name = fields["name"].string()
         if kind.value == "house":
             houses.append(HouseEvent(name, fields["value"].boolean()))
         else:
             events.append(LinkedEvent(name, read_value(fields["value"])))
     return LinkedTree(
-        found["name"].string(),
-        found["topEvent"].string(),
-        tuple(_gate(each) for each in _list(found, "gates")),
+        elements["name"].string(),
+        elements["topEvent"].string(),
+        tuple(_gate(item) for item in _list(elements, "gates")),
         tuple(events),
         tuple(houses),
         tuple(transfers),
@@ -236,14 +237,14 @@ def _chain_to_json(chain: LinkedChain) -> dict[str, Any]:
 
 
 def _chain(element: Element) -> LinkedChain:
-    found = element.fields(("name", "initialState", "transitions"), optional=("time",))
-    time = found["time"].choice(("discrete", "continuous")) if "time" in found else "discrete"
+    fields = element.fields(("name", "initialState", "transitions"), optional=("time",))
+    time = fields["time"].choice(("discrete", "continuous")) if "time" in fields else "discrete"
     key = "rate" if time == "continuous" else "probability"
-    steps = tuple(_transition(each, key) for each in found["transitions"].items())
+    steps = tuple(_transition(item, key) for item in fields["transitions"].items())
     return element.guard(
         lambda: LinkedChain(
-            found["name"].string(),
-            found["initialState"].string(),
+            fields["name"].string(),
+            fields["initialState"].string(),
             steps,
             "continuous" if time == "continuous" else "discrete",
         )
@@ -252,14 +253,14 @@ def _chain(element: Element) -> LinkedChain:
 
 def _transition(element: Element, key: str) -> Transition:
     allowed = (key,) if key == "rate" else (key, "remainder")
-    found = element.fields(("source", "target"), optional=allowed)
-    given = [each for each in allowed if each in found]
+    fields = element.fields(("source", "target"), optional=allowed)
+    given = [name for name in allowed if name in fields]
     if len(given) != 1:
         element.fail(f"states {' and '.join(given) or 'neither'}; give one; {one_of(allowed)}")
     value: Expression | None = None
     share = Fraction(1)
     if given == ["remainder"]:
-        share = read_fraction(found["remainder"], '"9/10", "0.9" or "1"')
+        share = read_fraction(fields["remainder"], '"9/10", "0.9" or "1"')
     else:
-        value = read_value(found[key])
-    return Transition(found["source"].string(), found["target"].string(), value, share)
+        value = read_value(fields[key])
+    return Transition(fields["source"].string(), fields["target"].string(), value, share)

@@ -79,18 +79,18 @@ def value_to_json(expression: Expression) -> Any:
     if isinstance(expression, Absorption):
         return {"absorption": {"markovChain": expression.chain, "states": list(expression.states)}}
     if isinstance(expression, Occupancy):
-        found = {"markovChain": expression.chain, "states": list(expression.states)}
+        textses = {"markovChain": expression.chain, "states": list(expression.states)}
         times = {"time": expression.time_h, "steps": expression.steps}
         given = {key: value for key, value in times.items() if value is not None}
-        return {"occupancy": found | given}
+        return {"occupancy": textses | given}
     if isinstance(expression, Negation):
         return {"neg": value_to_json(expression.term)}
     if isinstance(expression, Histogram):
-        bounds = [value_to_json(each) for each in expression.boundaries]
-        weights = [value_to_json(each) for each in expression.weights]
-        bins = [list(each) for each in zip(bounds[1:], weights, strict=True)]
+        bounds = [value_to_json(boundary) for boundary in expression.boundaries]
+        weights = [value_to_json(weight) for weight in expression.weights]
+        bins = [list(pair) for pair in zip(bounds[1:], weights, strict=True)]
         return {"histogram": {"base": bounds[0], "bins": bins}}
-    terms = [value_to_json(each) for each in expression.arguments]
+    terms = [value_to_json(argument) for argument in expression.arguments]
     if isinstance(expression, Call):
         return {expression.function: terms[0] if len(terms) == 1 else terms}
     if type(expression) in _NAMES:
@@ -103,12 +103,12 @@ def read_value(element: Element) -> Expression:
 
     Raises ModelError with its path and place when it states none.
     """
-    found = element.value
-    if isinstance(found, bool):
-        return Number(float(found), "bool")
-    if isinstance(found, int | float):
+    flag = element.value
+    if isinstance(flag, bool):
+        return Number(float(flag), "bool")
+    if isinstance(flag, int | float):
         element.number()
-        return element.guard(lambda: Number(found, "int" if isinstance(found, int) else "float"))
+        return element.guard(lambda: Number(flag, "int" if isinstance(flag, int) else "float"))
     entries = element.entries()
     if len(entries) != 1:
         element.fail(f"expected a number or an object with one key, found {len(entries)} keys")
@@ -131,17 +131,17 @@ def read_value(element: Element) -> Expression:
 
 
 def _absorption(inner: Element) -> Expression:
-    found = inner.fields(("markovChain", "states"))
-    return Absorption(found["markovChain"].string(), found["states"].each(Element.string))
+    fields = inner.fields(("markovChain", "states"))
+    return Absorption(fields["markovChain"].string(), fields["states"].each(Element.string))
 
 
 def _occupancy(inner: Element) -> Expression:
-    found = inner.fields(("markovChain", "states"), optional=("time", "steps"))
+    fields = inner.fields(("markovChain", "states"), optional=("time", "steps"))
     return Occupancy(
-        found["markovChain"].string(),
-        found["states"].each(Element.string),
-        found["time"].number() if "time" in found else None,
-        found["steps"].integer() if "steps" in found else None,
+        fields["markovChain"].string(),
+        fields["states"].each(Element.string),
+        fields["time"].number() if "time" in fields else None,
+        fields["steps"].integer() if "steps" in fields else None,
     )
 
 
@@ -152,12 +152,12 @@ def _mission_time(inner: Element) -> Expression:
 
 
 def _histogram(inner: Element) -> Expression:
-    found = inner.fields(("base", "bins"))
-    bounds, weights = [read_value(found["base"])], []
-    for each in found["bins"].items():
-        pair = each.each(read_value)
+    fields = inner.fields(("base", "bins"))
+    bounds, weights = [read_value(fields["base"])], []
+    for item in fields["bins"].items():
+        pair = item.each(read_value)
         if len(pair) != 2:
-            each.fail(
+            item.fail(
                 f"expected the upper boundary and the weight of a bin, found {len(pair)} values"
             )
         bounds.append(pair[0])

@@ -178,12 +178,12 @@ class SolvedChain:
 
     def _row(self, state: str) -> dict[str, float]:
         row = self._made.rows[state]
-        found = {target: self._inputs[place].p for target, place in row.explicit.items()}
+        values = {target: self._inputs[place].p for target, place in row.explicit.items()}
         if row.remainder:
             left = self._left(state)
             for target, share in row.remainder.items():
-                found[target] = found.get(target, 0.0) + left * share
-        return found
+                values[target] = values.get(target, 0.0) + left * share
+        return values
 
     def _left(self, state: str) -> float:
         """Return what the transitions of a state leave of one, from the largest's complement."""
@@ -209,17 +209,18 @@ class SolvedChain:
         return total
 
     def _probabilities(self) -> tuple[Probability, ...]:
-        found = list(self._inputs)
+        probabilities = list(self._inputs)
         for state, row in self._made.rows.items():
             for target, place in row.explicit.items():
-                probability = within(found[place])
+                probability = within(probabilities[place])
                 if probability is None:
                     raise ModelError(
-                        f"{self._made.chain.key}, state '{state}': probability {found[place].p!r} "
+                        f"{self._made.chain.key}, state '{state}': probability "
+                        f"{probabilities[place].p!r} "
                         f"to '{target}' is outside [0, 1]"
                     )
-                found[place] = probability
-        return tuple(found)
+                probabilities[place] = probability
+        return tuple(probabilities)
 
     def _check_rates(self) -> None:
         for state, row in self._made.rows.items():
@@ -242,10 +243,10 @@ class SolvedChain:
             others = tuple(state for state in chain.absorbing if state not in targets)
             there = self._solution.absorption_from_each(targets)
             elsewhere = self._solution.absorption_from_each(others)
-            found = {state: Probability(there[state], elsewhere[state]) for state in there}
-            found |= {state: Probability(1.0, 0.0) for state in targets}
-            found |= {state: Probability(0.0, 1.0) for state in others}
-            self._from_each[targets] = found
+            row = {state: Probability(there[state], elsewhere[state]) for state in there}
+            row |= {state: Probability(1.0, 0.0) for state in targets}
+            row |= {state: Probability(0.0, 1.0) for state in others}
+            self._from_each[targets] = row
         return self._from_each[targets]
 
     @cached_property

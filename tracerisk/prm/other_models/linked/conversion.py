@@ -78,8 +78,8 @@ def linked(model: HybridModel) -> LinkedModel:
     return LinkedModel(
         name=model.name,
         parameters=tuple(
-            ModelParameter(each.name, Number(each.theta), distribution=each.distribution)
-            for each in model.parameters
+            ModelParameter(item.name, Number(item.theta), distribution=item.distribution)
+            for item in model.parameters
         ),
         trees=tuple(trees),
         chains=(*visits, LinkedChain(MISSION, model.entry, tuple(transitions))),
@@ -312,11 +312,11 @@ def _binomial(units: int, failed: int, p: Expression) -> list[Expression]:
 
 def _merged(transitions: Sequence[Transition]) -> list[Transition]:
     """Return the transitions, those between the same two states added up."""
-    found: dict[tuple[str, str], list[Expression]] = {}
+    expressions: dict[tuple[str, str], list[Expression]] = {}
     for step in transitions:
         if step.value is not None:
-            found.setdefault((step.source, step.target), []).append(step.value)
+            expressions.setdefault((step.source, step.target), []).append(step.value)
     return [
         Transition(source, target, values[0] if len(values) == 1 else Sum(tuple(values)))
-        for (source, target), values in found.items()
+        for (source, target), values in expressions.items()
     ]

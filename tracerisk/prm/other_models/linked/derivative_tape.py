@@ -54,13 +54,15 @@ class Tape:
 
     def values(self, lookup: Lookup, mission_time_h: float) -> tuple[Probability, ...]:
         """Return the value of each node as a pair, that of the expression last."""
-        found: list[Probability] = []
+        probabilities: list[Probability] = []
         for node, places in zip(self.nodes, self.places, strict=True):
             if leaf_key(node) is not None:
-                found.append(lookup(node))
+                probabilities.append(lookup(node))
             else:
-                found.append(pair_of(node, [found[place] for place in places], mission_time_h))
-        return tuple(found)
+                probabilities.append(
+                    pair_of(node, [probabilities[place] for place in places], mission_time_h)
+                )
+        return tuple(probabilities)
 
     def pull(
         self, values: tuple[Probability, ...], weight: float, mission_time_h: float

@@ -162,10 +162,8 @@ class LinkedChain:
                 raise ModelError(f"{here}: duplicate transition; add up the two")
             seen.add((step.source, step.target))
             if self.time == "continuous" and (step.value is None or step.source == step.target):
-                found = "the remainder" if step.value is None else "its own source"
-                raise ModelError(
-                    f"{here}: {found} in continuous time; give a rate to another state"
-                )
+                text = "the remainder" if step.value is None else "its own source"
+                raise ModelError(f"{here}: {text} in continuous time; give a rate to another state")
             if step.value is None:
                 if step.share < 0:
                     raise ModelError(f"{here}: share {step.share} of the remainder is below zero")

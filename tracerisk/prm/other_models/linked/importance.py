@@ -48,12 +48,18 @@ def importances(model: LinkedModel, figure: str) -> tuple[ParameterImportance, .
     """
     solution = model.solve()
     slopes = solution.sensitivities(figure)
-    found = [
+    result = [
         _importance(model, parameter, figure, solution, slopes[parameter.name])
         for parameter in model.parameters
     ]
-    found.sort(key=lambda each: (-abs(each.fussell_vesely or 0.0), -abs(each.birnbaum), each.name))
-    return tuple(found)
+    result.sort(
+        key=lambda importance: (
+            -abs(importance.fussell_vesely or 0.0),
+            -abs(importance.birnbaum),
+            importance.name,
+        )
+    )
+    return tuple(result)
 
 
 def is_probability(parameter: ModelParameter, value: float) -> bool:

@@ -72,15 +72,15 @@ class LinkedModel(AsGraph):
     def __post_init__(self) -> None:
         check_mission_time(self.mission_time_h)
         for kind, names in (
-            ("parameter", [each.name for each in self.parameters]),
-            ("fault tree", [each.name for each in self.trees]),
-            ("Markov chain", [each.name for each in self.chains]),
-            ("figure", [each.name for each in self.figures]),
+            ("parameter", [parameter.name for parameter in self.parameters]),
+            ("fault tree", [tree.name for tree in self.trees]),
+            ("Markov chain", [chain.name for chain in self.chains]),
+            ("figure", [item.name for item in self.figures]),
         ):
             check_names(kind, names)
         made = self._prepare()
-        for key, each in made.items():
-            for tape in each.tapes:
+        for key, prepared in made.items():
+            for tape in prepared.tapes:
                 self._check(str(key), tape, made)
         tapes = {figure.name: Tape.of(figure.value) for figure in self.figures}
         for name, tape in tapes.items():
@@ -104,8 +104,10 @@ class LinkedModel(AsGraph):
         for name in values:
             self.parameter(name)
         parameters = tuple(
-            replace(each, value=Number(values[each.name])) if each.name in values else each
-            for each in self.parameters
+            replace(parameter, value=Number(values[parameter.name]))
+            if parameter.name in values
+            else parameter
+            for parameter in self.parameters
         )
         return replace(self, parameters=parameters)
 
@@ -132,7 +134,7 @@ class LinkedModel(AsGraph):
                 )
             return self.figure_tapes[figure]
         tape = Tape.of(figure)
-        self._check("the figure", tape, {each.key: each for each in self.prepared})
+        self._check("the figure", tape, {prepared.key: prepared for prepared in self.prepared})
         return tape
 
     def _prepare(self) -> dict[ElementKey, Prepared]:
@@ -156,7 +158,9 @@ class LinkedModel(AsGraph):
             key = leaf_key(node)
             if key is not None:
                 if key not in made:
-                    names = [each.name for each in made if each.kind == key.kind]
+                    names = [
+                        element_key.name for element_key in made if element_key.kind == key.kind
+                    ]
                     raise ModelError(f"{where}: there is no {key}; {one_of(names, key.name)}")
                 element = made[key].element
                 if element is not None and isinstance(node, Link):
@@ -176,7 +180,7 @@ def _ordered(made: Mapping[ElementKey, Prepared]) -> list[ElementKey]:
 
     def below(key: ElementKey) -> list[ElementKey]:
         keys = {leaf_key(leaf): None for tape in made[key].tapes for leaf in tape.leaves}
-        return [each for each in keys if each is not None]
+        return [item for item in keys if item is not None]
 
     def cycle(path: list[ElementKey]) -> ModelError:
         shown = " -> ".join(map(str, path[path.index(path[-1]) :]))

@@ -73,14 +73,14 @@ class Occupied:
         of where it goes (a telescoping sum, own derivation).
         """
         return math.fsum(
-            coefficient * each
-            for coefficient, each in zip(self._coefficients(low), changes, strict=True)
+            coefficient * value
+            for coefficient, value in zip(self._coefficients(low), changes, strict=True)
         )
 
     def _coefficients(self, other: Occupied) -> list[float]:
         steps = self._steps
         backward = other._chances()
-        found = []
+        coefficients = []
         for place, rest in zip(steps.places, (p.rest for p in other._steps.places), strict=True):
             parts = []
             for k in range(len(steps.weights) - 1):
@@ -90,8 +90,8 @@ class Occupied:
                 chances = backward[k + 1]
                 mean = mean_of((share, chances[state]) for state, share in rest.items())
                 parts.append(here * apart(chances[place.target], mean))
-            found.append(place.scale * math.fsum(parts))
-        return found
+            coefficients.append(place.scale * math.fsum(parts))
+        return coefficients
 
     def _chances(self) -> list[list[Probability]]:
         """Return c_k: what being in a state after k steps adds to the figure from then on."""
@@ -103,7 +103,7 @@ class Occupied:
                 for state in range(size)
             ]
             now = [Probability(0.0, 0.0)] * size
-            found = []
+            probabilitieses = []
             for weight in reversed(steps.weights):
                 now = [
                     Probability(
@@ -114,19 +114,19 @@ class Occupied:
                     )
                     for state, row in enumerate(steps.rows)
                 ]
-                found.append(now)
-            self._backward = found[::-1]
+                probabilitieses.append(now)
+            self._backward = probabilitieses[::-1]
         return self._backward
 
 
 def _forward(steps: Steps) -> list[list[float]]:
     """Return pi_k: where the chain is after k steps."""
     now = [float(state == steps.start) for state in range(len(steps.rows))]
-    found = [now]
+    forward = [now]
     for _ in steps.weights[1:]:
         now = multiplied(now, steps.rows)
-        found.append(now)
-    return found
+        forward.append(now)
+    return forward
 
 
 def check_steps(count: float, rows: Sequence[Mapping[int, float]]) -> None:

@@ -31,23 +31,23 @@ def outcome_trees(
     by_name = {tree.name: tree for tree in trees}
     made = [tree_to_solve(tree, by_name) for tree in by_name.values()]
     values: dict[str, Expression] = {}
-    for each in made:
-        for event, value in zip(each.tree.events, each.inputs, strict=True):
+    for solve in made:
+        for event, value in zip(solve.tree.events, solve.inputs, strict=True):
             if values.setdefault(event.name, value) != value:
                 raise ModelError(
                     f"event tree '{event_tree.name}': event '{event.name}' has different values "
                     "in the fault trees that it joins; rename one"
                 )
-    forest = Forest.of(each.tree for each in made)
+    forest = Forest.of(solve.tree for solve in made)
     others = tuple(linked)
     outcomes = dict.fromkeys(
         sequence.end_state for tree in (event_tree, *others) for sequence in tree.sequences
     )
-    found = []
+    linked_trees = []
     for outcome in outcomes:
         tree = event_tree.outcome_tree(outcome, forest, linked=others)
-        found.append(LinkedTree.of(f"{event_tree.name}: {outcome}", tree, values.items()))
-    return tuple(found)
+        linked_trees.append(LinkedTree.of(f"{event_tree.name}: {outcome}", tree, values.items()))
+    return tuple(linked_trees)
 
 
 @dataclass(frozen=True, slots=True)

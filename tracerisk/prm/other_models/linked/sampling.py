@@ -50,7 +50,7 @@ class SampledModel:
         self._time_h = model.mission_time_h if model.mission_time_h is not None else math.nan
         self._parameters: dict[str, _Pair] = {}
         self._inputs: dict[ElementKey, list[_Pair]] = {}
-        self._elements = {each.key: each.element for each in model.prepared}
+        self._elements = {item.key: item.element for item in model.prepared}
         self._links: dict[Link, _Pair] = {}
         for prepared in model.prepared:
             key = prepared.key
@@ -69,16 +69,16 @@ class SampledModel:
 
     def figure(self, name: str) -> Samples:
         """Return a figure for each draw: (n,)."""
-        found = self._value(self.model.tape_of(name), f"figure '{name}'").p
-        whole: Samples = np.array(np.broadcast_to(found, self._count))
+        result = self._value(self.model.tape_of(name), f"figure '{name}'").p
+        whole: Samples = np.array(np.broadcast_to(result, self._count))
         return whole
 
     def _value(self, tape: Tape, owner: str) -> _Pair:
-        found: list[_Pair] = []
+        result: list[_Pair] = []
         for index, (node, places) in enumerate(zip(tape.nodes, tape.places, strict=True)):
-            arguments = [found[place] for place in places]
-            found.append(self._of(node, arguments, f"{owner}:{index}"))
-        return found[-1]
+            arguments = [result[place] for place in places]
+            result.append(self._of(node, arguments, f"{owner}:{index}"))
+        return result[-1]
 
     def _of(self, node: Expression, arguments: Sequence[_Pair], key: str) -> _Pair:
         if isinstance(node, Reference):
@@ -122,8 +122,8 @@ class SampledModel:
             event.name: np.clip(pair.p, 0.0, 1.0)
             for event, pair in zip(made.tree.events, inputs, strict=True)
         }
-        found = top_samples(made.tree, values, made.compiled if made.tree.shared else None)
-        return Probability(found[:, 0], found[:, 1])  # type: ignore[arg-type]
+        array = top_samples(made.tree, values, made.compiled if made.tree.shared else None)
+        return Probability(array[:, 0], array[:, 1])  # type: ignore[arg-type]
 
     def _absorption(self, made: ChainToSolve, inputs: Sequence[_Pair], link: Absorption) -> _Pair:
         chain = made.chain
@@ -186,7 +186,7 @@ def is_one(value: Any) -> bool:
 
 def _row(made: ChainToSolve, state: str, inputs: Sequence[_Pair]) -> dict[Hashable, Values]:
     row = made.rows[state]
-    found: dict[Hashable, Values] = {
+    valueses: dict[Hashable, Values] = {
         target: inputs[place].p for target, place in row.explicit.items()
     }
     if row.remainder:
@@ -198,14 +198,14 @@ def _row(made: ChainToSolve, state: str, inputs: Sequence[_Pair]) -> dict[Hashab
             left = np.maximum(0.0, 1.0 - sum(pair.p for pair in taken))
         for target, share in row.remainder.items():
             way = left * share
-            found[target] = found[target] + way if target in found else way
-    for there, p in found.items():
+            valueses[target] = valueses[target] + way if target in valueses else way
+    for there, p in valueses.items():
         if np.any(np.asarray(p) < 0.0) or np.any(np.asarray(p) > 1.0 + 1e-12):
             raise ModelError(
                 f"{made.chain.key}, state '{state}': a draw gives '{there}' a probability outside "
                 "[0, 1]; narrow the distributions"
             )
-    return found
+    return valueses
 
 
 def _stepped(

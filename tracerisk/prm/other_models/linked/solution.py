@@ -43,12 +43,15 @@ class LinkedSolution:
     @property
     def parameters(self) -> dict[str, float]:
         """The value of each parameter."""
-        return {each.name: self._parameters[each.name].p for each in self.model.parameters}
+        return {
+            parameter.name: self._parameters[parameter.name].p
+            for parameter in self.model.parameters
+        }
 
     @property
     def figures(self) -> dict[str, float]:
         """The value of each figure."""
-        return {each.name: self.figure(each.name).p for each in self.model.figures}
+        return {figure.name: self.figure(figure.name).p for figure in self.model.figures}
 
     def figure(self, figure: str | Expression) -> Probability:
         """Return a figure and its complement, by name or as an expression over the elements.
@@ -65,7 +68,7 @@ class LinkedSolution:
         tape = self.model.tape_of(figure)
         weights: dict[Expression, float] = {}
         pending: dict[ElementKey, list[Expression]] = {}
-        found = dict.fromkeys((each.name for each in self.model.parameters), 0.0)
+        fromkeys = dict.fromkeys((parameter.name for parameter in self.model.parameters), 0.0)
 
         def add(leaf: Expression, weight: float) -> None:
             if leaf not in weights:
@@ -84,7 +87,7 @@ class LinkedSolution:
                 continue
             if prepared.element is None:
                 slopes = [math.fsum(weights[leaf] for leaf in leaves)]
-                found[key.name] = slopes[0]
+                fromkeys[key.name] = slopes[0]
             else:
                 slopes = [0.0] * len(prepared.tapes)
                 for leaf in leaves:
@@ -96,7 +99,7 @@ class LinkedSolution:
             for below, values, slope in zip(prepared.tapes, self._tapes[key], slopes, strict=True):
                 for leaf, weight in below.pull(values, slope, self._time_h):
                     add(leaf, weight)
-        return found
+        return fromkeys
 
     def change_from(self, low: LinkedSolution, figure: str | Expression) -> float:
         """Return a figure less that of another solution of the same model.
@@ -106,7 +109,7 @@ class LinkedSolution:
         """
         asked = self.model.tape_of(figure)
         leaves: dict[ElementKey, dict[Expression, None]] = {}
-        for tape in (*(each for p in self.model.prepared for each in p.tapes), asked):
+        for tape in (*(item for p in self.model.prepared for item in p.tapes), asked):
             for leaf in tape.leaves:
                 key = leaf_key(leaf)
                 assert key is not None
@@ -137,7 +140,7 @@ class LinkedSolution:
         except ModelError as error:
             raise ModelError(f"{key}: {error.message}", error.location) from error
         self._tapes[key] = values
-        results = [each[-1] for each in values]
+        results = [probabilities[-1] for probabilities in values]
         if prepared.element is not None:
             self._elements[key] = prepared.element.solve(results, self._time_h)
         elif key.name in self._set:

@@ -159,7 +159,9 @@ class SolvedTree:
             return self._change_of_shared(low, changes)
         before, after = self._swept(), low._swept()
         grown = dict.fromkeys((house.name for house in self._tree.houses), 0.0)
-        grown |= {event.name: each for event, each in zip(self._tree.events, changes, strict=True)}
+        grown |= {
+            event.name: value for event, value in zip(self._tree.events, changes, strict=True)
+        }
         for gate in self._tree.upwards:
             shares = gate_shares(
                 gate,
@@ -174,9 +176,9 @@ class SolvedTree:
     def _change_of_shared(self, low: SolvedTree, changes: Sequence[float]) -> float:
         """Take the difference inside the diagram, unless an event's own has lost its digits."""
         lossless = all(
-            abs(each) >= _LOSES * max(high.p, below.p)
-            for each, high, below in zip(changes, self._inputs, low._inputs, strict=True)
-            if each
+            abs(change) >= _LOSES * max(high.p, below.p)
+            for change, high, below in zip(changes, self._inputs, low._inputs, strict=True)
+            if change
         )
         if lossless:
             return self._made.compiled.difference(
@@ -186,8 +188,8 @@ class SolvedTree:
 
     def _slopes(self, inputs: Sequence[Probability]) -> Sequence[float]:
         if self._tree.shared:
-            found = self._made.compiled.sensitivities(self._named(inputs))
-            return [found[event.name] for event in self._tree.events]
+            sensitivities = self._made.compiled.sensitivities(self._named(inputs))
+            return [sensitivities[event.name] for event in self._tree.events]
         nodes = self._swept() if inputs is self._inputs else self._sweep(inputs)
         weights = slopes(self._tree.upwards, self._tree.top, nodes)
         return [weights[event.name] for event in self._tree.events]

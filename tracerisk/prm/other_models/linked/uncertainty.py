@@ -33,7 +33,9 @@ class _OfDeviate:
         """Return the quantiles at `shares`."""
         from tracerisk.prm.numbers.arrays import np
 
-        arguments = [np.full(len(shares), each.value((), 0.0)) for each in self.deviate.arguments]
+        arguments = [
+            np.full(len(shares), argument.value((), 0.0)) for argument in self.deviate.arguments
+        ]
         return self.deviate.quantiles(arguments, shares)
 
     def mean(self, value: float) -> float:
@@ -46,7 +48,9 @@ def distribution_of(parameter: ModelParameter) -> Distribution | None:
     if parameter.distribution is not None:
         return parameter.distribution
     value = parameter.value
-    if isinstance(value, Deviate) and all(isinstance(each, Number) for each in value.arguments):
+    if isinstance(value, Deviate) and all(
+        isinstance(argument, Number) for argument in value.arguments
+    ):
         return _OfDeviate(value)
     return None
 
@@ -78,7 +82,7 @@ def propagate(
         if known is not None:
             value = solution.parameters[parameter.name]
             inputs[parameter.name] = UncertainInput(value, known, is_probability(parameter, value))
-    cells = sum(len(each.tapes) + 1 for each in model.prepared)
+    cells = sum(len(prepared.tapes) + 1 for prepared in model.prepared)
     step = max(64, _CELLS // cells)
     done = 0
 
@@ -89,7 +93,7 @@ def propagate(
         nonlocal done
         count, parts = len(next(iter(drawn.values()))), []
         for start in range(0, count, step):
-            part = {name: each[start : start + step] for name, each in drawn.items()}
+            part = {name: array[start : start + step] for name, array in drawn.items()}
             # Deviates that have no share of their own are drawn anew in each block.
             parts.append(SampledModel(model, part, seed=seed + done + start).figure(figure))
         done += count

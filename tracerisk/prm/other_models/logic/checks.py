@@ -39,8 +39,8 @@ def check_model(model: LogicModel) -> None:
     gates = model.gates_by_name
     _check_names(model)
     named = {ALWAYS, NEVER, *gates}
-    named.update(each.name for each in model.events)
-    named.update(each.name for each in model.houses)
+    named.update(event.name for event in model.events)
+    named.update(house.name for house in model.houses)
     for gate in gates.values():
         for name in gate.inputs:
             if name not in named:
@@ -55,7 +55,7 @@ def check_model(model: LogicModel) -> None:
         except ModelError as error:
             raise ElementError("gate", gate.name, error.message) from error
     _check_cycles("gate", {name: gate.inputs for name, gate in gates.items()})
-    uses = {each.name: references(each.expression) for each in model.parameters}
+    uses = {parameter.name: references(parameter.expression) for parameter in model.parameters}
     _check_cycles("parameter", uses)
     _check_references(model, uses)
     _check_groups(model)
@@ -76,16 +76,16 @@ def suggestion(names: Iterable[str], found: str) -> str:
 def _check_names(model: LogicModel) -> None:
     spaces: tuple[tuple[tuple[str, Iterable[str]], ...], ...] = (
         (
-            ("gate", (each.gate.name for each in model.gates)),
-            ("basic event", (each.name for each in model.events)),
-            ("house event", (each.house.name for each in model.houses)),
+            ("gate", (gate.gate.name for gate in model.gates)),
+            ("basic event", (event.name for event in model.events)),
+            ("house event", (house.house.name for house in model.houses)),
         ),
-        (("parameter", (each.name for each in model.parameters)),),
-        (("common cause group", (each.name for each in model.groups)),),
-        (("event tree", (each.tree.name for each in model.event_trees)),),
-        (("alignment", (each.name for each in model.alignments)),),
-        (("substitution", (each.name for each in model.substitutions)),),
-        (("fault tree", (each.path for each in model.containers)),),
+        (("parameter", (parameter.name for parameter in model.parameters)),),
+        (("common cause group", (group.name for group in model.groups)),),
+        (("event tree", (event_tree.tree.name for event_tree in model.event_trees)),),
+        (("alignment", (alignment.name for alignment in model.alignments)),),
+        (("substitution", (substitution.name for substitution in model.substitutions)),),
+        (("fault tree", (container.path for container in model.containers)),),
     )
     for space in spaces:
         kinds: dict[str, str] = {}
@@ -112,19 +112,19 @@ def _check_cycles(kind: str, below: Mapping[str, tuple[str, ...]]) -> None:
             kind, name, f"{kind} '{name}' depends on itself ({shown}); break the cycle"
         )
 
-    upwards(below, lambda name: [each for each in below[name] if each in below], cycle)
+    upwards(below, lambda name: [text for text in below[name] if text in below], cycle)
 
 
 def _check_references(model: LogicModel, uses: Mapping[str, tuple[str, ...]]) -> None:
-    for kind, name, found in (
-        *(("parameter", name, found) for name, found in uses.items()),
+    for kind, name, texts in (
+        *(("parameter", name, texts) for name, texts in uses.items()),
         *(
-            ("basic event", each.name, references(each.expression))
-            for each in model.events
-            if each.expression is not None and not isinstance(each.expression, Number)
+            ("basic event", event.name, references(event.expression))
+            for event in model.events
+            if event.expression is not None and not isinstance(event.expression, Number)
         ),
     ):
-        for used in found:
+        for used in texts:
             if used not in uses:
                 raise ElementError(
                     kind, name, f"{kind} '{name}': no parameter '{used}'; {suggestion(uses, used)}"
@@ -134,7 +134,7 @@ def _check_references(model: LogicModel, uses: Mapping[str, tuple[str, ...]]) ->
 def _check_groups(model: LogicModel) -> None:
     if not model.groups:
         return
-    events = {each.name for each in model.events}
+    events = {event.name for event in model.events}
     owners: dict[str, str] = {}
     for group in model.groups:
         where = f"common cause group '{group.name}'"
@@ -152,7 +152,7 @@ def _check_groups(model: LogicModel) -> None:
 
 
 def _check_alignments(model: LogicModel) -> None:
-    houses = {each.house.name for each in model.houses}
+    houses = {house_definition.house.name for house_definition in model.houses}
     for alignment in model.alignments:
         for phase in alignment.phases:
             for house, _ in phase.houses:
@@ -172,11 +172,11 @@ def needs_mission_time(model: LogicModel) -> bool:
 
 def _figures(model: LogicModel) -> Iterator[Expression]:
     """Yield the expressions of all events, groups and event trees."""
-    yield from (each.expression for each in model.events if each.expression is not None)
+    yield from (event.expression for event in model.events if event.expression is not None)
     for group in model.groups:
         yield group.distribution
         yield from (factor for _, factor in group.factors)
-    waiting: list[Any] = [each.tree for each in model.event_trees]
+    waiting: list[Any] = [event_tree.tree for event_tree in model.event_trees]
     while waiting:
         part = waiting.pop()
         if isinstance(part, Expression):
@@ -185,6 +185,6 @@ def _figures(model: LogicModel) -> Iterator[Expression]:
             waiting.extend(part)
         elif is_dataclass(part):
             # Of a figure the expression alone: its definitions are those of the model.
-            names = [each.name for each in fields(part) if not each.name.startswith("_")]
+            names = [entry.name for entry in fields(part) if not entry.name.startswith("_")]
             skipped = ("definitions", "location")
             waiting.extend(getattr(part, name) for name in names if name not in skipped)

@@ -164,12 +164,12 @@ class CommonCauseTree:
 
         Raises ModelError when a parameter has no value or one outside [0, 1].
         """
-        found = {name: values[name] for name in self.tree.parameters if name in values}
+        table = {name: values[name] for name in self.tree.parameters if name in values}
         for name, (whole, share) in self.shares.items():
             if whole not in values:
                 raise ModelError(f"parameter '{whole}' has no value; {one_of(values, whole)}")
-            found[name] = value_of(_share(pair_of(values[whole]), share))
-        return found
+            table[name] = value_of(_share(pair_of(values[whole]), share))
+        return table
 
 
 def expand_common_cause(tree: FaultTree, groups: Sequence[CommonCauseGroup]) -> CommonCauseTree:

@@ -20,7 +20,7 @@ def solved_event_trees(
     Raises ModelError when an event has no figure, a condition is of nothing that there is, or
     the model has substitutions; TooLargeError when a sequence outgrows every budget.
     """
-    trees = [each.tree for each in model.event_trees]
+    trees = [event_tree.tree for event_tree in model.event_trees]
     begun = [tree for tree in trees if tree.initiating is not None]
     if begun and model.substitutions:
         raise ModelError(
@@ -36,7 +36,7 @@ def solved_event_trees(
         for name in conditions
     )
     # A path may set house events that none of its conditions stands above.
-    houses = {each.name: each.house for each in model.houses} | dict(below.houses)
+    houses = {house.name: house.house for house in model.houses} | dict(below.houses)
     forest = Forest(below.gates, below.events, houses)
     values = forest.values_at(mission_time_h)
     return tuple(solve_event_tree(tree, forest, values, mission_time_h, trees) for tree in begun)

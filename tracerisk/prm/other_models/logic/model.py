@@ -258,27 +258,27 @@ class LogicModel:
     """The parameters by name, as expressions see them."""
 
     def __post_init__(self) -> None:
-        gates = {each.gate.name: each.gate for each in self.gates}
+        gates = {gate.gate.name: gate.gate for gate in self.gates}
         object.__setattr__(self, "gates_by_name", gates)
         check_model(self)
-        entries = tuple((each.name, each.expression) for each in self.parameters)
+        entries = tuple((parameter.name, parameter.expression) for parameter in self.parameters)
         object.__setattr__(self, "definitions", Definitions(entries))
 
     @property
     def tops(self) -> tuple[str, ...]:
         """The gates that feed no other gate of their own fault tree, in their order."""
-        homes = {each.name: _tree_of(each.place.home) for each in self.gates}
+        homes = {gate.name: _tree_of(gate.place.home) for gate in self.gates}
         fed = {
             name
-            for each in self.gates
-            for name in each.gate.inputs
-            if name in homes and homes[name] == homes[each.name]
+            for gate in self.gates
+            for name in gate.gate.inputs
+            if name in homes and homes[name] == homes[gate.name]
         }
-        hypotheses = {each.hypothesis for each in self.substitutions}
+        hypotheses = {substitution.hypothesis for substitution in self.substitutions}
         return tuple(
-            each.name
-            for each in self.gates
-            if each.name not in fed and not each.nested and each.name not in hypotheses
+            gate.name
+            for gate in self.gates
+            if gate.name not in fed and not gate.nested and gate.name not in hypotheses
         )
 
     def fault_tree(
@@ -297,20 +297,20 @@ class LogicModel:
 
         Raises ModelError when there is no such alignment or phase.
         """
-        alignments = {each.name: each for each in self.alignments}
+        alignments = {item.name: item for item in self.alignments}
         if alignment not in alignments:
             raise ModelError(
                 f"there is no alignment '{alignment}'; {one_of(alignments, alignment)}"
             )
-        phases = {each.name: each for each in alignments[alignment].phases}
+        phases = {item.name: item for item in alignments[alignment].phases}
         if phase not in phases:
             raise ModelError(
                 f"alignment '{alignment}' has no phase '{phase}'; {one_of(phases, phase)}"
             )
         states = dict(phases[phase].houses)
         houses = tuple(
-            replace(each, house=HouseEvent(each.name, states.get(each.name, each.house.state)))
-            for each in self.houses
+            replace(house, house=HouseEvent(house.name, states.get(house.name, house.house.state)))
+            for house in self.houses
         )
         return replace(self, houses=houses)
 

@@ -35,7 +35,7 @@ def value_of(model: LogicModel, name: str, mission_time_h: float) -> float:
 
     Raises ModelError when there is none of that name, or it has no figure.
     """
-    houses = {each.name: each.house.state for each in model.houses}
+    houses = {house.name: house.house.state for house in model.houses}
     expression = _settable(model).get(name)
     if expression is not None:
         return Evaluation(model.definitions.by_name, mission_time_h).of(expression)
@@ -51,30 +51,30 @@ def with_values(model: LogicModel, values: Mapping[str, float]) -> LogicModel:
     Raises ModelError when there is none of that name, when the event is a member of a common
     cause group, or when a house event is set to another number.
     """
-    found = dict(values)
+    table = dict(values)
     known = _settable(model)
     for name in values:
         if name not in known:
             _fail(model, name, known)
     parameters = []
     for parameter in model.parameters:
-        value = found.pop(parameter.name, None)
+        value = table.pop(parameter.name, None)
         parameters.append(
             parameter if value is None else replace(parameter, expression=Number(value))
         )
     groups = []
     for group in model.groups:
-        value = found.pop(group.name, None)
+        value = table.pop(group.name, None)
         groups.append(group if value is None else replace(group, distribution=Number(value)))
     events = []
     for event in model.events:
-        value = found.pop(event.name, None)
+        value = table.pop(event.name, None)
         if value is not None and not 0.0 <= value <= 1.0:
             raise ModelError(f"event '{event.name}': {value!r} is not a probability; give 0 to 1")
         events.append(event if value is None else replace(event, expression=Number(value)))
     houses = []
     for house in model.houses:
-        value = found.pop(house.name, None)
+        value = table.pop(house.name, None)
         if value not in (None, 0.0, 1.0):
             raise ModelError(f"house event '{house.name}': {value!r}; set it to 0 or 1")
         state = house.house.state if value is None else bool(value)
@@ -155,7 +155,7 @@ def propagate(
         )
         for (name, values), share in zip(inputs.items(), shares, strict=True)
     ]
-    rows.sort(key=lambda each: (-each.share, each.name))
+    rows.sort(key=lambda row: (-row.share, row.name))
     return Uncertainty.of_draws(results, seed=seed, point=point, inputs=tuple(rows))
 
 
@@ -202,11 +202,13 @@ def _check_factors(model: LogicModel) -> None:
 def _settable(model: LogicModel) -> dict[str, Expression | None]:
     """Return what can be set, by name, with its expression where it has one."""
     members = {member for group in model.groups for member in group.members}
-    found: dict[str, Expression | None] = dict.fromkeys(each.name for each in model.houses)
-    found |= {each.name: each.expression for each in model.events if each.name not in members}
-    found |= {group.name: group.distribution for group in model.groups}
-    found |= {each.name: each.expression for each in model.parameters}
-    return found
+    settable: dict[str, Expression | None] = dict.fromkeys(house.name for house in model.houses)
+    settable |= {
+        event.name: event.expression for event in model.events if event.name not in members
+    }
+    settable |= {group.name: group.distribution for group in model.groups}
+    settable |= {parameter.name: parameter.expression for parameter in model.parameters}
+    return settable
 
 
 def _fail(model: LogicModel, name: str, known: Mapping[str, object]) -> None:

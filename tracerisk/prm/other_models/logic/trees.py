@@ -25,10 +25,10 @@ def tree_below(
 ) -> FaultTree:
     """Return the tree below a gate or event; see `LogicModel.fault_tree`."""
     with collection_paused():
-        found = forest(model, common_cause=common_cause, mission_time_h=mission_time_h)
-        if top not in found:
+        result = forest(model, common_cause=common_cause, mission_time_h=mission_time_h)
+        if top not in result:
             raise ModelError(f"there is no top '{top}'; {one_of(model.tops, top)}")
-        gates = dict(found.gates)
+        gates = dict(result.gates)
         if model.substitutions:
             top = _substituted(model, top, gates)
         below: dict[str, None] = {}
@@ -43,8 +43,8 @@ def tree_below(
         return FaultTree(
             top,
             tuple(gates[name] for name in below if name in gates),
-            tuple(found.events[name] for name in below if name in found.events),
-            tuple(found.houses[name] for name in below if name in found.houses),
+            tuple(result.events[name] for name in below if name in result.events),
+            tuple(result.houses[name] for name in below if name in result.houses),
         )
 
 
@@ -56,7 +56,7 @@ def forest(model: LogicModel, *, common_cause: bool = True, mission_time_h: floa
     """
     gates = dict(model.gates_by_name)
     events = {event.name: event for event in basic_events(model)}
-    houses = {each.name: each.house for each in model.houses}
+    houses = {house.name: house.house for house in model.houses}
     houses |= {ALWAYS: HouseEvent(ALWAYS, True), NEVER: HouseEvent(NEVER, False)}
     if common_cause and model.groups:
         _expand(model, gates, events, mission_time_h)
@@ -70,19 +70,19 @@ def basic_events(model: LogicModel) -> Iterable[BasicEvent]:
     a parameter that one; all others have their own.
     """
     definitions = model.definitions
-    own = {each.name for each in model.events if not isinstance(each.expression, Reference)}
+    own = {event.name for event in model.events if not isinstance(event.expression, Reference)}
     members = {member: group for group in model.groups for member in group.members}
-    for each in model.events:
-        group = members.get(each.name)
-        expression = each.expression if group is None else group.distribution
-        location = partial(model.locations.get, ("basic event", each.name))
+    for event in model.events:
+        group = members.get(event.name)
+        expression = event.expression if group is None else group.distribution
+        location = partial(model.locations.get, ("basic event", event.name))
         figure = None if expression is None else ExpressionModel(expression, definitions, location)
-        parameter = each.name
+        parameter = event.name
         if group is not None:
             parameter = _distinct(group.name, own)
         elif isinstance(expression, Reference):
             parameter = _distinct(expression.name, own)
-        yield BasicEvent(each.name, parameter, figure)
+        yield BasicEvent(event.name, parameter, figure)
 
 
 def _distinct(name: str, own: set[str]) -> str:
@@ -98,7 +98,7 @@ def common_cause_groups(
     """
     from tracerisk.prm.other_models.logic.common_cause import CommonCauseGroup
 
-    found = []
+    cause_groups = []
     for group in groups:
         first = group.factors[0][0] if group.factors else 1
         for place, (level, _) in enumerate(group.factors):
@@ -108,8 +108,8 @@ def common_cause_groups(
                     "missing; give one for each level"
                 )
         factors = tuple(values.of(factor) for _, factor in group.factors)
-        found.append(CommonCauseGroup(group.name, group.members, group.law, factors))
-    return tuple(found)
+        cause_groups.append(CommonCauseGroup(group.name, group.members, group.law, factors))
+    return tuple(cause_groups)
 
 
 def _expand(
@@ -139,16 +139,16 @@ def _substituted(model: LogicModel, top: str, gates: dict[str, Gate]) -> str:
     Source: the Open-PSA Model Exchange Format as SCRAM 0.16 reads it, substitutions.
     """
     implications = []
-    for each in model.substitutions:
-        if each.sources:
+    for substitution in model.substitutions:
+        if substitution.sources:
             raise ModelError(
-                f"substitution '{each.name}' replaces events in cut sets, so the exact "
+                f"substitution '{substitution.name}' replaces events in cut sets, so the exact "
                 "probability is undefined; remove its sources, or the substitution",
-                model.locations.get(("substitution", each.name)),
+                model.locations.get(("substitution", substitution.name)),
             )
-        name = f"#{each.name}"
-        target = _target(each.target)
-        gates[name] = Gate(name, GateKind.IMPLY, (each.hypothesis, target))
+        name = f"#{substitution.name}"
+        target = _target(substitution.target)
+        gates[name] = Gate(name, GateKind.IMPLY, (substitution.hypothesis, target))
         implications.append(name)
     joined = f"#{top}"
     gates[joined] = Gate(joined, GateKind.AND, (top, *implications))

@@ -41,8 +41,8 @@ def visits_within(rows: Rows, start: list[float], steps: int) -> list[float]:
     if len(rows) <= _DENSE and squaring < 50.0 * work:
         from tracerisk.prm.numbers.arrays import np
 
-        found: list[float] = _doubled(start, dense(rows), np.eye(len(rows)), 1.0, steps).tolist()
-        return found
+        visits: list[float] = _doubled(start, dense(rows), np.eye(len(rows)), 1.0, steps).tolist()
+        return visits
     if work > _WORK:
         raise TooLargeError(f"{len(rows)} states over {steps} steps; ask for fewer steps")
     shares = series(start, rows, 0, [1.0 / steps] * steps)
@@ -77,8 +77,8 @@ def time_within(rates: Rows, start: list[float], time: float) -> list[float]:
             kept += tails[number] * now
         now = now @ one
     kept *= short / kept.sum(axis=1, keepdims=True)
-    found: list[float] = _doubled(start, moved, kept, short, 2**halvings).tolist()
-    return found
+    tolist: list[float] = _doubled(start, moved, kept, short, 2**halvings).tolist()
+    return tolist
 
 
 def _tails(mean: float) -> list[float]:

@@ -117,8 +117,8 @@ class ContinuousChain:
             for state in recurrent
         ]
         shares = dict.fromkeys((*self.rates, *self.absorbing), 0.0)
-        found = stationary(rows, lambda state: f"'{recurrent[state]}'", "rate")
-        shares.update(zip(recurrent, found, strict=True))
+        values = stationary(rows, lambda state: f"'{recurrent[state]}'", "rate")
+        shares.update(zip(recurrent, values, strict=True))
         return shares
 
     def availability(self, up: Iterable[str]) -> float:

@@ -96,11 +96,11 @@ class CertifiedSolver:
 
         trial = self._plan is not None
         steps = iteration.TRIAL_STEPS if trial else iteration.STEPS
-        found = iteration.Iteration(self._weights, steps)
+        result = iteration.Iteration(self._weights, steps)
         try:
             certified = self._certifier.certify(
                 given,
-                found.left if left else found.right,
+                result.left if left else result.right,
                 left=left,
                 rounds=iteration.ROUNDS,
                 positive=False,
@@ -164,11 +164,11 @@ class _ListSolver:
     def left(self, start: Sequence[float]) -> list[float]:
         from tracerisk.prm.numbers.arrays import np
 
-        found: list[float] = self._solver.left(np.array(start, dtype=float)).values.tolist()
-        return found
+        tolist: list[float] = self._solver.left(np.array(start, dtype=float)).values.tolist()
+        return tolist
 
     def right(self, reward: Sequence[float]) -> list[float]:
         from tracerisk.prm.numbers.arrays import np
 
-        found: list[float] = self._solver.right(np.array(reward, dtype=float)).values.tolist()
-        return found
+        tolist: list[float] = self._solver.right(np.array(reward, dtype=float)).values.tolist()
+        return tolist

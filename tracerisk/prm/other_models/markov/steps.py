@@ -29,8 +29,8 @@ def distribution_after(
     rows.extend({index[name]: 1.0} for name in absorbing)
     start = [0.0] * len(names)
     start[index[entry]] = 1.0
-    found = after_steps(rows, start, steps)
-    return dict(zip(names, found, strict=True))
+    values = after_steps(rows, start, steps)
+    return dict(zip(names, values, strict=True))
 
 
 def after_steps(rows: Rows, start: list[float], steps: int) -> list[float]:
@@ -96,5 +96,5 @@ def _in_arrays(start: list[float], rows: Rows, steps: int, squaring: int) -> lis
     from tracerisk.prm.numbers.arrays import np
     from tracerisk.prm.other_models.markov.large.array_steps import entries_of, power
 
-    found: list[float] = power(np.array(start), entries_of(rows), steps, squaring).tolist()
-    return found
+    in_arrays: list[float] = power(np.array(start), entries_of(rows), steps, squaring).tolist()
+    return in_arrays

@@ -174,5 +174,5 @@ def _squared(start: list[float], rows: Rows, mean: float) -> list[float]:
         total = total / total.sum(axis=1, keepdims=True)
         total = total @ total
     last = np.array(start) @ total
-    found: list[float] = (last / last.sum()).tolist()
-    return found
+    tolist: list[float] = (last / last.sum()).tolist()
+    return tolist

@@ -75,7 +75,7 @@ def ask(
         else:
             states: list[State] = [()] * len(chain.rows)
             asked = _Questions(chain, states, Scope(), given, constants or {})
-        return tuple(asked.answer(each) for each in given.properties)
+        return tuple(asked.answer(item) for item in given.properties)
     except RecursionError as error:
         raise ModelError("an expression nests too deeply") from error
     except OverflowError as error:
@@ -132,7 +132,7 @@ class _Questions:
             if name in labels:
                 raise ModelError(f'label "{name}" is declared in the model already; rename one')
             holds = self._holds(expression)
-            labels[name] = frozenset(state for state, each in enumerate(holds) if each)
+            labels[name] = frozenset(state for state, hold in enumerate(holds) if hold)
 
     def answer(self, each: Property) -> Answer:
         """Return the answer to one property."""
@@ -162,19 +162,19 @@ class _Questions:
     def _by_state(self, each: Property, chosen: Sequence[int]) -> list[float]:
         asked = each.asked
         if each.kind == "P":
-            found = self._path(asked)
+            path = self._path(asked)
         elif each.kind == "S":
-            found = self._values.long_run([float(holds) for holds in self._right(asked)])
+            path = self._values.long_run([float(holds) for holds in self._right(asked)])
         else:
-            found = self._reward(each, asked)
-        if not callable(found):
-            return [found[state] for state in chosen]
+            path = self._reward(each, asked)
+        if not callable(path):
+            return [path[state] for state in chosen]
         if len(chosen) > _MOST_STARTS:
             raise TooLargeError(
                 f"{len(chosen)} initial states for a property with a time; at most "
                 f"{_MOST_STARTS} are supported"
             )
-        return [found(state) for state in chosen]
+        return [path(state) for state in chosen]
 
     def _path(self, asked: Asked) -> list[float] | Callable[[int], float]:
         right = self._right(asked)
@@ -248,12 +248,12 @@ class _Questions:
         return low, high
 
     def _time(self, expression: Expression) -> float:
-        found = self._number(expression)
-        whole = not self._values.discrete or found == math.floor(found)
-        if found < 0.0 or not whole:
+        time = self._number(expression)
+        whole = not self._values.discrete or time == math.floor(time)
+        if time < 0.0 or not whole:
             kind = "a whole number of steps" if self._values.discrete else "a time"
-            raise ModelError(f"{found!r} is not {kind} of 0 or more", expression.location)
-        return found
+            raise ModelError(f"{time!r} is not {kind} of 0 or more", expression.location)
+        return time
 
     def _number(self, expression: Expression) -> float:
         value = self._scope.value(expression)
@@ -270,10 +270,10 @@ class _Questions:
                 f"properties of {len(self.chain.rows)} states take more than {_MOST_WORK} "
                 "operations; ask fewer at a time, or name sets of states by labels"
             )
-        found = []
+        holds = []
         for number, state in enumerate(self.states):
-            found.append(truth(compiled.run((*state, number)), expression))
-        return found
+            holds.append(truth(compiled.run((*state, number)), expression))
+        return holds
 
 
 def _filtered(how: str, values: list[float], location: Location) -> list[float]:

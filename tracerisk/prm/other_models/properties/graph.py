@@ -11,29 +11,29 @@ Rows = Sequence[Mapping[int, float]]
 
 def sources_of(rows: Rows) -> list[list[int]]:
     """Return for each state those that lead to it in one move."""
-    found: list[list[int]] = [[] for _ in rows]
+    sources: list[list[int]] = [[] for _ in rows]
     for state, row in enumerate(rows):
         for target, weight in row.items():
             if weight > 0.0 and target != state:
-                found[target].append(state)
-    return found
+                sources[target].append(state)
+    return sources
 
 
 def reaching(
     sources: Sequence[Sequence[int]], targets: Iterable[int], through: Sequence[bool]
 ) -> list[bool]:
     """Return which states are targets, or come to one through states of `through` alone."""
-    found = [False] * len(sources)
+    flags = [False] * len(sources)
     waiting = []
     for state in targets:
-        found[state] = True
+        flags[state] = True
         waiting.append(state)
     while waiting:
         for state in sources[waiting.pop()]:
-            if through[state] and not found[state]:
-                found[state] = True
+            if through[state] and not flags[state]:
+                flags[state] = True
                 waiting.append(state)
-    return found
+    return flags
 
 
 def recurrent_classes(rows: Rows) -> list[list[int]]:
@@ -42,9 +42,9 @@ def recurrent_classes(rows: Rows) -> list[list[int]]:
         state: [target for target, weight in row.items() if weight > 0.0]
         for state, row in enumerate(rows)
     }
-    found = []
+    numberses = []
     for component in strong_components(following):
         members = set(component)
         if all(members.issuperset(following[state]) for state in component):
-            found.append(sorted(component))
-    return sorted(found)
+            numberses.append(sorted(component))
+    return sorted(numberses)

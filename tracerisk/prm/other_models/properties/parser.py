@@ -53,7 +53,7 @@ def parse_properties(text: str, file: str = "properties") -> PropertyFile:
 def _parsed(text: str, file: str) -> PropertyFile:
     cursor = Cursor(tokens_of(text, file))
     lines = text.splitlines()
-    found = PropertyFile(())
+    property_file = PropertyFile(())
     properties: list[Property] = []
     while cursor.now.kind != "end":
         if cursor.accept(";"):
@@ -63,12 +63,12 @@ def _parsed(text: str, file: str) -> PropertyFile:
             name = cursor.name("the name of a constant")
             value = parse_expression(cursor) if cursor.accept("=") else None
             del kind  # every number is one
-            _once(name, found.constants, "constant")
-            found.constants[name.text] = value
+            _once(name, property_file.constants, "constant")
+            property_file.constants[name.text] = value
             cursor.expect(";")
         elif cursor.now.text in ("formula", "label"):
             is_label = cursor.take().text == "label"
-            known = found.labels if is_label else found.formulas
+            known = property_file.labels if is_label else property_file.formulas
             if is_label and cursor.now.kind != "text":
                 cursor.now.refuse("a label in quotes")
             name = cursor.take() if is_label else cursor.name("a name")
@@ -78,7 +78,7 @@ def _parsed(text: str, file: str) -> PropertyFile:
             cursor.expect(";")
         else:
             properties.append(_property(cursor, lines))
-    return replace(found, properties=tuple(properties))
+    return replace(property_file, properties=tuple(properties))
 
 
 def _once(
@@ -105,7 +105,7 @@ def _property(cursor: Cursor, lines: list[str]) -> Property:
                 operator.location,
             )
         cursor.expect(",")
-    found = _question(cursor)
+    question = _question(cursor)
     if wrapped:
         states = parse_expression(cursor) if cursor.accept(",") else None
         cursor.expect(")")
@@ -120,7 +120,7 @@ def _property(cursor: Cursor, lines: list[str]) -> Property:
             end.location,
         )
     text = _between(lines, cursor.tokens[first].location, cursor.tokens[cursor.position - 1])
-    return replace(found, text=text, name=name, filter=chosen)
+    return replace(question, text=text, name=name, filter=chosen)
 
 
 def _question(cursor: Cursor) -> Property:
@@ -271,10 +271,10 @@ def _number(cursor: Cursor) -> Expression:
         depth += {"(": 1, ")": -1}.get(token.text, 0)
     end = replace(cursor.now, kind="end", text="")
     inner = Cursor([*cursor.tokens[first : cursor.position], end])
-    found = parse_expression(inner)
+    number = parse_expression(inner)
     if inner.now.kind != "end":
         inner.now.refuse("')'")
-    return found
+    return number
 
 
 def _between(lines: list[str], start: Location, last: Token) -> str:

@@ -61,11 +61,11 @@ class ChainValues:
         possible = reaching(sources, ends, onward)
         never = [state for state, holds in enumerate(possible) if not holds]
         doubtful = reaching(sources, never, onward)
-        value = [float(b or not each) for b, each in zip(right, doubtful, strict=True)]
+        value = [float(b or not flag) for b, flag in zip(right, doubtful, strict=True)]
         open_states = [
             state
-            for state, each in enumerate(doubtful)
-            if each and possible[state] and not right[state]
+            for state, flag in enumerate(doubtful)
+            if flag and possible[state] and not right[state]
         ]
         self._solve(open_states, value, [0.0] * len(value))
         return value
@@ -81,37 +81,39 @@ class ChainValues:
         sources = self._sources_of()
         lost = [state for state, holds in enumerate(either) if not holds]
         kept = reaching(sources, lost, [not b and a for a, b in zip(left, right, strict=True)])
-        return self.until(left, [b or not each for b, each in zip(right, kept, strict=True)])
+        return self.until(left, [b or not flag for b, flag in zip(right, kept, strict=True)])
 
     def following(self, holds: Sets) -> list[float]:
         """Return the probability that `holds` after the next move."""
-        found = []
+        values = []
         for state, row in enumerate(self.rows):
             total = math.fsum(row.values())
             into = math.fsum(p for target, p in row.items() if holds[target])
             # A state of a ctmc without a way out stays what it is.
-            found.append(into / total if total else float(holds[state]))
-        return found
+            values.append(into / total if total else float(holds[state]))
+        return values
 
     def expected(self, holds: Sets, earned: Sequence[float]) -> list[float]:
         """Return the mean sum of what is earned before `holds`; infinite where it may never."""
         sources = self._sources_of()
         everywhere = [True] * len(holds)
-        ends = [state for state, each in enumerate(holds) if each]
+        ends = [state for state, hold in enumerate(holds) if hold]
         possible = reaching(sources, ends, everywhere)
-        never = [state for state, each in enumerate(possible) if not each]
-        doubtful = reaching(sources, never, [not each for each in holds])
-        value = [math.inf if each else 0.0 for each in doubtful]
-        sure = [s for s, each in enumerate(holds) if not each and not doubtful[s]]
+        never = [state for state, flag in enumerate(possible) if not flag]
+        doubtful = reaching(sources, never, [not hold for hold in holds])
+        value = [math.inf if flag else 0.0 for flag in doubtful]
+        sure = [s for s, hold in enumerate(holds) if not hold and not doubtful[s]]
         self._solve(sure, value, earned)
         return value
 
     def total(self, earned: Sequence[float]) -> list[float]:
         """Return the mean sum of what is ever earned."""
-        rich = [s for each in self._classes_of() for s in each if any(earned[t] for t in each)]
+        rich = [
+            s for class_ in self._classes_of() for s in class_ if any(earned[t] for t in class_)
+        ]
         endless = reaching(self._sources_of(), rich, [True] * len(earned))
-        done = {state for each in self._classes_of() for state in each}
-        value = [math.inf if each else 0.0 for each in endless]
+        done = {state for class_ in self._classes_of() for state in class_}
+        value = [math.inf if flag else 0.0 for flag in endless]
         self._solve(
             [s for s in range(len(earned)) if s not in done and not endless[s]], value, earned
         )
@@ -173,7 +175,7 @@ class ChainValues:
         start = [float(number == state) for number in range(len(self.rows) + 1)]
         rows = [row if holds[s] else {} for s, row in enumerate(self.rows)]
         after = self.after(start, high, rows)
-        return math.fsum(p for p, each in zip(after, holds, strict=False) if each)
+        return math.fsum(p for p, hold in zip(after, holds, strict=False) if hold)
 
     def earned_within(self, earned: Sequence[float], time: float, state: int) -> float:
         """Return the mean sum of what is earned up to a time, from a state."""
@@ -182,13 +184,13 @@ class ChainValues:
             stays = visits_within(self.rows, start, int(time))
         else:
             stays = time_within(self.rows, start, time)
-        return math.fsum(stay * each for stay, each in zip(stays, earned, strict=True) if each)
+        return math.fsum(stay * value for stay, value in zip(stays, earned, strict=True) if value)
 
     def earned_at(self, worth: Sequence[float], time: float, state: int) -> float:
         """Return the mean of what the state at a time is worth, from a state."""
         start = [float(number == state) for number in range(len(self.rows) + 1)]
         after = self.after(start, time)
-        return math.fsum(p * each for p, each in zip(after, worth, strict=False) if each)
+        return math.fsum(p * value for p, value in zip(after, worth, strict=False) if value)
 
     def _staying(self, left: Sets, start: list[float], time: float) -> list[float]:
         """Return where a chain is at a time, before which it was in `left`; else it is lost."""
@@ -202,9 +204,9 @@ class ChainValues:
 
     def _kept(self, holds: Sets) -> list[bool]:
         """Return the states of `holds` from which no other can be reached."""
-        outside = [state for state, each in enumerate(holds) if not each]
+        outside = [state for state, hold in enumerate(holds) if not hold]
         leaving = reaching(self._sources_of(), outside, holds)
-        return [not each for each in leaving]
+        return [not flag for flag in leaving]
 
     def _solve(self, states: Sequence[int], value: list[float], earned: Sequence[float]) -> None:
         """Fill in the values of `states`, from which the others, whose values stand, are reached.
@@ -222,8 +224,8 @@ class ChainValues:
             slack.append(math.fsum(p for _, p in outside))
             given.append(math.fsum((earned[state], *(p * value[t] for t, p in outside))))
         solver = solver_of(ways, slack, self._labels(states), self._kind)
-        for state, found in zip(states, solver.right(given), strict=True):
-            value[state] = float(found)
+        for state, result in zip(states, solver.right(given), strict=True):
+            value[state] = float(result)
 
     def _labels(self, states: Sequence[int]) -> Callable[[int], str]:
         return lambda number: f"'{self.chain.names[states[number]]}'"

@@ -80,8 +80,8 @@ def tree_bounds(
         for p, q in corners:
             p[root], q[root] = module_pair(graph, module, diagram, p, q)
     top = graph.top
-    found = [(p if top > 0 else q)[abs(top)] for p, q in corners]
-    return min(found), max(found)
+    result = [(p if top > 0 else q)[abs(top)] for p, q in corners]
+    return min(result), max(result)
 
 
 def _at(
@@ -159,10 +159,10 @@ class _Thinning:
             for literal in self._literals(gate):
                 if literal >> 1 >= self._levels:
                     last[(literal >> 1) - self._levels] = gate
-        found: dict[int, list[tuple[int, int]]] = {}
+        last_uses: dict[int, list[tuple[int, int]]] = {}
         for other, gate in last.items():
-            found.setdefault(gate, []).append((other, gate))
-        return found
+            last_uses.setdefault(gate, []).append((other, gate))
+        return last_uses
 
     def _literals(self, gate: int) -> list[int]:
         offsets = self._local.offsets
@@ -208,7 +208,7 @@ class _Thinning:
             self._tidy()
         edge = int(self._edges[-1])
         happens, fails, reach, under = self._scratch
-        found = self._loops.thinned(
+        number = self._loops.thinned(
             edge ^ side,
             self._most,
             *self._store[:2],
@@ -220,10 +220,10 @@ class _Thinning:
             under,
             self._used,
         )
-        if found == OUT_OF_NODES:
+        if number == OUT_OF_NODES:
             self._tidy()
-            found = NEVER
-        self._edges[-1] = found ^ side
+            number = NEVER
+        self._edges[-1] = number ^ side
 
     def _tidy(self) -> None:
         """Give up the nodes that no edge needs."""

@@ -147,8 +147,8 @@ class Diagram:
         gains = self.gains(*low, self.sweep(*low), [drop != 0.0 for drop in drops], limits)
         out = self.loops.floats(self.size)
         self.loops.differences(*self.nodes, *self._listed(*high, drops), gains, out)
-        found = float(out[self.root >> 1])
-        return -found if self.root & 1 else found
+        value = float(out[self.root >> 1])
+        return -value if self.root & 1 else value
 
     def sweep_many(self, p: Any, q: Any, limits: Limits) -> tuple[Any, Any]:
         """Return the root's probability and its complement for n assignments.
@@ -251,9 +251,9 @@ def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LI
                 given[name] = at + 1
                 if at not in stores:
                     stores[at] = store_for(budgets[at], loops)
-                found, reached[name] = _built(local, stores[at], loops)
-                if found is not None:
-                    return found
+                diagram, reached[name] = _built(local, stores[at], loops)
+                if diagram is not None:
+                    return diagram
         stores.pop(number, None)  # no order is given this budget again
         ranked = sorted(joined, key=lambda name: -reached[name])
         if number >= drawn_from:

@@ -130,9 +130,9 @@ class _Families:
         mask = len(self.table) - 1
         slot = level * 741457 + low * 12582917 + high * 4256249
         slot = (slot ^ (slot >> 17)) & mask
-        while found := self.table[slot]:
-            if (self.level[found], self.low[found], self.high[found]) == (level, low, high):
-                return int(found)
+        while result := self.table[slot]:
+            if (self.level[result], self.low[result], self.high[result]) == (level, low, high):
+                return int(result)
             slot = (slot + 1) & mask
         node = self.count
         if node >= len(self.level):

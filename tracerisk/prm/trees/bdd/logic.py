@@ -56,21 +56,21 @@ class LogicGraph:
             if node in constants:
                 made[node] = constants[node]
             elif arguments:
-                made[node] = builder.conjunction(renamed(each, made) for each in arguments)
+                made[node] = builder.conjunction(renamed(argument, made) for argument in arguments)
         return builder.graph(renamed(self.top, made))
 
     def reachable(self) -> list[int]:
         """Return the nodes below and including the top, each after its arguments."""
         wanted = bytearray(len(self.arguments))
         wanted[abs(self.top)] = 1
-        found = []
+        numbers = []
         for node in range(abs(self.top), 0, -1):
             if wanted[node]:
-                found.append(node)
+                numbers.append(node)
                 for argument in self.arguments[node]:
                     wanted[abs(argument)] = 1
-        found.reverse()
-        return found
+        numbers.reverse()
+        return numbers
 
 
 def renamed(literal: int, made: Sequence[int]) -> int:
@@ -98,11 +98,11 @@ class LogicBuilder:
 
     def ordered(self, arguments: tuple[int, ...]) -> int:
         """Return the literal of an AND of arguments that stand as in a `LogicGraph`."""
-        found = self._known.get(arguments)
-        if found is None:
-            found = self._known[arguments] = len(self.arguments)
+        number = self._known.get(arguments)
+        if number is None:
+            number = self._known[arguments] = len(self.arguments)
             self.arguments.append(arguments)
-        return found
+        return number
 
     def disjunction(self, literals: Iterable[int]) -> int:
         """Return the literal that happens when any of `literals` does."""
@@ -159,10 +159,10 @@ class LogicBuilder:
 
     def odd(self, literals: Sequence[int]) -> int:
         """Return the literal that happens when an odd number of `literals` does."""
-        found = FALSE
+        choice = FALSE
         for literal in literals:
-            found = self.choice(literal, -found, found)
-        return found
+            choice = self.choice(literal, -choice, choice)
+        return choice
 
     def gate(self, gate: Gate, literals: Sequence[int]) -> int:
         """Return the literal of a fault tree's gate over its inputs' literals."""

@@ -88,7 +88,7 @@ def modules(graph: LogicGraph) -> tuple[Module, ...]:
     if not graph.arguments[abs(graph.top)]:
         return ()
     roots = _module_roots(graph)
-    found: dict[int, Module] = {}
+    table: dict[int, Module] = {}
     for root in roots:
         inputs = set()
         gates = []
@@ -102,12 +102,12 @@ def modules(graph: LogicGraph) -> tuple[Module, ...]:
                 if child in seen:
                     continue
                 seen.add(child)
-                if child < graph.first_gate or child in found:
+                if child < graph.first_gate or child in table:
                     inputs.add(child)
                 else:
                     stack.append(child)
-        found[root] = Module(root, tuple(sorted(inputs)), tuple(sorted(gates)))
-    return tuple(found.values())
+        table[root] = Module(root, tuple(sorted(inputs)), tuple(sorted(gates)))
+    return tuple(table.values())
 
 
 def _module_roots(graph: LogicGraph) -> list[int]:

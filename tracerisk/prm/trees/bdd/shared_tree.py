@@ -133,10 +133,10 @@ class SharedTree:
                     weights[abs(argument)] = weight * share * (1.0 if argument > 0 else -1.0)
             else:
                 order = diagram.order
-                found = diagram.derivatives(
+                derivatives = diagram.derivatives(
                     [p[node] for node in order], [q[node] for node in order], self.limits
                 )
-                for node, share in zip(order, found, strict=True):
+                for node, share in zip(order, derivatives, strict=True):
                     weights[node] = weight * share
         # An event that the top does not depend on has a weight of zero, never minus zero.
         return {
@@ -156,8 +156,8 @@ class SharedTree:
             drops[node] = high[event].p - low[event].p
         for module in self.modules:
             drops[module.root] = self._module_drop(module, (p_high, q_high), (p_low, q_low), drops)
-        found = drops[abs(self.graph.top)]
-        return found if self.graph.top > 0 else 0.0 - found
+        drop = drops[abs(self.graph.top)]
+        return drop if self.graph.top > 0 else 0.0 - drop
 
     def _module_drop(
         self,

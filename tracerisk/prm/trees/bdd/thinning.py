@@ -91,9 +91,9 @@ def thinned(
                 if made_low == made_high:
                     under[half] = made_low
                     continue
-                found = store.edge_of(nodes[4 * node], made_low, made_high)
-                if found == OUT_OF_NODES:
+                number = store.edge_of(nodes[4 * node], made_low, made_high)
+                if number == OUT_OF_NODES:
                     return OUT_OF_NODES
-                under[half] = found
+                under[half] = number
     used[0] = store.count
     return int(under[edge])

@@ -164,7 +164,9 @@ def _lanes(spans: Sequence[tuple[int, int]]) -> list[int]:
     The shortest come first, and so stand inside the longer ones.
     """
     lanes: dict[int, int] = {}
-    for index in sorted(range(len(spans)), key=lambda each: abs(spans[each][0] - spans[each][1])):
+    for index in sorted(
+        range(len(spans)), key=lambda number: abs(spans[number][0] - spans[number][1])
+    ):
         low, high = sorted(spans[index])
         taken = {
             lane
@@ -180,15 +182,15 @@ def _ports(
 ) -> tuple[dict[Edge, float], dict[Edge, float]]:
     """Return how high each way leaves its state, below its middle, and arrives, above it."""
     ordered = [edge for _, edge in sorted(zip(lanes, around, strict=True))]
-    found: tuple[dict[Edge, float], dict[Edge, float]] = ({}, {})
+    ports: tuple[dict[Edge, float], dict[Edge, float]] = ({}, {})
     for end, sign in ((0, 1.0), (1, -1.0)):
         for name in centres:
             here = [edge for edge in ordered if edge[end] == name]
             for index, edge in enumerate(here):
                 # The innermost lane has the port nearest to the middle.
                 offset = (index + 0.5) / len(here) * (_HEIGHT / 2 - 4.0) + 2.0
-                found[end][edge] = centres[name][1] + sign * offset
-    return found
+                ports[end][edge] = centres[name][1] + sign * offset
+    return ports
 
 
 def _draw_arrow(drawing: Drawing, way: str, kind: str, edge: Edge) -> None:
@@ -231,9 +233,9 @@ def _free_height(edge: Edge, places: _Places) -> float:
     ]
     shares = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)
     heights = [start + share * (end - start) for share in shares]
-    room = [min((abs(each - at) for at in crossing), default=_LABEL) for each in heights]
-    best = max(min(each, _LABEL) for each in room)
-    return next(at for at, each in zip(heights, room, strict=True) if min(each, _LABEL) == best)
+    room = [min((abs(value - at) for at in crossing), default=_LABEL) for value in heights]
+    best = max(min(value, _LABEL) for value in room)
+    return next(at for at, value in zip(heights, room, strict=True) if min(value, _LABEL) == best)
 
 
 def _draw_failing(drawing: Drawing, edge: Edge, places: _Places) -> Point:
@@ -285,14 +287,22 @@ def _onward(top: float, weight: Fraction) -> str:
 def _transitions(model: HybridModel, states: dict[str, StateAssessment]) -> Table:
     rows = []
     for state in model.states:
-        found = states[state.name]
+        state_assessment = states[state.name]
         steps = [step for step in state.next if step.weight > 0]
         ways = [
             *(
-                (each.target, _onward(found.top_event, each.weight), str(each.weight))
-                for each in steps
+                (
+                    next_step.target,
+                    _onward(state_assessment.top_event, next_step.weight),
+                    str(next_step.weight),
+                )
+                for next_step in steps
             ),
-            (found.failure_state, figures.probability(found.top_event), figures.NOTHING),
+            (
+                state_assessment.failure_state,
+                figures.probability(state_assessment.top_event),
+                figures.NOTHING,
+            ),
         ]
         rows += [row_of(state.name, *way, function=state.name) for way in ways]
     return Table(

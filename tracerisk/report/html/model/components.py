@@ -64,7 +64,7 @@ def hardware_section(report: ReportInput) -> Section | None:
     hardware = report.hardware
     if hardware is None:
         return None
-    used = {each.name for each in report.assessment.components}
+    used = {component.name for component in report.assessment.components}
     html = rendered(
         "hardware.html.j2",
         table=_described(hardware, used),
@@ -82,17 +82,17 @@ def _measures(components: tuple[ComponentImportance, ...]) -> Table:
     )
     rows = tuple(
         row_of(
-            Cell(each.name, component=each.component),
-            share_cell(each.fussell_vesely),
-            figures.percent(each.criticality),
-            figures.ratio(each.birnbaum),
-            figures.ratio(each.risk_reduction_worth),
-            figures.ratio(each.risk_achievement_worth),
-            figures.ratio(each.tenfold),
-            figures.probability(each.theta),
-            component=each.component,
+            Cell(component.name, component=component.component),
+            share_cell(component.fussell_vesely),
+            figures.percent(component.criticality),
+            figures.ratio(component.birnbaum),
+            figures.ratio(component.risk_reduction_worth),
+            figures.ratio(component.risk_achievement_worth),
+            figures.ratio(component.tenfold),
+            figures.probability(component.theta),
+            component=component.component,
         )
-        for each in components
+        for component in components
     )
     return Table("importance", "Importance of the components over the mission", columns, rows)
 
@@ -101,18 +101,18 @@ def _by_instance(found: RunFigures | None) -> Table | None:
     """Return what each instance does by itself; `None` where all of a component are alike."""
     if found is None:
         return None
-    unlike = {each.component.name for each in found.instances if not each.are_alike}
+    unlike = {instance.component.name for instance in found.instances if not instance.are_alike}
     rows = tuple(
         row_of(
-            Cell(each.component, component=each.component),
-            each.instance.element,
-            figures.probability(each.instance.p_failure),
-            share_cell(each.share),
-            figures.percent(each.fussell_vesely),
-            component=each.component,
+            Cell(importance.component, component=importance.component),
+            importance.instance.element,
+            figures.probability(importance.instance.p_failure),
+            share_cell(importance.share),
+            figures.percent(importance.fussell_vesely),
+            component=importance.component,
         )
-        for each in found.importances
-        if each.component in unlike
+        for importance in found.importances
+        if importance.component in unlike
     )
     columns = (
         *texts("component", "instance"),
@@ -129,12 +129,12 @@ def _assumed(found: RunFigures | None) -> Table | None:
         return None
     rows = tuple(
         row_of(
-            Cell(each.component, component=each.component),
-            share_cell(each.fussell_vesely),
-            each.source,
-            component=each.component,
+            Cell(assumed_figure.component, component=assumed_figure.component),
+            share_cell(assumed_figure.fussell_vesely),
+            assumed_figure.source,
+            component=assumed_figure.component,
         )
-        for each in found.assumed
+        for assumed_figure in found.assumed
     )
     columns = (Column("component"), Column("share", is_number=True), Column("source"))
     return Table("assumed", "Assumed figures that the result hangs on", columns, rows)
@@ -144,37 +144,37 @@ def _by_unit(components: tuple[ComponentImportance, ...]) -> Table | None:
     """Return the shares of single units, of components that have several; `None` for none."""
     rows = tuple(
         row_of(
-            Cell(each.name, component=each.component),
+            Cell(component.name, component=component.component),
             part.name,
             figures.ratio(part.birnbaum),
             figures.percent(part.criticality),
-            component=each.component,
+            component=component.component,
         )
-        for each in components
-        if len(each.by_unit) > 1
-        for part in each.by_unit
+        for component in components
+        if len(component.by_unit) > 1
+        for part in component.by_unit
     )
     columns = (*texts("component", "unit"), *numbers("Birnbaum", "criticality"))
     return Table("units", "Importance of single units", columns, rows) if rows else None
 
 
 def _described(hardware: Hardware, used: set[str]) -> Table:
-    has_sources = any(_source(each) for each in hardware.components)
+    has_sources = any(_source(component) for component in hardware.components)
     columns = (
         *texts("component", "units", "redundancy", "figures of one unit"),
         *texts(*(["source"] if has_sources else []), "in this mission"),
     )
     rows = tuple(
         row_of(
-            Cell(each.name, component=each.name if each.name in used else None),
-            "as the robot has" if each.quantity is None else str(each.quantity),
-            _redundancy(each),
-            "; ".join(_figure(figure) for figure in each.figures),
-            *([_source(each) or figures.NOTHING] if has_sources else []),
-            "used" if each.name in used else "not used",
-            component=each.name,
+            Cell(component.name, component=component.name if component.name in used else None),
+            "as the robot has" if component.quantity is None else str(component.quantity),
+            _redundancy(component),
+            "; ".join(_figure(figure) for figure in component.figures),
+            *([_source(component) or figures.NOTHING] if has_sources else []),
+            "used" if component.name in used else "not used",
+            component=component.name,
         )
-        for each in hardware.components
+        for component in hardware.components
     )
     return Table("hardware", "Hardware description", columns, rows)
 

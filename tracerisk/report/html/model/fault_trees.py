@@ -76,17 +76,21 @@ class _Outline:
 
 def fault_trees_section(report: ReportInput) -> Section:
     """Return the fault tree of each function, folded, the riskiest unfolded."""
-    found = {state.name: state for state in report.assessment.states}
+    state_assessments = {state.name: state for state in report.assessment.states}
     trees = [
-        _shown(index, state, found[state.name], leaves_of(report, state))
+        _shown(index, state, state_assessments[state.name], leaves_of(report, state))
         for index, state in enumerate(map(in_one_visit, report.model.states))
     ]
-    riskiest = max(found.values(), key=lambda each: each.absorption_probability, default=None)
+    riskiest = max(
+        state_assessments.values(),
+        key=lambda state_assessment: state_assessment.absorption_probability,
+        default=None,
+    )
     html = rendered(
         "fault_trees.html.j2",
         trees=trees,
         opened=riskiest.name if riskiest is not None else None,
-        has_units=any(each.has_units for each in trees),
+        has_units=any(tree.has_units for tree in trees),
     )
     return Section("fault-trees", "Fault trees", html)
 
@@ -131,26 +135,24 @@ def _drawn(
         for event in tree.events
     }
     houses = {house.name: house.state for house in tree.houses}
-    values = {each: figures.probability(value) for each, value in figures_of.items()}
-    values |= {each: "happens" if is_so else "never" for each, is_so in houses.items()}
+    values = {figure: figures.probability(value) for figure, value in figures_of.items()}
+    values |= {text: "happens" if is_so else "never" for text, is_so in houses.items()}
     widths = {
-        each: _MARK
+        key: _MARK
         + 14.0
-        + text_width(leaves.label(each))
-        + (12.0 + text_width(values[each]) if each in values else 0.0)
-        for each in names
+        + text_width(leaves.label(key))
+        + (12.0 + text_width(values[key]) if key in values else 0.0)
+        for key in names
     }
     edges = [
-        (each, child)
-        for each in names
-        if each in gates
-        for child in gates[each].inputs
+        (key, child)
+        for key in names
+        if key in gates
+        for child in gates[key].inputs
         if child in names
     ]
     # Laid out from the top down with sides exchanged, so that it runs from left to right.
-    layout = layered(
-        {each: Size(_ROW, widths[each]) for each in names}, edges, gap=4.0, between=48.0
-    )
+    layout = layered({key: Size(_ROW, widths[key]) for key in names}, edges, gap=4.0, between=48.0)
     lefts = _lefts(layout.centres, widths)
     drawing = Drawing(
         name,
@@ -161,15 +163,15 @@ def _drawn(
     for parent, child in edges:
         start = (lefts[parent] + widths[parent], layout.centres[parent][0])
         _draw_edge(drawing, start, (lefts[child], layout.centres[child][0]), f"{parent} {child}")
-    for each in names:
-        at = (lefts[each], layout.centres[each][0])
-        if each in gates:
-            hidden = sum(child not in names for child in dict.fromkeys(gates[each].inputs))
-            _draw_gate(drawing, at, gates[each], state, hidden)
+    for key in names:
+        at = (lefts[key], layout.centres[key][0])
+        if key in gates:
+            hidden = sum(child not in names for child in dict.fromkeys(gates[key].inputs))
+            _draw_gate(drawing, at, gates[key], state, hidden)
         else:
-            node = drawing.group("node event", event=each, **_data(each, state))
-            _draw_event(node, at, leaves.label(each), values[each], is_house=each in houses)
-    wide = max((lefts[each] + widths[each] for each in names), default=0.0)
+            node = drawing.group("node event", event=key, **_data(key, state))
+            _draw_event(node, at, leaves.label(key), values[key], is_house=key in houses)
+    wide = max((lefts[key] + widths[key] for key in names), default=0.0)
     return drawing.markup(wide + 10.0, layout.width)
 
 

@@ -94,15 +94,17 @@ def _shares(report: ReportInput) -> Table | None:
     if not components or not report.assessment.mission.failure_probability:
         return None
     shares = {
-        (part.name, each.name): part.criticality for each in components for part in each.by_state
+        (part.name, component.name): part.criticality
+        for component in components
+        for part in component.by_state
     }
     rows = []
     for state in report.assessment.states:
-        found = [shares.get((state.name, each.name)) for each in components]
-        cells = [figures.NOTHING if share is None else share_cell(share) for share in found]
+        values = [shares.get((state.name, component.name)) for component in components]
+        cells = [figures.NOTHING if share is None else share_cell(share) for share in values]
         name = Cell(state.name, function=state.name)
         rows.append(row_of(name, *cells, function=state.name))
-    columns = (Column("function"), *numbers(*(each.name for each in components)))
+    columns = (Column("function"), *numbers(*(component.name for component in components)))
     return Table(
         "shares",
         "Share of each component, in each function, in the mission's failure",

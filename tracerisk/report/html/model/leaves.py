@@ -48,9 +48,13 @@ def leaves_of(report: ReportInput, state: FunctionState) -> Leaves:
     notes = []
     for component in report.figures.instances:
         name = component.component.name
-        units = [each for ref in refs for each in _units(component, ref)]
-        events = [each.name for each in state.tree.events if each.name.startswith(f"{name}[")]
-        events = [each for each in events if each[len(name) + 1 : -1].isdigit()]
+        units = [unit for ref in refs for unit in _units(component, ref)]
+        events = [
+            basic_event.name
+            for basic_event in state.tree.events
+            if basic_event.name.startswith(f"{name}[")
+        ]
+        events = [text for text in events if text[len(name) + 1 : -1].isdigit()]
         if not units or len(units) != len(events):
             continue
         labels |= {event: label for event, (label, _) in zip(events, units, strict=True)}
@@ -68,28 +72,31 @@ def leaves_of(report: ReportInput, state: FunctionState) -> Leaves:
 def _units(component: ComponentInstances, ref: FunctionRef) -> Sequence[tuple[str, float]]:
     """Return the units in one function, each with its probability in a visit."""
     return [
-        (each.element if each.units == 1 else f"{each.element} ({number})", each.per_visit[ref])
-        for each in component.instances
-        if ref in each.per_visit
-        for number in range(1, each.units + 1)
+        (
+            instance.element if instance.units == 1 else f"{instance.element} ({number})",
+            instance.per_visit[ref],
+        )
+        for instance in component.instances
+        if ref in instance.per_visit
+        for number in range(1, instance.units + 1)
     ]
 
 
 def _agree(state: FunctionState, component: str, own: Mapping[str, float]) -> bool:
     """Return whether units with their own figures fail a component as the model has it."""
-    gates = {each.name: each for each in state.tree.gates}
+    gates = {gate.name: gate for gate in state.tree.gates}
     if component not in gates:
         return False
     below = [component]
     for name in below:
-        below += [each for each in gates[name].inputs if each not in below] if name in gates else []
-    events = [each for each in state.tree.events if each.name in below]
+        below += [text for text in gates[name].inputs if text not in below] if name in gates else []
+    events = [event for event in state.tree.events if event.name in below]
     tree = FaultTree(
         component,
-        tuple(each for each in state.tree.gates if each.name in below),
-        tuple(BasicEvent(each.name) for each in events),
-        tuple(each for each in state.tree.houses if each.name in below),
+        tuple(gate for gate in state.tree.gates if gate.name in below),
+        tuple(BasicEvent(event.name) for event in events),
+        tuple(house for house in state.tree.houses if house.name in below),
     )
-    model = {each.name: state.probabilities[each.parameter] for each in events}
+    model = {event.name: state.probabilities[event.parameter] for event in events}
     one, other = (tree.probability(values).p for values in (model, {**model, **own}))
     return math.isclose(one, other, rel_tol=_AGREES)

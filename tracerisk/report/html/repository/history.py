@@ -37,12 +37,12 @@ def history_section(name: str, rows: Sequence[HistoryPoint]) -> Section:
 
 
 def _rows(rows: Sequence[HistoryPoint]) -> list[Row]:
-    found = []
+    result = []
     last: float | None = None
     for row in rows:
         risk = row.failure_probability
         none = "unreadable" if row.error else figures.NOTHING
-        found.append(
+        result.append(
             row_of(
                 Cell(row.name, note=row.date),
                 none if risk is None else figures.probability(risk),
@@ -52,7 +52,7 @@ def _rows(rows: Sequence[HistoryPoint]) -> list[Row]:
             )
         )
         last = risk if risk is not None else last
-    return found
+    return result
 
 
 def _table(name: str, caption: str, rows: Sequence[Row]) -> Table:

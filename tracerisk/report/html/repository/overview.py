@@ -46,7 +46,7 @@ def overview_lead(title: str, rows: Sequence[OverviewRow]) -> Markup:
     for row in rows:
         kind = "without a figure" if row.assessment is None else kind_of(row.verdict)
         counts[kind] = counts.get(kind, 0) + 1
-    ranked = [each for each in _ranked(rows) if each.assessment is not None]
+    ranked = [overview_row for overview_row in _ranked(rows) if overview_row.assessment is not None]
     first = ranked[0] if ranked else None
     cause = ""
     if first is not None and first.assessment is not None:
@@ -66,8 +66,8 @@ def overview_lead(title: str, rows: Sequence[OverviewRow]) -> Markup:
 
 def overview_section(rows: Sequence[OverviewRow]) -> Section:
     """Return the table of controllers, the most likely to fail first."""
-    has_reports = any(each.report for each in rows)
-    most = max((_risk(each) or 0.0 for each in rows), default=0.0)
+    has_reports = any(row.report for row in rows)
+    most = max((_risk(row) or 0.0 for row in rows), default=0.0)
     columns = (
         Column("controller"),
         Column("verdict", "of its run"),
@@ -81,7 +81,7 @@ def overview_section(rows: Sequence[OverviewRow]) -> Section:
         "controllers",
         "Controllers, the most likely to fail first",
         columns,
-        tuple(_row(each, most, has_reports=has_reports) for each in _ranked(rows)),
+        tuple(_row(overview_row, most, has_reports=has_reports) for overview_row in _ranked(rows)),
     )
     return Section("controllers", "Controllers", table.__html__())
 
@@ -139,7 +139,7 @@ def _component(assessment: Assessment | None) -> str:
 def _function(assessment: Assessment | None) -> str:
     if assessment is None or not assessment.mission.geometric_cycles:
         return figures.NOTHING
-    first = max(assessment.states, key=lambda each: each.absorption_probability)
+    first = max(assessment.states, key=lambda state: state.absorption_probability)
     share = first.absorption_probability / assessment.mission.geometric_cycles
     return f"{first.name}, {figures.percent(share)}"
 
@@ -155,13 +155,13 @@ def report_links(names: Sequence[str], reports: Mapping[str, str]) -> dict[str, 
     That of `cell/pick.py` is `cell/pick.html`; `pick.html` is where no other controller has the
     same name.
     """
-    found = {}
+    texts = {}
     stems = [name.rpartition("/")[2].rpartition(".")[0] for name in names]
     for name, stem in zip(names, stems, strict=True):
         wanted = [f"{name.rpartition('.')[0]}.html"]
         if stems.count(stem) == 1:
             wanted.append(f"{stem}.html")
-        for each in wanted:
-            if each in reports and name not in found:
-                found[name] = reports[each]
-    return found
+        for key in wanted:
+            if key in reports and name not in texts:
+                texts[name] = reports[key]
+    return texts

@@ -31,17 +31,17 @@ def brought_about_section(report: ReportInput) -> Section | None:
 
 
 def _objects(outcome: Outcome) -> Table:
-    moved = {found.name for found in outcome.moved}
+    moved = {object_outcome.name for object_outcome in outcome.moved}
     rows = [
         row_of(
-            Cell(found.name, note="" if found.name in moved else "not moved"),
-            _place(found.begin_m),
-            _place(found.end_m),
-            f"{found.tilt_deg:.0f}",
-            "-" if found.heading_deg is None else f"{found.heading_deg:.0f}",
-            found.held_in or found.rests_on or "-",
+            Cell(object_outcome.name, note="" if object_outcome.name in moved else "not moved"),
+            _place(object_outcome.begin_m),
+            _place(object_outcome.end_m),
+            f"{object_outcome.tilt_deg:.0f}",
+            "-" if object_outcome.heading_deg is None else f"{object_outcome.heading_deg:.0f}",
+            object_outcome.held_in or object_outcome.rests_on or "-",
         )
-        for found in outcome.objects
+        for object_outcome in outcome.objects
     ]
     columns = (
         Column("object"),

@@ -26,7 +26,7 @@ def touches_section(report: ReportInput) -> Section | None:
     if trace is None:
         return None
     is_seen = any(visit.contacts or visit.payloads for visit in trace.visits)
-    if not is_seen and all(each.kind != "contact" for each in trace.elements):
+    if not is_seen and all(element.kind != "contact" for element in trace.elements):
         return None
     states = {state.name for state in report.assessment.states}
     by_function = _ByFunction(trace, states)
@@ -51,25 +51,27 @@ class _ByFunction:
         self._states = states
 
     def rows(self, cells: Iterable[tuple[FunctionRef, tuple[Cell | str, ...]]]) -> tuple[Row, ...]:
-        ordered = sorted(cells, key=lambda each: self._order[each[0]])
-        found = []
-        for ref, own in groupby(ordered, key=lambda each: each[0]):
+        ordered = sorted(cells, key=lambda cell: self._order[cell[0]])
+        result = []
+        for ref, own in groupby(ordered, key=lambda pair: pair[0]):
             name = self._names[ref]
             function = name if name in self._states else None
             several = [rest for _, rest in own]
             for index, rest in enumerate(several):
                 head = Cell(name, function=function, rows=0 if index else len(several))
-                found.append(row_of(head, *rest, function=function))
-        return tuple(found)
+                result.append(row_of(head, *rest, function=function))
+        return tuple(result)
 
 
 def _contacts(trace: Trace, by_function: _ByFunction, *, expected: bool) -> Table | None:
-    links = {each.part or each.name for each in trace.elements if each.kind == "contact"}
+    links = {
+        element.part or element.name for element in trace.elements if element.kind == "contact"
+    }
     pairs: dict[_Bodies, list[Contact]] = {}
     for visit in trace.visits:
-        for each in visit.contacts:
-            if each.expected == expected:
-                pairs.setdefault((visit.function, each.link, each.other), []).append(each)
+        for contact in visit.contacts:
+            if contact.expected == expected:
+                pairs.setdefault((visit.function, contact.link, contact.other), []).append(contact)
     if not pairs:
         return None
     columns = (
@@ -86,8 +88,8 @@ def _contacts(trace: Trace, by_function: _ByFunction, *, expected: bool) -> Tabl
                 Cell(link, note="" if not links or link in links else "held"),
                 Cell(other, note="of the arm itself" if other in links else ""),
                 _force(touches, other in links),
-                figures.seconds(sum(each.touching_s for each in touches)),
-                figures.seconds(min(each.start_s for each in touches)),
+                figures.seconds(sum(touch.touching_s for touch in touches)),
+                figures.seconds(min(touch.start_s for touch in touches)),
                 str(_visits(trace, function, touches)),
             ),
         )
@@ -103,9 +105,9 @@ def _contacts(trace: Trace, by_function: _ByFunction, *, expected: bool) -> Tabl
 
 def _visits(trace: Trace, function: FunctionRef, touches: Sequence[Contact]) -> int:
     """Return in how many visits of a function any of the touches was."""
-    own = {id(each) for each in touches}
+    own = {id(touch) for touch in touches}
     return sum(
-        visit.function == function and any(id(each) in own for each in visit.contacts)
+        visit.function == function and any(id(contact) in own for contact in visit.contacts)
         for visit in trace.visits
     )
 
@@ -114,14 +116,14 @@ def _force(touches: Sequence[Contact], is_own: bool) -> Cell:
     """Return the greatest force; the arm passes through itself, and feels none."""
     if is_own:
         return Cell(figures.NOTHING, note="not simulated")
-    return Cell(_newtons(max(each.force_n for each in touches)))
+    return Cell(_newtons(max(touch.force_n for touch in touches)))
 
 
 def _payloads(trace: Trace, by_function: _ByFunction) -> Table | None:
     held: dict[_Bodies, list[Payload]] = {}
     for visit in trace.visits:
-        for each in visit.payloads:
-            held.setdefault((visit.function, each.gripper, each.object), []).append(each)
+        for payload in visit.payloads:
+            held.setdefault((visit.function, payload.gripper, payload.object), []).append(payload)
     if not held:
         return None
     columns = (
@@ -138,9 +140,9 @@ def _payloads(trace: Trace, by_function: _ByFunction) -> Table | None:
                 gripper,
                 thing,
                 f"{payloads[0].mass_kg:.4g}",
-                figures.seconds(sum(each.held_s for each in payloads)),
+                figures.seconds(sum(payload.held_s for payload in payloads)),
                 _newtons(_mean_force(payloads)),
-                _newtons(max(each.most_pad_force_n for each in payloads)),
+                _newtons(max(payload.most_pad_force_n for payload in payloads)),
             ),
         )
         for (function, gripper, thing), payloads in held.items()
@@ -150,10 +152,10 @@ def _payloads(trace: Trace, by_function: _ByFunction) -> Table | None:
 
 def _mean_force(payloads: Sequence[Payload]) -> float:
     """Return the mean over the time in which it was held [N]."""
-    held_s = sum(each.held_s for each in payloads)
+    held_s = sum(payload.held_s for payload in payloads)
     if not held_s:
-        return max(each.pad_force_n for each in payloads)
-    return sum(each.pad_force_n * each.held_s for each in payloads) / held_s
+        return max(payload.pad_force_n for payload in payloads)
+    return sum(payload.pad_force_n * payload.held_s for payload in payloads) / held_s
 
 
 def _newtons(force: float) -> str:

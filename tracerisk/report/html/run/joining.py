@@ -43,12 +43,12 @@ def with_joins(bodies: Sequence[Body]) -> tuple[Body, ...]:
 
 def _with_shapes_below(bodies: Sequence[Body]) -> list[bool]:
     """Return for each body whether it, or one that hangs on it, can be seen."""
-    found = [bool(each.shapes or each.triangles) for each in bodies]
+    shapes = [bool(body.shapes or body.triangles) for body in bodies]
     for index in range(len(bodies) - 1, -1, -1):
         parent = bodies[index].parent
-        if parent >= 0 and found[index]:
-            found[parent] = True
-    return found
+        if parent >= 0 and shapes[index]:
+            shapes[parent] = True
+    return shapes
 
 
 def _rod(body: Body, place: Point, other: Body) -> list[Shape]:
@@ -57,7 +57,7 @@ def _rod(body: Body, place: Point, other: Body) -> list[Shape]:
     A body without shapes has its rods meet in its origin.
     """
     near = min(
-        (_nearest(each, place) for each in body.shapes),
+        (_nearest(shape, place) for shape in body.shapes),
         key=lambda point: math.dist(point, place),
         default=_ORIGIN,
     )
@@ -65,7 +65,9 @@ def _rod(body: Body, place: Point, other: Body) -> list[Shape]:
     if length < (GAP_M if body.shapes else 1e-6):
         return []
     (x, y, z), (to_x, to_y, to_z) = near, place
-    radius = 0.4 * min((_thin(each) for each in (*body.shapes, *other.shapes)), default=_THICKEST_M)
+    radius = 0.4 * min(
+        (_thin(shape) for shape in (*body.shapes, *other.shapes)), default=_THICKEST_M
+    )
     return [
         Shape(
             "capsule",
@@ -84,15 +86,15 @@ def _nearest(shape: Shape, place: Point) -> Point:
     x, y, z = rotated(back, [one - two for one, two in zip(place, shape.xyz, strict=True)])
     if shape.kind == "box":
         a, b, c = shape.size
-        found = (_held(x, a), _held(y, b), _held(z, c))
+        row = (_held(x, a), _held(y, b), _held(z, c))
     else:
         radius, half = (*shape.size, 0.0)[:2]
         middle = _held(z, half)
         from_axis = math.hypot(x, y, 0.0 if shape.kind == "cylinder" else z - middle)
         scale = radius / from_axis if from_axis > radius else 1.0
         rest = 0.0 if shape.kind == "cylinder" else (z - middle) * scale
-        found = (x * scale, y * scale, middle + rest)
-    a, b, c = rotated(quaternion_of(shape.rpy), found)
+        row = (x * scale, y * scale, middle + rest)
+    a, b, c = rotated(quaternion_of(shape.rpy), row)
     return a + shape.xyz[0], b + shape.xyz[1], c + shape.xyz[2]
 
 

@@ -120,7 +120,7 @@ def _columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
     from tracerisk.twin.recording.samples import POSE_EVERY
 
     order = {name: index for index, name in enumerate(samples.header.joints)}
-    joints = samples.position[::POSE_EVERY, [order[each.name] for each in robot.joints]]
+    joints = samples.position[::POSE_EVERY, [order[joint.name] for joint in robot.joints]]
     n_free = FREE_COLUMNS * len(scene.objects)
     count = min(len(joints), len(samples.poses))
     # The objects of the scene come first in a pose, and the joints of the robot after them.

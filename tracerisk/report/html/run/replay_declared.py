@@ -96,12 +96,12 @@ def _column(moves: Sequence[tuple[float, Array]], n_frames: int, steps_per_frame
 
 
 def _triangles(body: LoggedShape) -> list[float]:
-    found: list[float] = []
+    triangles: list[float] = []
     for hull in body.hulls:
-        found += _hull_triangles(hull)
+        triangles += _hull_triangles(hull)
     for plane in body.planes:
-        found += _square(plane)
-    return found
+        triangles += _square(plane)
+    return triangles
 
 
 def _hull_triangles(points: Points) -> list[float]:
@@ -110,13 +110,13 @@ def _hull_triangles(points: Points) -> list[float]:
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(np.array(points))
-    found: list[float] = []
+    hull_triangles: list[float] = []
     for corners, equation in zip(hull.simplices, hull.equations, strict=True):
         one, two, three = hull.points[corners]
         if np.cross(two - one, three - one) @ equation[:3] < 0.0:
             two, three = three, two
-        found += [*one.tolist(), *two.tolist(), *three.tolist()]
-    return found
+        hull_triangles += [*one.tolist(), *two.tolist(), *three.tolist()]
+    return hull_triangles
 
 
 def _square(plane: Sequence[float]) -> list[float]:

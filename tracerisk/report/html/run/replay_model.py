@@ -59,22 +59,22 @@ def scene_bodies(robot: Robot, scene: Scene) -> tuple[Body, ...]:
     Columns are the robot's joints in its order, then seven for each object in the scene's.
     """
     fixtures = [
-        Body(each.name, "fixture", -1, each.xyz, quaternion_of(each.rpy), each.shapes)
-        for each in scene.fixtures
+        Body(fixture.name, "fixture", -1, fixture.xyz, quaternion_of(fixture.rpy), fixture.shapes)
+        for fixture in scene.fixtures
     ]
     n_joints = len(robot.joints)
     objects = [
         Body(
-            name=each.name,
+            name=graspable_object.name,
             kind="object",
             parent=-1,
-            xyz=each.xyz,
-            quaternion=quaternion_of(each.rpy),
-            shapes=each.shapes,
+            xyz=graspable_object.xyz,
+            quaternion=quaternion_of(graspable_object.rpy),
+            shapes=graspable_object.shapes,
             joint="free",
             column=n_joints + FREE_COLUMNS * index,
         )
-        for index, each in enumerate(scene.objects)
+        for index, graspable_object in enumerate(scene.objects)
     ]
     return (*fixtures, *objects, *_links(robot, scene, len(fixtures) + len(objects)))
 
@@ -118,44 +118,44 @@ def _links(robot: Robot, scene: Scene, before: int) -> list[Body]:
 
 def bodies_data(bodies: Iterable[Body]) -> list[dict[str, Any]]:
     """Return bodies as JSON has them, without what is not set; lengths to 1 um."""
-    return [_body_data(each) for each in bodies]
+    return [_body_data(body) for body in bodies]
 
 
 def _body_data(body: Body) -> dict[str, Any]:
-    found: dict[str, Any] = {
+    body_data: dict[str, Any] = {
         "name": body.name,
         "kind": body.kind,
         "parent": body.parent,
         "xyz": _rounded(body.xyz, 6),
         "quat": _rounded(body.quaternion, 9),
-        "shapes": [_shape_data(each) for each in body.shapes],
+        "shapes": [_shape_data(shape) for shape in body.shapes],
     }
     if body.joint is not None:
-        found |= {"joint": body.joint, "column": body.column}
+        body_data |= {"joint": body.joint, "column": body.column}
         if body.joint != "free":
-            found["axis"] = _rounded(body.axis, 9)
+            body_data["axis"] = _rounded(body.axis, 9)
     if body.element is not None:
-        found["element"] = body.element
+        body_data["element"] = body.element
     if body.triangles:
-        found["triangles"] = _rounded(body.triangles, 4)
+        body_data["triangles"] = _rounded(body.triangles, 4)
     if body.since_s > 0.0:
-        found["since"] = round(body.since_s, 6)
+        body_data["since"] = round(body.since_s, 6)
     if body.until_s is not None:
-        found["until"] = round(body.until_s, 6)
-    return found
+        body_data["until"] = round(body.until_s, 6)
+    return body_data
 
 
 def _shape_data(shape: Shape) -> dict[str, Any]:
-    found: dict[str, Any] = {"kind": shape.kind, "size": _rounded(shape.size, 6)}
+    shape_data: dict[str, Any] = {"kind": shape.kind, "size": _rounded(shape.size, 6)}
     if any(shape.xyz):
-        found["xyz"] = _rounded(shape.xyz, 6)
+        shape_data["xyz"] = _rounded(shape.xyz, 6)
     if any(shape.rpy):
-        found["quat"] = _rounded(quaternion_of(shape.rpy), 9)
+        shape_data["quat"] = _rounded(quaternion_of(shape.rpy), 9)
     if not shape.contact:
-        found["contact"] = False
+        shape_data["contact"] = False
     if shape.pad:
-        found["pad"] = True
-    return found
+        shape_data["pad"] = True
+    return shape_data
 
 
 def _unit(axis: tuple[float, float, float]) -> tuple[float, float, float]:

@@ -60,7 +60,7 @@ def timeline_section(
     `components` map each component of the hardware description to its elements, none for one that
     is always in use.
     """
-    names = model_names([each.ref for each in trace.functions])
+    names = model_names([function.ref for function in trace.functions])
     marks = _marks(trace, faults)
     data = timeline_data(trace, components, names, replay) | {"marks": marks}
     html = rendered(
@@ -79,8 +79,8 @@ def timeline_section(
         name=NAME,
         title="Replay and timeline" if replay is not None else "Timeline",
         html=html,
-        css="\n".join(asset(f"{each}.css") for each in styles),
-        js="\n".join(asset(f"{each}.js") for each in scripts),
+        css="\n".join(asset(f"{style}.css") for style in styles),
+        js="\n".join(asset(f"{script}.js") for script in scripts),
         data=(
             Data.of_json(TIMELINE, data),
             *(replay_data(replay) if replay is not None else ()),
@@ -103,40 +103,40 @@ def timeline_data(
     activity = None if replay is None else replay.activity
     step_s = 0.002 if replay is None else replay.step_s
     rows = timeline_rows(trace, components, activity, step_s)
-    order = {each.ref: index for index, each in enumerate(trace.functions)}
+    order = {function.ref: index for index, function in enumerate(trace.functions)}
     spans = visit_spans(trace.visits, end_s)
     return {
         "end": round(end_s, 6),
-        "functions": [names[each.ref] for each in trace.functions],
+        "functions": [names[function.ref] for function in trace.functions],
         "visits": [
             {
                 "function": order[visit.function],
                 "outcome": visit.outcome,
                 "spans": [[round(time, 6) for time in span] for span in own],
                 "start": round(visit.start_s, 6),
-                "contacts": [_contact(each) for each in visit.contacts],
+                "contacts": [_contact(contact) for contact in visit.contacts],
                 "held": [
-                    {"gripper": each.gripper, "object": each.object, "mass": each.mass_kg}
-                    for each in visit.payloads
+                    {"gripper": payload.gripper, "object": payload.object, "mass": payload.mass_kg}
+                    for payload in visit.payloads
                 ],
             }
             for visit, own in zip(trace.visits, spans, strict=True)
         ],
-        "rows": [_row(each) for each in rows],
+        "rows": [_row(row) for row in rows],
         "sampled": replay is not None,
     }
 
 
 def _marks(trace: Trace, faults: Sequence[Fault]) -> list[dict[str, Any]]:
     """Return the instants that are marked, in the order of time [s]: faults and findings."""
-    found = [(each.time_s, "fault", each.words) for each in faults]
-    for each in trace.findings:
-        if each.time_s is not None:
-            place = "" if each.location is None else f"{each.location}: "
-            found.append((each.time_s, "finding", f"{place}{each.message}"))
+    rows = [(fault.time_s, "fault", fault.words) for fault in faults]
+    for finding in trace.findings:
+        if finding.time_s is not None:
+            place = "" if finding.location is None else f"{finding.location}: "
+            rows.append((finding.time_s, "finding", f"{place}{finding.message}"))
     return [
         {"time": round(time, 6), "kind": kind, "text": text}
-        for time, kind, text in sorted(found, key=lambda mark: mark[0])
+        for time, kind, text in sorted(rows, key=lambda mark: mark[0])
     ]
 
 
@@ -181,7 +181,7 @@ def _table(trace: Trace, names: Mapping[FunctionRef, str]) -> Table:
 
 
 def _use(visit: Visit) -> str:
-    return "; ".join(f"{name}: {_spent(each)}" for name, each in visit.exposures.items())
+    return "; ".join(f"{name}: {_spent(exposure)}" for name, exposure in visit.exposures.items())
 
 
 def _spent(exposure: Exposure | None) -> str:

@@ -82,7 +82,7 @@ def visit_spans(
             if left[latest] > _STEP_S:
                 break
             open_visits.pop()
-    return tuple(tuple(each) for each in spans)
+    return tuple(tuple(span) for span in spans)
 
 
 def timeline_rows(
@@ -103,7 +103,7 @@ def timeline_rows(
         for name, states in _all_states(trace, activity or {}).items()
     }
     bound = {name for elements in components.values() for name in elements}
-    watched = [each.name for each in trace.elements]
+    watched = [element.name for element in trace.elements]
     groups = [(name, tuple(elements)) for name, elements in components.items()]
     loose = tuple(name for name in watched if name not in bound)
     if loose:
@@ -124,7 +124,7 @@ def timeline_rows(
                 whole |= codes_of
             together = _runs(whole, step_s)
         else:
-            together = _together([each for name in elements for each in segments[name]])
+            together = _together([segment for name in elements for segment in segments[name]])
         if component or any(segments.values()):
             rows.append(Row(component, together, segments))
     return tuple(rows)
@@ -132,7 +132,7 @@ def timeline_rows(
 
 def _all_states(trace: Trace, activity: Mapping[str, ElementActivity]) -> dict[str, Codes]:
     """Return the states of each element that the samples follow over time, by its name."""
-    states = {name: _states(each) for name, each in activity.items()}
+    states = {name: _states(element_activity) for name, element_activity in activity.items()}
     for element in trace.elements:
         # A sensor in a joint is in use while the joint is, so it has the joint's states.
         joint = states.get(element.part or "") if element.sensor in IN_JOINTS else None
@@ -191,12 +191,12 @@ def _by_visit(
     name: str, trace: Trace, spans: Sequence[Sequence[tuple[float, float]]]
 ) -> tuple[Segment, ...]:
     """Return the visits in which an element was in use, for one whose seconds are not sampled."""
-    found = []
+    segments = []
     for visit, own in zip(trace.visits, spans, strict=True):
         if name in visit.exposures:
             state = _state_of(visit.exposures[name])
-            found += [Segment(start, stop, state) for start, stop in own if state]
-    return tuple(sorted(found, key=lambda each: each.start_s))
+            segments += [Segment(start, stop, state) for start, stop in own if state]
+    return tuple(sorted(segments, key=lambda segment: segment.start_s))
 
 
 def _state_of(exposure: Exposure | None) -> int:
@@ -218,31 +218,31 @@ def _together(segments: Sequence[Segment]) -> tuple[Segment, ...]:
     """Return the segments of several elements as those of one."""
     edges = sorted(
         edge
-        for each in segments
-        for edge in ((each.start_s, 1, each.state), (each.stop_s, -1, each.state))
+        for segment in segments
+        for edge in ((segment.start_s, 1, segment.state), (segment.stop_s, -1, segment.state))
     )
     bits = (MOVING, HOLDING, GRASPING, BORDERLINE, SOMEWHEN)
     counts = dict.fromkeys(bits, 0)
-    found: list[Segment] = []
+    together: list[Segment] = []
     before, state = 0.0, 0
     for time, sign, changed in edges:
         if state and time > before:
-            if found and found[-1].stop_s == before and found[-1].state == state:
-                found[-1] = Segment(found[-1].start_s, time, state)
+            if together and together[-1].stop_s == before and together[-1].state == state:
+                together[-1] = Segment(together[-1].start_s, time, state)
             else:
-                found.append(Segment(before, time, state))
+                together.append(Segment(before, time, state))
         for bit in bits:
             counts[bit] += sign if changed & bit else 0
         before, state = time, sum(bit for bit in bits if counts[bit])
-    return tuple(found)
+    return tuple(together)
 
 
 def segments_data(segments: Sequence[Segment]) -> list[float]:
     """Return segments as one list of numbers: start [ms], length [ms] and state of each."""
     return [
         value
-        for each in segments
-        for value in (_ms(each.start_s), _ms(each.stop_s - each.start_s), each.state)
+        for segment in segments
+        for value in (_ms(segment.start_s), _ms(segment.stop_s - segment.start_s), segment.state)
     ]
 
 

@@ -146,11 +146,11 @@ class SceneChanges:
         elif item.id in scene.attached:
             self.detach(item.id)
         try:
-            found = self.attach(item.id, message.link_name, list(message.touch_links))
+            attach = self.attach(item.id, message.link_name, list(message.touch_links))
         except RobotError as error:
             self._report(error.message, item.id)
             return False
-        return found or self._unknown(item.id, "attached")
+        return attach or self._unknown(item.id, "attached")
 
     def _placed(self, message: Any) -> Pose | None:
         name = message.header.frame_id

@@ -93,9 +93,9 @@ def _shape(name: str, primitive: Any, place: Pose) -> Shape:
     if primitive.type == _CYLINDER:
         height, radius = _sizes(name, primitive)
         return Shape("cylinder", (radius, height / 2), place.position, rpy)
-    found = "a prism" if primitive.type == _PRISM else f"of type {primitive.type}"
+    text = "a prism" if primitive.type == _PRISM else f"of type {primitive.type}"
     raise RobotError(
-        f"a shape of object '{name}' is {found}; give a box (1), sphere (2), cylinder (3), "
+        f"a shape of object '{name}' is {text}; give a box (1), sphere (2), cylinder (3), "
         "cone (4), or a mesh"
     )
 

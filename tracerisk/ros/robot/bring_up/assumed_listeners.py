@@ -36,9 +36,9 @@ class AssumedListeners:
 
         Who asks again and again, and sends nothing meanwhile, waits for the first.
         """
-        found = len(publication.subscriptions)
-        if found or publication.is_wanted or self._runtime.recorder is None:
-            return found
+        number = len(publication.subscriptions)
+        if number or publication.is_wanted or self._runtime.recorder is None:
+            return number
         topic, sent = publication.topic, self._graph.counts.total()
         times, sent_before = self._asked.get(topic, (0, sent))
         times = times + 1 if sent == sent_before else 1

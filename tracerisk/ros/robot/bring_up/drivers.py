@@ -191,14 +191,14 @@ def bring_up_of(
     `is_named` says whether a word stands in the program, or in the files around it.
     """
     names = {controller.name for controller in robot.controllers}
-    made = [each for each in BRING_UPS if each.is_ros2 == is_ros2 and each.mark in names]
-    default = next((each for each in made if not each.must_be_named), None)
+    made = [up for up in BRING_UPS if up.is_ros2 == is_ros2 and up.mark in names]
+    default = next((up for up in made if not up.must_be_named), None)
     others = names if default is None else names | default.words
-    for bring_up in (each for each in made if each.must_be_named):
-        found = {word for word in bring_up.words - others if is_named(word)}
-        if found:
+    for bring_up in (up for up in made if up.must_be_named):
+        words = {word for word in bring_up.words - others if is_named(word)}
+        if words:
             # Which of its controllers for trajectories begins may depend on its version.
-            held = [name for name in bring_up.inactive if name in found and "traj" in name]
-            is_first_named = next(iter(bring_up.active)) in found
+            held = [name for name in bring_up.inactive if name in words and "traj" in name]
+            is_first_named = next(iter(bring_up.active)) in words
             return bring_up.starting(held[0]) if held and not is_first_named else bring_up
     return default

@@ -47,8 +47,8 @@ class LaunchedControllers:
 
     def name(self, word: str) -> bool:
         """Whether a file or a program names a package or a controller."""
-        found = re.compile(rf"(?<!\w){re.escape(word)}(?!\w)")
-        return any(found.search(text) for text in (*self._texts, *self._sources))
+        pattern = re.compile(rf"(?<!\w){re.escape(word)}(?!\w)")
+        return any(pattern.search(text) for text in (*self._texts, *self._sources))
 
     def call(self, service: str) -> bool:
         """Whether a file names a service, which somebody calls then beside the controller."""
@@ -60,8 +60,8 @@ class LaunchedControllers:
         for text in self._texts:
             if not _STARTS.search(text):
                 continue
-            for found in word.finditer(text):
-                line = _line(text, found.start())
+            for match_ in word.finditer(text):
+                line = _line(text, match_.start())
                 if not any(held in line for held in _HELD):
                     return True
         return False

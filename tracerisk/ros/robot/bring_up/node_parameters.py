@@ -70,8 +70,8 @@ class NodeParameters(TwinNode):
             _KINEMATICS: lambda: self._kinematics,
             **{f"/{name}": partial(str, text) for name, text in _MASTERS.items()},
             **{
-                f"/{each.name}": partial(self._of_controller, each.name)
-                for each in runtime.twin.robot.controllers
+                f"/{controller.name}": partial(self._of_controller, controller.name)
+                for controller in runtime.twin.robot.controllers
             },
         }
         for name, value in offered.items():
@@ -133,13 +133,13 @@ class NodeParameters(TwinNode):
         elif node == MANAGER:
             states = self._runtime.client(ControllerStates)
             values["update_rate"] = 100
-            values |= {f"{name}.type": each.type for name, each in states.all.items()}
+            values |= {f"{name}.type": controller.type for name, controller in states.all.items()}
         else:
             values |= self._of_controller(node.removeprefix("/"))
         dotted = {
             key.strip("/").replace("/", "."): value
-            for name, each in values.items()
-            for key, value in flat(name, each)
+            for name, item in values.items()
+            for key, value in flat(name, item)
         }
         return {**dotted, **self._changed.get(node, {})}
 
@@ -175,12 +175,12 @@ class NodeParameters(TwinNode):
         answer.types = [_field(value)[0] for _, value in self._asked(node, request.names)]
 
     def _describe(self, node: str, request: Any, answer: Any) -> None:
-        found = []
+        result = []
         for name, value in self._asked(node, request.names):
             descriptor = self._messages.new("rcl_interfaces/ParameterDescriptor")
             descriptor.name, descriptor.type = name, _field(value)[0]
-            found.append(descriptor)
-        answer.descriptors = found
+            result.append(descriptor)
+        answer.descriptors = result
 
     def _list(self, node: str, request: Any, answer: Any) -> None:
         prefixes = tuple(f"{prefix}." for prefix in request.prefixes)
@@ -192,7 +192,7 @@ class NodeParameters(TwinNode):
         ]
 
     def _set(self, node: str, request: Any, answer: Any) -> None:
-        answer.results = [self._set_all(node, [each]) for each in request.parameters]
+        answer.results = [self._set_all(node, [parameter]) for parameter in request.parameters]
 
     def _set_at_once(self, node: str, request: Any, answer: Any) -> None:
         answer.result = self._set_all(node, request.parameters)
@@ -201,16 +201,17 @@ class NodeParameters(TwinNode):
         """Set parameters that are declared, which the twin keeps and does not act on."""
         result = self._messages.new("rcl_interfaces/SetParametersResult")
         declared = self._values(node)
-        unknown = [each.name for each in parameters if each.name not in declared]
+        unknown = [parameter.name for parameter in parameters if parameter.name not in declared]
         if unknown:
             result.reason = f"parameter '{unknown[0]}' cannot be set because it was not declared"
             return result
-        for each in parameters:
-            self._changed.setdefault(node, {})[each.name] = _plain(each.value)
+        for parameter in parameters:
+            self._changed.setdefault(node, {})[parameter.name] = _plain(parameter.value)
             self._commands.report(
                 "not_simulated",
-                f"parameter '{each.name}' of {node} is set, and changes nothing in the simulation",
-                object_name=f"{node} {each.name}",
+                f"parameter '{parameter.name}' of {node} is set, and changes nothing in the "
+                "simulation",
+                object_name=f"{node} {parameter.name}",
             )
         result.successful = True
         return result

@@ -34,7 +34,8 @@ def robot_controllers(runtime: Runtime) -> dict[str, DeclaredController]:
     """Return the controllers of the robot, and those that files of the workspace declare."""
     robot = runtime.twin.robot
     known = {
-        each.name: DeclaredController(each.joints, TYPES[each.type]) for each in robot.controllers
+        controller.name: DeclaredController(controller.joints, TYPES[controller.type])
+        for controller in robot.controllers
     }
     declared = runtime.client(DeclaredControllers)
     return known | dict(declared.of_robot(joint.name for joint in robot.joints))
@@ -68,19 +69,19 @@ class ControllerStates:
         modes = dict(self._runtime.client(DeclaredControllers).without_joints)
         if self._bring_up is None:
             name, kind = _BROADCASTERS[self._runtime.distro.is_ros2]
-            is_there = any(_PUBLISHES.search(each) for each in (*modes, *known))
+            is_there = any(_PUBLISHES.search(mode) for mode in (*modes, *known))
             return modes | known | ({} if is_there else {name: DeclaredController((), kind)})
         made, robot = self._bring_up, self._runtime.twin.robot
-        driven = {each.name for each in robot.controllers}
+        driven = {controller.name for controller in robot.controllers}
         joints = known[made.mark].joints
         loaded = {
             name: DeclaredController(() if name in made.idle else joints, kind)
             for name, kind in (*made.active.items(), *made.inactive.items())
         }
         others = {
-            name: each
-            for name, each in known.items()
-            if name not in loaded and (name not in driven or each.joints != joints)
+            name: controller
+            for name, controller in known.items()
+            if name not in loaded and (name not in driven or controller.joints != joints)
         }
         return modes | loaded | others
 
@@ -101,10 +102,10 @@ class ControllerStates:
         # A mode of a driver that commands no joints begins where a program asks for it.
         held |= {
             name
-            for name, each in self.all.items()
-            if not each.joints
-            and "State" not in each.type
-            and "roadcaster" not in each.type
+            for name, controller in self.all.items()
+            if not controller.joints
+            and "State" not in controller.type
+            and "roadcaster" not in controller.type
             and (made is None or name not in made.active)
         }
         for name in sorted(self.all, key=self._rank):

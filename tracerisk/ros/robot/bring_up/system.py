@@ -86,15 +86,15 @@ class SystemState:
 
     def publications(self, topic: str) -> tuple[Any, ...]:
         """Return who publishes on a topic: ends on the graph, else what the bring-up has there."""
-        found = self._graph.publications(topic)
-        has_cells = any(not each.by_controller for each in found)
-        return found if has_cells else (*found, *self._beside(topic, is_sender=True))
+        result = self._graph.publications(topic)
+        has_cells = any(not publication.by_controller for publication in result)
+        return result if has_cells else (*result, *self._beside(topic, is_sender=True))
 
     def subscriptions(self, topic: str) -> tuple[Any, ...]:
         """Return who subscribes to a topic; see the last."""
-        found = self._graph.subscriptions(topic)
-        has_cells = any(not each.by_controller for each in found)
-        return found if has_cells else (*found, *self._beside(topic, is_sender=False))
+        result = self._graph.subscriptions(topic)
+        has_cells = any(not subscription.by_controller for subscription in result)
+        return result if has_cells else (*result, *self._beside(topic, is_sender=False))
 
     def topic_names(self) -> tuple[str, ...]:
         """Return the names of all topics that have an end, sorted."""
@@ -111,15 +111,19 @@ class SystemState:
         return tuple((name, ends[0].type_name) for name, ends in senders.items() if ends)
 
     def _beside(self, topic: str, *, is_sender: bool) -> tuple[SystemEnd, ...]:
-        return tuple(each for each in self._topics.get(topic, ()) if each.is_sender is is_sender)
+        return tuple(
+            system_end
+            for system_end in self._topics.get(topic, ())
+            if system_end.is_sender is is_sender
+        )
 
     @cached_property
     def _topics(self) -> dict[str, list[SystemEnd]]:
-        found: dict[str, list[SystemEnd]] = {}
+        topics: dict[str, list[SystemEnd]] = {}
         if self._runtime.twin is not None:
             for end in self._ends():
-                found.setdefault(end.topic, []).append(end)
-        return found
+                topics.setdefault(end.topic, []).append(end)
+        return topics
 
     def _ends(self) -> Iterator[SystemEnd]:
         space = "" if self._is_ros2 else MOVE_GROUP
@@ -153,15 +157,15 @@ class SystemState:
         if self._runtime.twin is None:
             return ()
         name = "/move_action" if self._is_ros2 else MOVE_GROUP
-        found = [
+        rows = [
             (name, "moveit_msgs/MoveGroup", MOVE_GROUP),
             ("/execute_trajectory", "moveit_msgs/ExecuteTrajectory", MOVE_GROUP),
         ]
         for controller in self._running_trajectory_controllers():
             node = f"/{controller}" if self._is_ros2 else _DRIVER
             action = f"/{controller}/follow_joint_trajectory"
-            found.append((action, "control_msgs/FollowJointTrajectory", node))
-        return tuple(found)
+            rows.append((action, "control_msgs/FollowJointTrajectory", node))
+        return tuple(rows)
 
     def action_names_and_types(self) -> tuple[tuple[str, str], ...]:
         """Return name and type of every action that has a client or a server, sorted."""
@@ -170,13 +174,15 @@ class SystemState:
 
     def services(self) -> tuple[SystemEnd, ...]:
         """Return all services, sorted by name."""
-        found = {
-            each.name: SystemEnd(each.name, each.type_name, each.node)
-            for each in self._graph.services.served()
+        system_ends = {
+            service_server.name: SystemEnd(
+                service_server.name, service_server.type_name, service_server.node
+            )
+            for service_server in self._graph.services.served()
         }
         for end in self._services():
-            found.setdefault(end.topic, end)
-        return tuple(end for _, end in sorted(found.items()))
+            system_ends.setdefault(end.topic, end)
+        return tuple(end for _, end in sorted(system_ends.items()))
 
     def _services(self) -> Iterator[SystemEnd]:
         if self._runtime.twin is None:

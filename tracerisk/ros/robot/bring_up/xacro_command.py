@@ -56,10 +56,14 @@ def answered_xacro(runtime: Runtime) -> Iterator[None]:
 def _words(args: Any) -> list[str] | None:
     """Return the words behind the command where it is `xacro`, else `None`."""
     try:
-        given = shlex.split(args) if isinstance(args, str) else [os.fspath(each) for each in args]
+        given = (
+            shlex.split(args)
+            if isinstance(args, str)
+            else [os.fspath(argument) for argument in args]
+        )
     except (TypeError, ValueError):
         return None
-    words = [each.decode(errors="replace") if isinstance(each, bytes) else each for each in given]
+    words = [name.decode(errors="replace") if isinstance(name, bytes) else name for name in given]
     if not words:
         return None
     words[0] = words[0].rpartition("/")[2]
@@ -74,10 +78,10 @@ def _expanded(words: Sequence[str], runtime: Runtime) -> str:
 
     Of a file that cannot be expanded here, it is the robot that is simulated, with a finding.
     """
-    given = dict(each.split(":=", 1) for each in words if ":=" in each)
-    files = [each for each in words if ":=" not in each and not each.startswith("-")]
+    given = dict(word.split(":=", 1) for word in words if ":=" in word)
+    files = [word for word in words if ":=" not in word and not word.startswith("-")]
     output = next((words[at + 1] for at in range(len(words) - 1) if words[at] == "-o"), None)
-    path = Path(next((each for each in files if each != output), ""))
+    path = Path(next((file for file in files if file != output), ""))
     robot, assumed = runtime.twin.robot, ""
     try:
         text = expand_xacro(path, runtime.findable, arguments=given).decode()
@@ -106,8 +110,8 @@ def _moving(text: str) -> set[str]:
         top = ET.fromstring(text)
     except ET.ParseError:
         return set()
-    moving = [each for each in top.findall("joint") if each.get("type") in _MOVING]
-    return {each.get("name", "") for each in moving}
+    moving = [element for element in top.findall("joint") if element.get("type") in _MOVING]
+    return {element.get("name", "") for element in moving}
 
 
 class _AnsweredProcess:

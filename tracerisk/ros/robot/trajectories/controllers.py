@@ -145,7 +145,7 @@ class TrajectoryController:
         known = [joint.name for joint in robot.joints]
         for name in names:
             if name not in known:
-                self._twin.on_unknown_joints(tuple(each for each in names if each))
+                self._twin.on_unknown_joints(tuple(text for text in names if text))
                 raise TrajectoryRefusedError(
                     f"robot '{robot.name}' has no joint '{name}'; {one_of(known, name)}",
                     TrajectoryCode.INVALID_JOINTS,
@@ -214,13 +214,16 @@ class TrajectoryControllers:
         """
         robot, named = self._runtime.twin.robot, set(joints)
         known = [
-            *(frozenset(each.joints) for each in robot_controllers(self._runtime).values()),
+            *(
+                frozenset(robot_controller.joints)
+                for robot_controller in robot_controllers(self._runtime).values()
+            ),
             *(frozenset(group.joints) for group in robot.groups.values()),
             *(frozenset(gripper.joints) for gripper in robot.grippers),
             frozenset(joint.name for joint in robot.arm_joints),
         ]
-        within = frozenset[str]().union(*(each for each in known if each <= named))
-        beyond = sorted((each for each in known if each > named), key=len)
+        within = frozenset[str]().union(*(item for item in known if item <= named))
+        beyond = sorted((item for item in known if item > named), key=len)
         if robot.assumes_names or within == named or not beyond:
             return tuple(dict.fromkeys(joints))
         return tuple(joint.name for joint in robot.joints if joint.name in beyond[0])

@@ -259,11 +259,11 @@ class _Pursuit:
         at = [state.names.index(name) for name in self._trajectory.joints]
         actual = np.array([state.position[i] for i in at])
         speed = np.array([state.velocity[i] for i in at])
-        for limits, wanted, found, what in (
+        for limits, wanted, array, what in (
             (self._limits.path, desired, actual, "off its path"),
             (self._limits.path_speed, rate, speed, "off the velocity of its path"),
         ):
-            misses = np.abs(wanted - found)
+            misses = np.abs(wanted - array)
             for name, miss in zip(self._trajectory.joints, misses.tolist(), strict=True):
                 if miss > limits.get(name, math.inf):
                     self._code = TrajectoryCode.PATH_TOLERANCE_VIOLATED

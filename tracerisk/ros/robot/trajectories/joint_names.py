@@ -38,8 +38,8 @@ class JointNames:
 
     def notes(self, names: Sequence[str]) -> dict[str, str]:
         """Return those of some names that move nothing on the twin, each with the reason."""
-        found = {name: self._names[name].note for name in names if name in self._names}
-        return {name: note for name, note in found.items() if note}
+        texts = {name: self._names[name].note for name in names if name in self._names}
+        return {name: note for name, note in texts.items() if note}
 
     def has_any(self, names: Sequence[str]) -> bool:
         """Return whether some names are a driver's, and not the robot's."""
@@ -47,12 +47,12 @@ class JointNames:
 
     def spread(self, names: Sequence[str], values: Sequence[float]) -> dict[str, float]:
         """Return the value of each joint that is meant; names of no driver stay as they are."""
-        found: dict[str, float] = {}
+        table: dict[str, float] = {}
         for name, value in zip(names, values, strict=True):
             meaning = self._names.get(name)
             parts = {name: 1.0} if meaning is None else meaning.moves
-            found.update((joint, part * value) for joint, part in parts.items())
-        return found
+            table.update((joint, part * value) for joint, part in parts.items())
+        return table
 
     def value(self, name: str, joints: Mapping[str, float]) -> float:
         """Return the value of a name, from those of the joints: the nearest that they can have."""
@@ -100,7 +100,7 @@ class JointNames:
         made = copy.copy(message)
         made.trajectory = self.trajectory(message.trajectory)
         for key in ("path_tolerance", "goal_tolerance"):
-            setattr(made, key, [part for each in getattr(message, key) for part in self._of(each)])
+            setattr(made, key, [part for item in getattr(message, key) for part in self._of(item)])
         return made
 
     def _of(self, tolerance: Any) -> list[Any]:
@@ -108,7 +108,7 @@ class JointNames:
         meaning = self._names.get(tolerance.name)
         if meaning is None:
             return [tolerance]
-        found = []
+        result = []
         for joint, part in meaning.moves.items():
             made = copy.deepcopy(tolerance)
             made.name = joint
@@ -116,5 +116,5 @@ class JointNames:
                 # What is negative has no limit, whatever it is a part of.
                 value = getattr(tolerance, key)
                 setattr(made, key, value * abs(part) if value > 0.0 else value)
-            found.append(made)
-        return found
+            result.append(made)
+        return result

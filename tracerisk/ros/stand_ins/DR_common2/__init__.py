@@ -118,7 +118,7 @@ def is_number(data: Any) -> bool:
     if isinstance(data, str):
         return False
     if isinstance(data, Iterable):
-        return all(is_number(each) for each in list(data)[:1])
+        return all(is_number(item) for item in list(data)[:1])
     try:
         float(data)
     except ValueError:

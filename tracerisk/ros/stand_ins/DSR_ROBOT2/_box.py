@@ -56,7 +56,7 @@ def done(kind: str, service: str, /, **fields: Any) -> int:
 
 def rows(lists: Iterable[Iterable[Any]]) -> list[Any]:
     """Return lists of numbers as messages."""
-    return [Float64MultiArray(data=numbers(each)) for each in lists]
+    return [Float64MultiArray(data=numbers(item)) for item in lists]
 
 
 def numbers(values: Iterable[Any]) -> list[float]:

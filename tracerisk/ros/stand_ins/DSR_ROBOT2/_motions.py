@@ -171,7 +171,7 @@ def movesj(
     _async: bool = False,
 ) -> int:
     """Move the joints through positions; see `movej`."""
-    points = rows(get_posj(each) for each in pos_list)
+    points = rows(get_posj(item) for item in pos_list)
     timed = _timed(first(vel, v), first(acc, a), first(time, t), is_joint=True)
     mode = whole(mod, "mod", DR_MV_MOD_ABS, DR_MV_MOD_REL)
     how = {"pos_cnt": len(points), "mode": mode, "sync_type": int(_async)}
@@ -192,7 +192,7 @@ def movesx(
     _async: bool = False,
 ) -> int:
     """Move the tool through poses; see `movej`."""
-    points = rows(get_posx(each) for each in pos_list)
+    points = rows(get_posx(item) for item in pos_list)
     timed = _timed(first(vel, v), first(acc, a), first(time, t), is_joint=False)
     mode = whole(mod, "mod", DR_MV_MOD_ABS, DR_MV_MOD_REL)
     how = {"pos_cnt": len(points), "mode": mode, "sync_type": int(_async)}

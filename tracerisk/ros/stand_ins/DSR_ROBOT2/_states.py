@@ -401,7 +401,7 @@ def set_desired_force(
         "SetDesiredForce",
         "force/set_desired_force",
         fd=numbers(fd),
-        dir=[int(each) for each in dir],
+        dir=[int(item) for item in dir],
         ref=DEFAULTS.coord,
         time=_ramp(time),
         mod=whole(mod, "mod"),

@@ -52,7 +52,7 @@ class Joint:
             self.__dict__.update(args[0].__dict__)
             return
         named = "name" in kwargs or isinstance(next(iter(args), None), str)
-        shown = "origin" in kwargs or any(isinstance(each, Vector) for each in args[:2])
+        shown = "origin" in kwargs or any(isinstance(argument, Vector) for argument in args[:2])
         names = (*["name"] * named, *["origin", "axis"] * shown, "type", *_FIGURES)
         given = dict(zip(names, args, strict=False)) | kwargs
         values = {"name": "NoName", "type": JointType.Fixed, **_FIGURES, **given}
@@ -153,7 +153,7 @@ class Segment:
 
 
 def _moving(segments: Any) -> int:
-    return sum(each._joint._type is not JointType.Fixed for each in segments)
+    return sum(segment._joint._type is not JointType.Fixed for segment in segments)
 
 
 class Chain:
@@ -212,13 +212,16 @@ class Tree:
     def addTree(self, tree: Tree, hook_name: str) -> bool:
         """Add the segments of a tree, its first ones on another segment; false as `addSegment`."""
         return all(
-            self.addSegment(each.segment, hook_name if each.hook == tree._root else each.hook)
-            for each in tree._on.values()
+            self.addSegment(
+                simple_namespace.segment,
+                hook_name if simple_namespace.hook == tree._root else simple_namespace.hook,
+            )
+            for simple_namespace in tree._on.values()
         )
 
     def getNrOfJoints(self) -> int:
         """Return the number of joints that move."""
-        return _moving(each.segment for each in self._on.values())
+        return _moving(simple_namespace.segment for simple_namespace in self._on.values())
 
     def getNrOfSegments(self) -> int:
         """Return the number of segments, without the root."""

@@ -64,7 +64,7 @@ class Rotation(Value):
             self._v = np.eye(3)
         elif len(args) == 9:
             self._v = np.array(args, dtype=np.float64).reshape(3, 3)
-        elif len(args) == 3 and all(isinstance(each, Vector) for each in args):
+        elif len(args) == 3 and all(isinstance(argument, Vector) for argument in args):
             self._v = np.column_stack([axis._v for axis in args])
         elif len(args) == 1 and isinstance(args[0], Rotation):
             self._v = args[0]._v.copy()
@@ -139,18 +139,18 @@ class Rotation(Value):
         """Return the quaternion (x, y, z, w), w not negative where it is the greatest."""
         m, trace = self._v, float(np.trace(self._v))
         # The greatest of the four is found from a root, the others from it (Shepperd, 1978).
-        found = np.empty(4)
+        empty = np.empty(4)
         if trace > EPSILON:
-            found[3] = math.sqrt(1.0 + trace) / 2.0
+            empty[3] = math.sqrt(1.0 + trace) / 2.0
             for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-                found[i] = (m[k, j] - m[j, k]) / (4.0 * found[3])
+                empty[i] = (m[k, j] - m[j, k]) / (4.0 * empty[3])
         else:
             i = int(np.argmax(np.diag(m)))
             j, k = (i + 1) % 3, (i + 2) % 3
-            found[i] = math.sqrt(max(1.0 + m[i, i] - m[j, j] - m[k, k], 0.0)) / 2.0
+            empty[i] = math.sqrt(max(1.0 + m[i, i] - m[j, j] - m[k, k], 0.0)) / 2.0
             sums = (m[j, i] + m[i, j], m[k, i] + m[i, k], m[k, j] - m[j, k])
-            found[[j, k, 3]] = np.array(sums) / (4.0 * found[i])
-        x, y, z, w = (float(value) for value in found)
+            empty[[j, k, 3]] = np.array(sums) / (4.0 * empty[i])
+        x, y, z, w = (float(value) for value in empty)
         return x, y, z, w
 
     def GetRotAngle(self, eps: float = EPSILON) -> tuple[float, Vector]:

@@ -47,7 +47,7 @@ class SolverI:
 
     def _fits(self, *arrays: Any) -> bool:
         joints = self._chain.getNrOfJoints()
-        return all(each._v.shape[-1] == joints for each in arrays)
+        return all(array._v.shape[-1] == joints for array in arrays)
 
     def _moved(self, q: Array) -> Iterator[tuple[Segment, float, int | None]]:
         """Yield each segment with its joint's position and place, none of a fixed one."""
@@ -238,10 +238,10 @@ class ChainIkSolverPos_LMA(SolverI):
             if np.linalg.norm(step) < self._least:
                 code = _FAILED - 1
                 break
-            found, ahead = self._miss(q + step, T_base_goal)
-            gain = (miss @ miss - found @ found) / (step @ (damping * step + slope))
+            result, ahead = self._miss(q + step, T_base_goal)
+            gain = (miss @ miss - result @ result) / (step @ (damping * step + slope))
             if gain > 0:
-                q, miss, jacobian = q + step, found, ahead
+                q, miss, jacobian = q + step, result, ahead
                 damping, growth = damping * max(1 / 3, 1 - (2 * gain - 1) ** 3), 2.0
             else:
                 damping, growth = damping * growth, growth * 2.0
@@ -282,7 +282,7 @@ class ChainIdSolver_RNE(SolverI):
             axis = frame.M.Inverse(segment.twist(value, 1.0 if place is not None else 0.0))
             rate, growth = (0.0, 0.0) if place is None else (q_dot[place], q_dotdot[place])
             speed = frame.Inverse(speed) + axis * rate
-            turning, shifting = (frames.skew(each._v) for each in (speed.rot, speed.vel))
+            turning, shifting = (frames.skew(item._v) for item in (speed.rot, speed.vel))
             carrying = np.block([[turning, shifting], [np.zeros((3, 3)), turning]])
             along = Twist._of(carrying @ axis._v * rate)
             rise = frame.Inverse(rise) + axis * growth + along

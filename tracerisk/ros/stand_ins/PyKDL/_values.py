@@ -211,8 +211,8 @@ class Screw(Linear):
         args = ordered(args, kwargs, *self._PARTS)
         if not args:
             self._v = np.zeros(6)
-        elif len(args) == 2 and all(isinstance(each, Vector) for each in args):
-            self._v = np.concatenate([each._v for each in args])
+        elif len(args) == 2 and all(isinstance(argument, Vector) for argument in args):
+            self._v = np.concatenate([argument._v for argument in args])
         elif len(args) == 1 and type(args[0]) is type(self):
             self._v = args[0]._v.copy()
         else:

@@ -284,10 +284,10 @@ class ActionClient:
         # The real one adds it to the present time, which takes nothing but a Duration.
         _ = rospy.get_rostime() + timeout
         timeout_ns = duration_ns(timeout)
-        found = self._end.wait_for_server(
+        wait = self._end.wait_for_server(
             timeout_ns if timeout_ns > 0 else None, unless=is_shut_down
         )
-        return found and not is_shut_down()
+        return wait and not is_shut_down()
 
     def stop(self) -> None:
         """Leave the action."""

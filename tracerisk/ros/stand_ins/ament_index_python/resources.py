@@ -32,13 +32,13 @@ def get_resources(resource_type: str) -> dict[str, str]:
     packages = get_packages_with_prefixes()
     if resource_type == _KIND:
         return packages
-    found: dict[str, str] = {}
+    resources: dict[str, str] = {}
     for prefix in dict.fromkeys(packages.values()):
         folder = Path(prefix, AMENT_INDEX, resource_type)
         for file in sorted(folder.iterdir()) if folder.is_dir() else ():
             if file.is_file() and not file.name.startswith("."):
-                found.setdefault(file.name, prefix)
-    return found
+                resources.setdefault(file.name, prefix)
+    return resources
 
 
 def has_resource(resource_type: str, resource_name: str) -> str | bool:

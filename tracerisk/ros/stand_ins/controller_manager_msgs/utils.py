@@ -48,12 +48,12 @@ def is_controller_manager(namespace: str) -> bool:
 def get_rosparam_controller_names(namespace: str = "/") -> list[str]:
     """Return the names of the controllers that parameters below a namespace set the type of."""
     space = rospy.resolve_name(namespace).rstrip("/") + "/"
-    found = (
+    removesuffixes = (
         name.removeprefix(space).removesuffix("/type")
         for name in rospy.get_param_names()
         if name.startswith(space) and name.endswith("/type")
     )
-    return [name for name in found if name and "/" not in name]
+    return [name for name in removesuffixes if name and "/" not in name]
 
 
 class ControllerManagerLister:
@@ -85,21 +85,21 @@ def filter_by_name(
     ctrl_list: Iterable[Any], ctrl_name: str, match_substring: bool = False
 ) -> list[Any]:
     """Return the controllers of a name, or with a name that has it in it."""
-    return [each for each in ctrl_list if _fits(each.name, ctrl_name, match_substring)]
+    return [item for item in ctrl_list if _fits(item.name, ctrl_name, match_substring)]
 
 
 def filter_by_type(
     ctrl_list: Iterable[Any], ctrl_type: str, match_substring: bool = False
 ) -> list[Any]:
     """Return the controllers of a type, or with a type that has it in it."""
-    return [each for each in ctrl_list if _fits(each.type, ctrl_type, match_substring)]
+    return [item for item in ctrl_list if _fits(item.type, ctrl_type, match_substring)]
 
 
 def filter_by_state(
     ctrl_list: Iterable[Any], ctrl_state: str, match_substring: bool = False
 ) -> list[Any]:
     """Return the controllers in a state, or in one that has it in its name."""
-    return [each for each in ctrl_list if _fits(each.state, ctrl_state, match_substring)]
+    return [item for item in ctrl_list if _fits(item.state, ctrl_state, match_substring)]
 
 
 def filter_by_hardware_interface(
@@ -107,11 +107,11 @@ def filter_by_hardware_interface(
 ) -> list[Any]:
     """Return the controllers that claim something of an interface of the hardware."""
     return [
-        each
-        for each in ctrl_list
+        item
+        for item in ctrl_list
         if any(
             _fits(claimed.hardware_interface, hardware_interface, match_substring)
-            for claimed in each.claimed_resources
+            for claimed in item.claimed_resources
         )
     ]
 
@@ -124,17 +124,17 @@ def filter_by_resources(
 ) -> list[Any]:
     """Return the controllers that claim all of some resources, or any of them."""
     asked = set(resources)
-    found = []
-    for each in ctrl_list:
+    result = []
+    for item in ctrl_list:
         claimed = {
             name
-            for part in each.claimed_resources
+            for part in item.claimed_resources
             if hardware_interface in (None, part.hardware_interface)
             for name in part.resources
         }
         if (match_any and asked & claimed) or (not match_any and asked <= claimed):
-            found.append(each)
-    return found
+            result.append(item)
+    return result
 
 
 def _fits(value: str, asked: str, is_part: bool) -> bool:

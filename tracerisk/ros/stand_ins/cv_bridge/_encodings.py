@@ -56,13 +56,13 @@ def layout(encoding: str) -> tuple[str, int]:
         return depth, len(order)
     if encoding in _OTHERS:
         return _OTHERS[encoding]
-    found = _TYPE.fullmatch(encoding)
-    if found is None:
+    matched = _TYPE.fullmatch(encoding)
+    if matched is None:
         known = ", ".join([*_COLOURS, *_OTHERS])
         raise ValueError(
             f"Unrecognized image encoding [{encoding}]; known: {known}, and types as 8UC3"
         )
-    return found[1], int(found[2] or 1)
+    return matched[1], int(matched[2] or 1)
 
 
 def changed(image: Any, begin: str, end: str) -> Any:

@@ -21,5 +21,5 @@ def find_reconfigure_services() -> list[str]:
     """Return the names of the servers, sorted."""
     import rosservice
 
-    found = rosservice.rosservice_find("dynamic_reconfigure/Reconfigure")
-    return sorted(name.removesuffix("/set_parameters") for name in found)
+    result = rosservice.rosservice_find("dynamic_reconfigure/Reconfigure")
+    return sorted(name.removesuffix("/set_parameters") for name in result)

@@ -53,8 +53,8 @@ def encode_config(config: Mapping[str, Any], flat: bool = True) -> Any:
         if isinstance(value, dict):
             states = [value, *_below(value)] if flat else list(value.values())
             msg.groups.extend(
-                GroupState(each["name"], each["state"], each["id"], each["parent"])
-                for each in states
+                GroupState(state["name"], state["state"], state["id"], state["parent"])
+                for state in states
             )
             continue
         for kind, field, parameter in _KINDS:
@@ -66,10 +66,10 @@ def encode_config(config: Mapping[str, Any], flat: bool = True) -> Any:
 
 def decode_config(msg: Any, description: Any = None) -> Config:
     """Return the configuration of a message; with a description, its groups too."""
-    config = Config((each.name, each.value) for field in _KINDS for each in getattr(msg, field[1]))
+    config = Config((item.name, item.value) for field in _KINDS for item in getattr(msg, field[1]))
     if not msg.groups or description is None:
         return config
-    root = next((each for each in msg.groups if each.id == 0), None)
+    root = next((group for group in msg.groups if group.id == 0), None)
     if root is not None:
         config["groups"] = _group(root, msg.groups, config, description)
     return config
@@ -97,12 +97,15 @@ def encode_groups(parent: Any, group: Mapping[str, Any]) -> list[Any]:
         ParamDescription(p["name"], p["type"], p["level"], p["description"], p["edit_method"])
         for p in group["parameters"]
     ]
-    return [msg, *(found for inner in group["groups"] for found in encode_groups(msg, inner))]
+    return [
+        msg,
+        *(encode_group for inner in group["groups"] for encode_group in encode_groups(msg, inner)),
+    ]
 
 
 def decode_description(msg: Any) -> Any:
     """Return the tree of groups of a description's message, with their parameters."""
-    least, most, default = (decode_config(each) for each in (msg.min, msg.max, msg.dflt))
+    least, most, default = (decode_config(item) for item in (msg.min, msg.max, msg.dflt))
 
     def parameters(group: Any) -> list[dict[str, Any]]:
         return [
@@ -123,24 +126,24 @@ def decode_description(msg: Any) -> Any:
         made = group_dict(group)
         made["parameters"] = parameters(group)
         made["groups"] = Config(
-            (each.name, tree(each))
-            for each in msg.groups
-            if each.id != 0 and each.parent == group.id
+            (item.name, tree(item))
+            for item in msg.groups
+            if item.id != 0 and item.parent == group.id
         )
         return made
 
-    root = next((each for each in msg.groups if each.id == 0), None)
+    root = next((item for item in msg.groups if item.id == 0), None)
     return Config() if root is None else tree(root)
 
 
 def get_tree(m: Any, group: Any = None) -> Config:
     """Return the groups of a description's message below a group, by default the outermost."""
-    root = next((each for each in m.groups if each.id == 0), None) if group is None else group
+    root = next((item for item in m.groups if item.id == 0), None) if group is None else group
     inner = Config()
-    for each in m.groups:
-        if root is not None and each.id != 0 and each.parent == root.id:
-            inner[each.name] = group_dict(each)
-            inner[each.name]["groups"] = get_tree(m, each)
+    for item in m.groups:
+        if root is not None and item.id != 0 and item.parent == root.id:
+            inner[item.name] = group_dict(item)
+            inner[item.name]["groups"] = get_tree(m, item)
     if root is None or root.id != 0:
         return inner
     made = group_dict(root)
@@ -165,7 +168,10 @@ def extract_params(group: Any) -> list[Any]:
     """Return the parameters of a group and of those in it."""
     inner = group["groups"]
     groups: Iterable[Any] = inner.values() if isinstance(inner, dict) else inner
-    return [*group["parameters"], *(found for each in groups for found in extract_params(each))]
+    return [
+        *group["parameters"],
+        *(extract_parameter for item in groups for extract_parameter in extract_params(item)),
+    ]
 
 
 def _group(state: Any, states: Any, config: Config, description: Any) -> Config:
@@ -175,15 +181,15 @@ def _group(state: Any, states: Any, config: Config, description: Any) -> Config:
     made.update(made["parameters"])
     inner = description["groups"]
     known = inner.values() if isinstance(inner, dict) else inner
-    for each in states:
-        found = next((d for d in known if d["name"] == each.name), None)
-        if each.id != 0 and each.parent == state.id and found is not None:
-            made["groups"][each.name] = _group(each, states, config, found)
+    for item in states:
+        result = next((d for d in known if d["name"] == item.name), None)
+        if item.id != 0 and item.parent == state.id and result is not None:
+            made["groups"][item.name] = _group(item, states, config, result)
     return made
 
 
 def _below(group: Mapping[str, Any]) -> list[Any]:
-    found: list[Any] = []
-    for each in group["groups"].values():
-        found.extend([*_below(each), each])
-    return found
+    below: list[Any] = []
+    for item in group["groups"].values():
+        below.extend([*_below(item), item])
+    return below

@@ -69,7 +69,7 @@ class ParameterGenerator:
                     f"The name of field '{name}' does not follow the ROS naming conventions, "
                     "see http://wiki.ros.org/ROS/Patterns/Conventions"
                 )
-            found = {
+            table = {
                 "name": name,
                 "type": paramtype,
                 "level": level,
@@ -82,8 +82,8 @@ class ParameterGenerator:
                 ("max", max, _MOST),
             ):
                 known = unset[paramtype] if value is None else value
-                found[field] = _cast(name, paramtype, field, known)
-            self.parameters.append(found)
+                table[field] = _cast(name, paramtype, field, known)
+            self.parameters.append(table)
 
         def to_dict(self) -> dict[str, Any]:
             """Return the group as a description."""
@@ -119,7 +119,7 @@ class ParameterGenerator:
 
     def enum(self, constants: list[dict[str, Any]], description: str) -> str:
         """Return the edit method of a parameter that is one of several constants."""
-        if len({each["type"] for each in constants}) != 1:
+        if len({constant["type"] for constant in constants}) != 1:
             raise Exception("Inconsistent types in enum!")
         return repr({"enum": constants, "enum_description": description})
 

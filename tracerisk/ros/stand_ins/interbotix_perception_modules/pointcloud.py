@@ -71,8 +71,8 @@ class _PointCloud:
 
     def load_params(self, filepath: str | None = None) -> None:
         """Read the filter's parameters from a file."""
-        found = YAML(typ="safe").load(Path(filepath or self._file).read_text(encoding="utf-8"))
-        self.set_params(found["/**"]["ros__parameters"] if "/**" in found else found)
+        result = YAML(typ="safe").load(Path(filepath or self._file).read_text(encoding="utf-8"))
+        self.set_params(result["/**"]["ros__parameters"] if "/**" in result else result)
 
     def save_params(self, filepath: str | None = None) -> None:
         """Write the filter's parameters into a file."""
@@ -110,7 +110,7 @@ class _PointCloud:
         if not samples or not samples[0]:
             warn(self._node, "No clusters found...")
             return False, []
-        if any(len(each) != len(samples[0]) for each in samples):
+        if any(len(sample) != len(samples[0]) for sample in samples):
             warn(self._node, "The number of clusters changes between samples...")
             return False, []
         frame = samples[0][0].frame_id
@@ -119,7 +119,7 @@ class _PointCloud:
         except tf2_ros.TransformException:
             warn(self._node, f"Failed to look up the transform from '{ref_frame}' to '{frame}'.")
             return False, []
-        found = [
+        tables = [
             self._described(clusters, transform, is_parallel)
             for clusters in zip(*samples, strict=True)
         ]
@@ -128,30 +128,30 @@ class _PointCloud:
             warn(self._node, f"'{sort_axis}' is not a valid sorting axis. Defaulting to 'y'.")
             axis = 1
         at: int = axis
-        found.sort(key=lambda each: each["position"][at], reverse=reverse)
+        tables.sort(key=lambda fields: fields["position"][at], reverse=reverse)
         shown = []
-        for number, each in enumerate(found, 1):
-            each["name"] = f"cluster_{number}"
+        for number, fields in enumerate(tables, 1):
+            fields["name"] = f"cluster_{number}"
             message = TransformStamped()
-            message.header.frame_id, message.child_frame_id = ref_frame or frame, each["name"]
+            message.header.frame_id, message.child_frame_id = ref_frame or frame, fields["name"]
             message.header.stamp = self._now()
             place = message.transform.translation
-            place.x, place.y, place.z = each["position"]
+            place.x, place.y, place.z = fields["position"]
             message.transform.rotation.w = 1.0
             shown.append(message)
         self._broadcaster.sendTransform(shown)
-        return True, found
+        return True, tables
 
     def _described(
         self, samples: tuple[Any, ...], transform: Any, is_parallel: bool
     ) -> dict[str, Any]:
         def mean(read: Callable[[Any], float]) -> float:
-            return float(sum(read(each) for each in samples) / len(samples))
+            return float(sum(read(sample) for sample in samples) / len(samples))
 
         def moved(field: str) -> list[float]:
             stamped = PointStamped()
             for axis in "xyz":
-                value = mean(lambda each, axis=axis: getattr(getattr(each, field), axis))  # type: ignore[misc]
+                value = mean(lambda item, axis=axis: getattr(getattr(item, field), axis))  # type: ignore[misc]
                 setattr(stamped.point, axis, value)
             point = do_transform_point(stamped, transform).point
             return [point.x, point.y, point.z]
@@ -164,7 +164,7 @@ class _PointCloud:
             "position": position,
             "yaw": 0,
             "color": [mean(lambda c, k=k: getattr(c.color, k)) for k in "rgb"],  # type: ignore[misc]
-            "num_points": mean(lambda each: each.num_points),
+            "num_points": mean(lambda item: item.num_points),
         }
 
     _broadcaster: Any

@@ -75,7 +75,7 @@ class ArmInterface:
         self, positions: Sequence[float], moving_time: Any, accel_time: Any, blocking: bool
     ) -> None:
         self.set_trajectory_time(moving_time, accel_time)
-        self.joint_commands = [float(each) for each in positions]
+        self.joint_commands = [float(position) for position in positions]
         self.core.pub_group.publish(
             JointGroupCommand(name=self.group_name, cmd=self.joint_commands)
         )
@@ -149,22 +149,22 @@ class ArmInterface:
         positions of the last are returned.
         """
         guesses = self.initial_guesses if custom_guess is None else [custom_guess]
-        found: Any = None
+        result: Any = None
         for guess in guesses:
-            found, is_there = screw_kinematics.inverse(
+            result, is_there = screw_kinematics.inverse(
                 self.robot_des.M, self.robot_des.Slist, np.asarray(T_sd), guess,
                 _TOLERANCE, _TOLERANCE,
             )  # fmt: skip
             if not is_there:
                 continue
-            found = self._wrap_theta_list(found)
-            if self._is_within(found):
+            result = self._wrap_theta_list(result)
+            if self._is_within(result):
                 if execute:
-                    self._publish(found, moving_time, accel_time, blocking)
+                    self._publish(result, moving_time, accel_time, blocking)
                     self.T_sb = T_sd
-                return found, True
+                return result, True
         self.core._warn("No valid pose could be found. Will not execute")
-        return found, False
+        return result, False
 
     def set_ee_pose_components(
         self,
@@ -225,20 +225,20 @@ class ArmInterface:
         accel_time = self.accel_time
         count = int(moving_time / wp_period)
         share = 1.0 / count
-        path = [[float(each) for each in self.joint_commands]]
+        path = [[float(joint_command) for joint_command in self.joint_commands]]
         for index in range(count):
             within[:3, 3] += share * np.array([x, y, z])
             turns = [at + share * by for at, by in zip(turns, (roll, pitch, yaw), strict=True)]
             within[:3, :3] = ang.euler_angles_to_rotation_matrix(turns)
             goal = facing @ within
-            found, is_there = self.set_ee_pose_matrix(goal, path[-1], False, blocking=False)
+            result, is_there = self.set_ee_pose_matrix(goal, path[-1], False, blocking=False)
             if not is_there:
                 self.core._warn(
                     f"Only {index / count * 100:.2f}% of trajectory successfully planned. "
                     "Trajectory will not be executed."
                 )
                 return False
-            path.append([float(each) for each in found])
+            path.append([float(item) for item in result])
         self.set_trajectory_time(wp_moving_time, wp_accel_time)
         self._send(path, wp_period)
         self.core._sleep(moving_time + wp_moving_time)

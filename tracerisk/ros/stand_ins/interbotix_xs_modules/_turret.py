@@ -82,8 +82,8 @@ class TurretInterface:
 
     def _wait(self, names: tuple[str, ...], blocking: bool, delay: float) -> None:
         profiles = [self.info[name] for name in names]
-        if blocking and all(each["profile_type"] == "time" for each in profiles):
-            delay = max(each["profile_velocity"] for each in profiles)
+        if blocking and all(profile["profile_type"] == "time" for profile in profiles):
+            delay = max(profile["profile_velocity"] for profile in profiles)
         self.core._sleep(delay)
 
     def move(
@@ -136,7 +136,7 @@ class TurretInterface:
         self.set_trajectory_profile(
             self.tilt_name, tilt_profile_velocity, tilt_profile_acceleration
         )
-        self.core.robot_write_commands(self.group_name, [float(each) for each in asked.values()])
+        self.core.robot_write_commands(self.group_name, [float(value) for value in asked.values()])
         for name, position in asked.items():
             self.info[name]["command"] = position
         self._wait(tuple(asked), blocking, delay)

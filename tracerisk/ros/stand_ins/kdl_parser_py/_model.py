@@ -22,11 +22,11 @@ def model_of(xml: str | bytes) -> Any:
         top = read_xml(xml, "robot_description")
         if top.tag != "robot":
             top.fail("is not the element <robot> of a URDF")
-        links = {each.string("name"): _link(each) for each in top.all("link")}
-        joints = [_joint(each) for each in top.all("joint")]
+        links = {xml_element.string("name"): _link(xml_element) for xml_element in top.all("link")}
+        joints = [_joint(xml_element) for xml_element in top.all("joint")]
     except RobotError as error:
         raise ValueError(str(error)) from error
-    hung = {each.child for each in joints}
+    hung = {joint.child for joint in joints}
     roots = [name for name in links if name not in hung]
     if len(roots) != 1:
         raise ValueError(f"the URDF has {len(roots)} links that hang on nothing; one is the root")

@@ -154,8 +154,8 @@ class TimeSynchronizer(SimpleFilter):
         """Take the messages of these filters."""
         self.queues: list[dict[int, Any]] = [{} for _ in fs]
         self.input_connections = [
-            each.registerCallback(self.add, queue, index)
-            for index, (each, queue) in enumerate(zip(fs, self.queues, strict=True))
+            item.registerCallback(self.add, queue, index)
+            for index, (item, queue) in enumerate(zip(fs, self.queues, strict=True))
         ]
 
     def add(self, msg: Any, my_queue: dict[int, Any], my_queue_index: int | None = None) -> None:
@@ -209,10 +209,10 @@ class ApproximateTimeSynchronizer(TimeSynchronizer):
                 if index == my_queue_index:
                     candidates.append([time])
                     continue
-                near = [each for each in queue if abs(each - time) <= slop_ns]
-                candidates.append(sorted(near, key=lambda each: abs(each - time)))
+                near = [number for number in queue if abs(number - time) <= slop_ns]
+                candidates.append(sorted(near, key=lambda number: abs(number - time)))
             for times in itertools.product(*candidates):
-                known = all(each in q for q, each in zip(self.queues, times, strict=True))
+                known = all(number in q for q, number in zip(self.queues, times, strict=True))
                 if known and max(times) - min(times) < slop_ns:
                     self._signal(times)
                     return

@@ -60,7 +60,7 @@ class GroupPickPlace(GroupTargets):
             grasps = [self._default_grasp(object_name, link)]
         # The hand has to touch what it picks.
         with self._server.touching(object_name, self._server.hand_links(link)):
-            for one in sorted(grasps, key=lambda each: -each.grasp_quality):
+            for one in sorted(grasps, key=lambda item: -item.grasp_quality):
                 code, is_done = self._pick_with(object_name, one, link, plan_only)
                 if is_done:
                     break

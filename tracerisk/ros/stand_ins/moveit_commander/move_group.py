@@ -113,8 +113,8 @@ def _has_moveit(*version: int) -> bool:
         text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     except OSError:
         return False
-    found = re.search(r"<version>\s*(\d+)\.(\d+)\.(\d+)", text)
-    return found is not None and tuple(map(int, found.groups())) >= version
+    matched = re.search(r"<version>\s*(\d+)\.(\d+)\.(\d+)", text)
+    return matched is not None and tuple(map(int, matched.groups())) >= version
 
 
 def _present_path_arguments(

@@ -250,11 +250,14 @@ class PlanningSceneInterface:
 
     def getKnownCollisionObjects(self) -> list[str]:
         """Return the names of the objects of the world."""
-        return [each.id for each in self._scene().world.collision_objects]
+        return [collision_object.id for collision_object in self._scene().world.collision_objects]
 
     def getKnownAttachedObjects(self) -> list[str]:
         """Return the names of the attached objects."""
-        return [each.object.id for each in self._scene().robot_state.attached_collision_objects]
+        return [
+            collision_object.object.id
+            for collision_object in self._scene().robot_state.attached_collision_objects
+        ]
 
     def waitForSync(self, max_time: float = 2.0) -> None:
         """Wait until the scene is as it was set: the twin's is as soon as a service answers."""

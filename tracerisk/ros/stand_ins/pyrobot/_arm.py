@@ -35,7 +35,7 @@ class Arm:
         robot = current().twin.robot
         held = {joint for gripper in robot.grippers for joint in gripper.joints}
         kept = {joint.name for joint in robot.arm_joints} - {*held, *_CAMERA}
-        name = max(robot.groups, key=lambda each: len(kept & {*robot.groups[each].joints}))
+        name = max(robot.groups, key=lambda group: len(kept & {*robot.groups[group].joints}))
         self.use_moveit = config.get("use_moveit", True)
         self.moveit_group = moveit_commander.MoveGroupCommander(name)
         self.moveit_group.set_goal_position_tolerance(_TOLERANCE[0])
@@ -141,7 +141,7 @@ class Arm:
         """
         if plan:
             self._need_moveit()
-        goal = [float(each) for each in np.asarray(positions).flatten()]
+        goal = [float(item) for item in np.asarray(positions).flatten()]
         done = self.moveit_group.go(goal, wait=wait)
         return bool(done) if wait else None
 
@@ -236,8 +236,8 @@ class Arm:
         if answer.error_code.val != 1:
             return None
         state = answer.solution.joint_state
-        found = dict(zip(state.name, state.position, strict=True))
-        return np.array([found[name] for name in self.arm_joint_names])
+        table = dict(zip(state.name, state.position, strict=True))
+        return np.array([table[name] for name in self.arm_joint_names])
 
     def compute_fk_position(self, joint_positions: Any, des_frame: str) -> Any:
         """Return place (3, 1) and rotation (3, 3) of a frame at joint positions; None for none."""
@@ -246,7 +246,7 @@ class Arm:
         request.fk_link_names = [des_frame]
         state = request.robot_state.joint_state
         state.name = list(self.arm_joint_names)
-        state.position = [float(each) for each in np.asarray(joint_positions).flat]
+        state.position = [float(item) for item in np.asarray(joint_positions).flat]
         answer = self._fk_service(request)
         if answer.error_code.val != 1 or not answer.pose_stamped:
             return None
@@ -273,7 +273,7 @@ class Arm:
 
 
 def _first(names: Iterable[str], known: Collection[str], otherwise: str) -> str:
-    return next((each for each in names if each in known), otherwise)
+    return next((name for name in names if name in known), otherwise)
 
 
 def _pose(position: Any, quaternion: Any) -> Any:

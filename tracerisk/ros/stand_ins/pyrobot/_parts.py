@@ -36,7 +36,9 @@ class Gripper:
     def _go(self, opening: float, wait: bool) -> None:
         signs = zip(self._gripper.joints, self._gripper.signs, strict=True)
         asked = {name: sign * opening for name, sign in signs}
-        self._group.go([asked.get(each, 0.0) for each in self._group.get_active_joints()], wait)
+        self._group.go(
+            [asked.get(active_joint, 0.0) for active_joint in self._group.get_active_joints()], wait
+        )
 
     def open(self, wait: bool = True, **_: Any) -> None:
         """Open it fully."""
@@ -115,10 +117,10 @@ class Camera:
 
     def _joint(self, kind: str) -> Any:
         robot = current().twin.robot
-        found = next((each for each in robot.joints if kind in each.name), None)
-        if found is None:
+        result = next((joint for joint in robot.joints if kind in joint.name), None)
+        if result is None:
             raise RuntimeError(f"robot '{robot.name}' has no joint '{kind}'; see --robot")
-        return found
+        return result
 
     def _place(self, kind: str) -> float:
         return float(current().twin.joint_state().positions[self._joint(kind).name])

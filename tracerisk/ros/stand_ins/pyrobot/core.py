@@ -37,7 +37,7 @@ class Robot:
         common_config: Mapping[str, Any] | None = None,
     ) -> None:
         del base_config, camera_config, common_config
-        kind = next((each for each in _KNOWN if each in robot_name), None)
+        kind = next((name for name in _KNOWN if name in robot_name), None)
         if kind is None:
             raise ValueError(
                 "Invalid robot name provided, only the following are currently available: "

@@ -64,7 +64,7 @@ class ActionServices:
                 server.close()
 
     def _servers(self, action: str) -> list[Any]:
-        return [each for each in self._actions.servers() if each.name == action]
+        return [server for server in self._actions.servers() if server.name == action]
 
     def _provide(self, action: str) -> None:
         servers = self._servers(action)
@@ -194,9 +194,11 @@ class ActionServices:
                 self._publications[f"{action}{OF_ACTION}status"].publish(
                     GoalStatusArray(
                         status_list=[
-                            GoalStatus(goal_info=_info(each), status=each.state.ros2_status)
-                            for each in self._goals_of(action).values()
-                            if each.state not in (GoalState.PENDING, GoalState.REJECTED)
+                            GoalStatus(
+                                goal_info=_info(action_goal), status=action_goal.state.ros2_status
+                            )
+                            for action_goal in self._goals_of(action).values()
+                            if action_goal.state not in (GoalState.PENDING, GoalState.REJECTED)
                         ]
                     )
                 )
@@ -204,7 +206,7 @@ class ActionServices:
     def _goals_of(self, action: str) -> dict[bytes, ActionGoal]:
         """Return the goals that are reported; those that have been over for long are forgotten."""
         goals = self._goals.setdefault(action, {})
-        for number in [each for each in goals if each in self._over_ns]:
+        for number in [goal for goal in goals if goal in self._over_ns]:
             if self._scheduler.now_ns - self._over_ns[number] >= _KEPT_NS:
                 del goals[number], self._over_ns[number]
         return goals

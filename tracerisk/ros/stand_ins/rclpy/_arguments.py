@@ -83,7 +83,7 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
     """
     for argument in argv:
         argument.encode()
-    found = Arguments()
+    arguments = Arguments()
     waiting = list(argv)
     within = False
     while waiting:
@@ -93,10 +93,10 @@ def parse_arguments(argv: Sequence[str]) -> Arguments:
         elif argument == END:
             within = False
         elif within:
-            _read(found, argument, waiting)
-    if found.unknown:
-        raise UnknownROSArgsError(f"Found unknown ROS arguments: {found.unknown}")
-    return found
+            _read(arguments, argument, waiting)
+    if arguments.unknown:
+        raise UnknownROSArgsError(f"Found unknown ROS arguments: {arguments.unknown}")
+    return arguments
 
 
 def without_ros_arguments(argv: Sequence[str]) -> list[str]:
@@ -171,10 +171,10 @@ def _parameters_of(file: str) -> list[tuple[str | None, str, Any]]:
         raise RCLInvalidROSArgsError(f"Couldn't open the parameter file {file}: {error}") from error
     if not isinstance(content, dict):
         raise RCLInvalidROSArgsError(f"{file} is not a file of ROS parameters: it holds no mapping")
-    found: list[tuple[str | None, str, Any]] = []
+    parameters: list[tuple[str | None, str, Any]] = []
     for node, tree in content.items():
-        _walk(found, file, str(node), tree)
-    return found
+        _walk(parameters, file, str(node), tree)
+    return parameters
 
 
 def _walk(found: list[tuple[str | None, str, Any]], file: str, node: str, tree: Any) -> None:
@@ -189,10 +189,10 @@ def _walk(found: list[tuple[str | None, str, Any]], file: str, node: str, tree: 
 
 def flat_parameters(prefix: str, tree: dict[str, Any]) -> list[tuple[str, Any]]:
     """Return the parameters of a tree by their full names, each begun with `prefix`."""
-    found: list[tuple[str, Any]] = []
+    pairs: list[tuple[str, Any]] = []
     for key, value in tree.items():
         if isinstance(value, dict):
-            found.extend(flat_parameters(f"{prefix}{key}.", value))
+            pairs.extend(flat_parameters(f"{prefix}{key}.", value))
         else:
-            found.append((f"{prefix}{key}", value))
-    return found
+            pairs.append((f"{prefix}{key}", value))
+    return pairs

@@ -92,7 +92,7 @@ class EndpointEvents:
 
         def look(change: str, name: str, type_name: str) -> None:
             if name == topic:
-                self._note_peers({id(each) for each in self._peers()})
+                self._note_peers({id(peer) for peer in self._peers()})
                 self.note_lives()
 
         run().graph.watch(look)
@@ -113,7 +113,7 @@ class EndpointEvents:
             self._report(_CHANGES, QoSLivelinessChangedInfo(len(alive), len(dead), *changes))
 
     def _wants(self, kinds: tuple[Any, ...]) -> bool:
-        return any(each.event_type is kind for each in self._handlers for kind in kinds)
+        return any(handler.event_type is kind for handler in self._handlers for kind in kinds)
 
     def _note_peers(self, now: set[int]) -> None:
         come, gone = len(now - self._matched), len(self._matched - now)

@@ -40,16 +40,16 @@ class WorkFinding:
 
         After tasks entities come first: tasks that others have made wait for their next turn.
         """
-        found: list[Any] = []
+        ready: list[Any] = []
         if not self._has_looked_at_tasks:
-            found = self._ready_tasks()
-        if not found:
-            found = self._ready_entities()
+            ready = self._ready_tasks()
+        if not ready:
+            ready = self._ready_entities()
         elif not self._has_looked_at_tasks:
             self._has_looked_at_tasks = True
-            return found
+            return ready
         self._has_looked_at_tasks = False
-        return found or self._ready_tasks()
+        return ready or self._ready_tasks()
 
     def _ready_tasks(self) -> list[Any]:
         """Return the tasks that go on, the newest first."""
@@ -57,12 +57,14 @@ class WorkFinding:
         return [task for task in reversed(self._tasks) if self._goes_on_with(task)]
 
     def _ready_entities(self) -> list[Any]:
-        found: list[Any] = []
+        ready_entities: list[Any] = []
         for node in self._nodes:
-            found.extend(each for each in node._waitables if self._can_run(each))
+            ready_entities.extend(
+                waitable for waitable in node._waitables if self._can_run(waitable)
+            )
         for node in self._nodes:
-            found.extend(each for each in node._entities() if self._can_run(each))
-        return found
+            ready_entities.extend(entity for entity in node._entities() if self._can_run(entity))
+        return ready_entities
 
     def _goes_on_with(self, task: Task) -> bool:
         # A coroutine of a node that has left is not resumed.

@@ -183,17 +183,17 @@ def _filters(keywords: dict[str, Any]) -> dict[str, Any]:
         raise TypeError(
             f'parameter "{unknown[0]}" is not one of the recognized logging options "{_KEYWORDS}"'
         )
-    found: dict[str, Any] = {}
+    filters: dict[str, Any] = {}
     for kind, (needed, *others) in _FILTERS.items():
-        if not any(keywords.get(each) for each in (needed, *others)):
+        if not any(keywords.get(other) for other in (needed, *others)):
             continue
         if needed not in keywords:
             raise TypeError(
                 f'required parameter "{needed}" not specified but is required for the logging '
                 f'filter "{kind}"'
             )
-        found |= {each: keywords.get(each) for each in (needed, *others)}
-    return found
+        filters |= {other: keywords.get(other) for other in (needed, *others)}
+    return filters
 
 
 def _passes(place: _Place) -> bool:

@@ -72,7 +72,7 @@ class NodeGraph(NodeNames):
         """Return how many of the controller's clients call a service."""
         self._check_usable("Error in rcl_count_clients")
         name = self._checked_service(service_name)
-        return sum(each._full_name == name for node in run().nodes for each in node.clients)
+        return sum(client._full_name == name for node in run().nodes for client in node.clients)
 
     def count_services(self, service_name: str) -> int:
         """Return how many serve a service."""
@@ -131,13 +131,13 @@ class NodeGraph(NodeNames):
     ) -> list[tuple[str, list[str]]]:
         """Return the services that a node of the controller calls, with their types."""
         name = self._known(node_name, node_namespace)
-        found = {
-            each._full_name: _full_type(each.srv_type._ros_type, "srv")
+        texts = {
+            client._full_name: _full_type(client.srv_type._ros_type, "srv")
             for node in run().nodes
             if node.get_fully_qualified_name() == name
-            for each in node.clients
+            for client in node.clients
         }
-        return [(service, [type_name]) for service, type_name in sorted(found.items())]
+        return [(service, [type_name]) for service, type_name in sorted(texts.items())]
 
     def get_publishers_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
@@ -164,12 +164,12 @@ class NodeGraph(NodeNames):
         system, name = _system(), self._checked_topic(topic)
         publishes = kind is TopicEndpointTypeEnum.PUBLISHER
         ends: Any = system.publications(name) if publishes else system.subscriptions(name)
-        found = []
+        endpoints = []
         for end in ends:
             handler = getattr(end, "on_connect" if publishes else "deliver", None)
             profile = getattr(getattr(handler, "__self__", None), "qos_profile", None)
             short, space = _split(end.node)
-            found.append(
+            endpoints.append(
                 TopicEndpointInfo(
                     short,
                     space,
@@ -178,7 +178,7 @@ class NodeGraph(NodeNames):
                     qos_profile=QoSProfile(depth=10) if profile is None else profile,
                 )
             )
-        return found
+        return endpoints
 
     def _known(self, node_name: str, node_namespace: str) -> str:
         name = f"{node_namespace.rstrip('/')}/{node_name}"
@@ -210,12 +210,12 @@ def _split(name: str) -> tuple[str, str]:
 
 
 def _topics_of(node: str, ends_of: Callable[[str], Any]) -> list[tuple[str, list[str]]]:
-    found = []
+    topics = []
     for topic in _system().topic_names():
         types = {_full_type(end.type_name, "msg") for end in ends_of(topic) if end.node == node}
         if types:
-            found.append((topic, sorted(types)))
-    return found
+            topics.append((topic, sorted(types)))
+    return topics
 
 
 def _full_type(name: str, kind: str) -> str:

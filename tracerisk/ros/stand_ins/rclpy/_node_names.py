@@ -43,9 +43,9 @@ class NodeNames:
     def _renamed(self, *keys: str) -> str | None:
         for source in self._sources:
             for key in keys:
-                found = source.remapped(self._given_name, key)
-                if found is not None:
-                    return found
+                text = source.remapped(self._given_name, key)
+                if text is not None:
+                    return text
         return None
 
     def get_name(self) -> str:

@@ -67,7 +67,7 @@ class NodeParameters:
             InvalidParameterTypeException: the command line gives another type.
             InvalidParameterValueException: a range or a callback refuses the value.
         """
-        found: list[Parameter] = []
+        results: list[Parameter] = []
         descriptors: dict[str, Any] = {}
         for index, entry in enumerate(parameters):
             name, value, descriptor = self._declaration(namespace, index, entry)
@@ -79,12 +79,12 @@ class NodeParameters:
                 scheduler.needs.take(need, value, scheduler.now_ns)
             else:
                 scheduler.needs.take_default(need, value, scheduler.now_ns)
-            found.append(Parameter(name, value=value))
+            results.append(Parameter(name, value=value))
             descriptors[name] = descriptor
-        known = [parameter.name for parameter in found if parameter.name in self._parameters]
+        known = [parameter.name for parameter in results if parameter.name in self._parameters]
         if known:
             raise ParameterAlreadyDeclaredException(known)
-        for parameter in found:
+        for parameter in results:
             result = self._set_all([parameter], descriptors, keeps_unset=True)
             if result.successful:
                 continue
@@ -92,7 +92,7 @@ class NodeParameters:
                 expected = Parameter.Type(descriptors[parameter.name].type).name
                 raise InvalidParameterTypeException(parameter, expected)
             raise InvalidParameterValueException(parameter.name, parameter.value, result.reason)
-        return [self._parameters[parameter.name] for parameter in found]
+        return [self._parameters[parameter.name] for parameter in results]
 
     def _declaration(
         self, namespace: str, index: int, entry: tuple[Any, ...]
@@ -196,9 +196,9 @@ class NodeParameters:
 
     def get_parameter_or(self, name: str, alternative_value: Parameter | None = None) -> Parameter:
         """Return a parameter, or the alternative where it is not declared or not set."""
-        found = self._parameters.get(name)
-        if found is not None and found.type_ is not _NOT_SET:
-            return found
+        parameter = self._parameters.get(name)
+        if parameter is not None and parameter.type_ is not _NOT_SET:
+            return parameter
         return Parameter(name, _NOT_SET) if alternative_value is None else alternative_value
 
     def get_parameter_type(self, name: str) -> Any:

@@ -243,14 +243,16 @@ class ROSClock(Clock):
 
     @contextmanager
     def _jumping(self, jump: TimeJump) -> Iterator[None]:
-        concerned = [each for each in self._jump_handles if each._is_about(jump)]
-        for each in concerned:
-            if each._pre_callback is not None:
-                each._pre_callback()
+        concerned = [
+            jump_handle for jump_handle in self._jump_handles if jump_handle._is_about(jump)
+        ]
+        for jump_handle in concerned:
+            if jump_handle._pre_callback is not None:
+                jump_handle._pre_callback()
         yield
-        for each in concerned:
-            if each._post_callback is not None:
-                each._post_callback(jump)
+        for jump_handle in concerned:
+            if jump_handle._post_callback is not None:
+                jump_handle._post_callback(jump)
 
     @property
     def _reported_ns(self) -> int:

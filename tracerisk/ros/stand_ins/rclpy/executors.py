@@ -235,7 +235,7 @@ class Executor(WorkFinding):
 
     def _is_spun_beside(self, thread: ControllerThread | None) -> bool:
         """Return whether another thread than this one runs the callbacks."""
-        return any(each is not thread for each in self._spinners)
+        return any(spinner is not thread for spinner in self._spinners)
 
     @property
     def _takes_work(self) -> bool:
@@ -430,7 +430,7 @@ class MultiThreadedExecutor(Executor):
 
     def _raise_what_failed(self) -> None:
         self._has_failed_at_once = False
-        for task in [each for each in self._futures if each._done]:
+        for task in [future for future in self._futures if future._done]:
             self._futures.remove(task)
             task.result()
 

@@ -64,7 +64,7 @@ def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
     except KeyError:
         raise RuntimeError(
             f"no logging severity '{log_severity}'; there are "
-            f"{', '.join(each.name for each in LoggingSeverity)}"
+            f"{', '.join(logging_severity.name for logging_severity in LoggingSeverity)}"
         ) from None
 
 

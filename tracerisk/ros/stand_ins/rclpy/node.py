@@ -132,11 +132,11 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
 
     def _overrides(self, given: Sequence[Parameter]) -> dict[str, Parameter]:
         full_name = self.get_fully_qualified_name()
-        found: dict[str, Parameter] = {}
+        parameters: dict[str, Parameter] = {}
         for source in reversed(self._sources):
             values = source.overrides(full_name)
-            found |= {name: Parameter(name, value=_plain(v)) for name, v in values.items()}
-        return found | {parameter.name: parameter for parameter in given}
+            parameters |= {name: Parameter(name, value=_plain(v)) for name, v in values.items()}
+        return parameters | {parameter.name: parameter for parameter in given}
 
     @property
     def handle(self) -> Handle:
@@ -211,8 +211,8 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
             self._executor.remove_node(self)
             self._executor = None
         for kept in (getattr(self, name) for name in KEPT):
-            for each in list(kept):
-                each.destroy()
+            for item in list(kept):
+                item.destroy()
             kept.clear()
         if self._rosout is not None:
             self._rosout.close()

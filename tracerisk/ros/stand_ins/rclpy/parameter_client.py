@@ -115,15 +115,15 @@ class AsyncParameterClient:
         self, parameter_file: str, use_wildcard: bool = False, callback: Callback = None
     ) -> Future:
         """Set the parameters of a YAML file one by one."""
-        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
-        return self.set_parameters(list(found.values()), callback)
+        parameter_dict = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
+        return self.set_parameters(list(parameter_dict.values()), callback)
 
     def load_parameter_file_atomically(
         self, parameter_file: str, use_wildcard: bool = False, callback: Callback = None
     ) -> Future:
         """Set all parameters of a YAML file or none."""
-        found = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
-        return self.set_parameters_atomically(list(found.values()), callback)
+        parameter_dict = parameter_dict_from_yaml_file(parameter_file, use_wildcard)
+        return self.set_parameters_atomically(list(parameter_dict.values()), callback)
 
     def on_parameter_event(
         self,
@@ -167,4 +167,7 @@ def _called(client: Client, request: Any, callback: Callback) -> Future:
 
 
 def _messages(parameters: Sequence[Any]) -> list[Any]:
-    return [each.to_parameter_msg() if isinstance(each, Parameter) else each for each in parameters]
+    return [
+        parameter.to_parameter_msg() if isinstance(parameter, Parameter) else parameter
+        for parameter in parameters
+    ]

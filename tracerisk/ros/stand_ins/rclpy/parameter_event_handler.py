@@ -68,8 +68,8 @@ class ParameterEventHandler:
         """Return the message of a parameter that an event of a node is about, else None."""
         if event.node != node_name:
             return None
-        found = ParameterEventHandler.get_parameters_from_event(event)
-        return next((each for each in found if each.name == parameter_name), None)
+        parameters = ParameterEventHandler.get_parameters_from_event(event)
+        return next((item for item in parameters if item.name == parameter_name), None)
 
     @staticmethod
     def get_parameters_from_event(event: Any) -> Iterator[Any]:
@@ -136,8 +136,8 @@ class _Callbacks:
             if parameter is not None:
                 for handle in list(handles):
                     handle.callback(parameter)
-        for each in list(self.event_callbacks):
-            each.callback(event)
+        for callback in list(self.event_callbacks):
+            callback.callback(event)
 
 
 def _remove(kept: list[Any], handle: Any) -> None:

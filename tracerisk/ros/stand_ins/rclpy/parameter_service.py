@@ -47,10 +47,10 @@ class ParameterService:
 
     def _get(self, request: Any, response: Any) -> Any:
         try:
-            found = self._node.get_parameters(request.names)
+            parameters = self._node.get_parameters(request.names)
         except (ParameterNotDeclaredException, ParameterUninitializedException):
-            found = []
-        response.values = [parameter.get_parameter_value() for parameter in found]
+            parameters = []
+        response.values = [parameter.get_parameter_value() for parameter in parameters]
         return response
 
     def _get_types(self, request: Any, response: Any) -> Any:
@@ -68,7 +68,7 @@ class ParameterService:
         return response
 
     def _set(self, request: Any, response: Any) -> Any:
-        response.results = [self._set_each([each]) for each in request.parameters]
+        response.results = [self._set_each([parameter]) for parameter in request.parameters]
         return response
 
     def _set_atomically(self, request: Any, response: Any) -> Any:
@@ -78,7 +78,7 @@ class ParameterService:
     def _set_each(self, messages: Any) -> Any:
         try:
             return self._node.set_parameters_atomically(
-                [Parameter.from_parameter_msg(each) for each in messages]
+                [Parameter.from_parameter_msg(message) for message in messages]
             )
         except ParameterNotDeclaredException as error:
             return SetParametersResult(successful=False, reason=str(error))

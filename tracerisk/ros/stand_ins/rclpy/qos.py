@@ -49,7 +49,7 @@ class QoSPolicyEnum(IntEnum):
     @classmethod
     def short_keys(cls) -> list[str]:
         """Return the names of the policies, in lower case."""
-        return [each.name.lower() for each in cls]
+        return [qo_s_policy_enum.name.lower() for qo_s_policy_enum in cls]
 
     @classmethod
     def get_from_short_key(cls, name: str) -> Any:
@@ -267,25 +267,25 @@ def _promises(offered: Duration, asked: Duration) -> bool:
 
 def misfit_of(offered: QoSProfile, asked: QoSProfile) -> QoSPolicyKind | None:
     """Return the last policy in which a subscription asks for more than a publisher offers."""
-    found = None
+    misfit = None
     if (
         offered.durability == DurabilityPolicy.VOLATILE
         and asked.durability == DurabilityPolicy.TRANSIENT_LOCAL
     ):
-        found = QoSPolicyKind.DURABILITY
+        misfit = QoSPolicyKind.DURABILITY
     if not _promises(offered.deadline, asked.deadline):
-        found = QoSPolicyKind.DEADLINE
+        misfit = QoSPolicyKind.DEADLINE
     if not _promises(offered.liveliness_lease_duration, asked.liveliness_lease_duration) or (
         offered.liveliness != LivelinessPolicy.MANUAL_BY_TOPIC
         and asked.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
     ):
-        found = QoSPolicyKind.LIVELINESS
+        misfit = QoSPolicyKind.LIVELINESS
     if (
         offered.reliability == ReliabilityPolicy.BEST_EFFORT
         and asked.reliability == ReliabilityPolicy.RELIABLE
     ):
-        found = QoSPolicyKind.RELIABILITY
-    return found
+        misfit = QoSPolicyKind.RELIABILITY
+    return misfit
 
 
 _UNDECIDED = frozenset({"SYSTEM_DEFAULT", "UNKNOWN"})
@@ -431,7 +431,7 @@ class QoSPresetProfiles(Enum):
     @classmethod
     def short_keys(cls) -> list[str]:
         """Return the names of the profiles, in lower case."""
-        return [each.name.lower() for each in cls]
+        return [profiles.name.lower() for profiles in cls]
 
     @classmethod
     def get_from_short_key(cls, name: str) -> QoSProfile:

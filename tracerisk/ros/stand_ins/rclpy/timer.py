@@ -168,7 +168,11 @@ def _info_parameters(callback: Any) -> list[str]:
     except (TypeError, ValueError):
         # A function of C has no signature to read.
         return []
-    return [each.name for each in parameters if each.annotation in (TimerInfo, "TimerInfo")][:1]
+    return [
+        parameter.name
+        for parameter in parameters
+        if parameter.annotation in (TimerInfo, "TimerInfo")
+    ][:1]
 
 
 class Rate:

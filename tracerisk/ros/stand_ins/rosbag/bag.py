@@ -244,9 +244,9 @@ class Bag:
             ROSBagException: the bag is not open for reading, or nobody has the class of a message.
         """
         connections = [
-            each
-            for each in self._of(topics)
-            if connection_filter is None or connection_filter(*_described(each))
+            item
+            for item in self._of(topics)
+            if connection_filter is None or connection_filter(*_described(item))
         ]
         first, last = (None if at is None else at.to_nsec() for at in (start_time, end_time))
         if not connections:
@@ -277,9 +277,9 @@ class Bag:
             raise ROSBagException(f"{self.filename} is not open for reading")
         names = _names(topics)
         return [
-            each
-            for each in self._reader.connections
-            if names is None or each.topic.lstrip("/") in names
+            connection
+            for connection in self._reader.connections
+            if names is None or connection.topic.lstrip("/") in names
         ]
 
     def _times(self, topics: str | Iterable[str] | None = None) -> dict[str, list[int]]:
@@ -291,11 +291,11 @@ class Bag:
                 for topic, times in self._written.items()
                 if names is None or topic.lstrip("/") in names
             }
-        found: dict[str, list[int]] = {}
+        numbers: dict[str, list[int]] = {}
         connections = self._of(topics)
         for connection, at, _ in self._reader.messages(connections) if connections else ():
-            found.setdefault(connection.topic, []).append(at)
-        return found
+            numbers.setdefault(connection.topic, []).append(at)
+        return numbers
 
     def get_message_count(self, topic_filters: str | Iterable[str] | None = None) -> int:
         """Return the number of messages."""
@@ -310,7 +310,7 @@ class Bag:
         return max(self._all_times()) / _SECOND
 
     def _all_times(self) -> list[int]:
-        times = [at for each in self._times().values() for at in each]
+        times = [at for time in self._times().values() for at in time]
         if not times:
             raise ROSBagException("Bag contains no message")
         return times
@@ -319,11 +319,11 @@ class Bag:
         self, topic_filters: str | Iterable[str] | None = None
     ) -> TypesAndTopicsTuple:
         """Return the types with their digests, and for each topic what there is of it."""
-        types = {_described(each)[1]: each.digest for each in self._of(None)}
+        types = {_described(item)[1]: item.digest for item in self._of(None)}
         topics = {}
         connections = self._of(topic_filters)
         for topic, times in self._times(topic_filters).items():
-            own = [each for each in connections if each.topic == topic]
+            own = [connection for connection in connections if connection.topic == topic]
             name = own[0].msgtype.replace("/msg/", "/")
             periods = [late - early for early, late in pairwise(times)]
             period = statistics.median(periods) if periods else 0
@@ -400,10 +400,10 @@ def _described(connection: Any) -> tuple[str, str, str, str, dict[str, str]]:
 
 def _fields(header: bytes) -> dict[bytes, bytes]:
     """Return the fields of a record's header: `key=value`, each behind its length."""
-    found, at = {}, 0
+    fields, at = {}, 0
     while at < len(header):
         end = at + 4 + int.from_bytes(header[at : at + 4], "little")
         key, _, value = header[at + 4 : end].partition(b"=")
-        found[key] = value
+        fields[key] = value
         at = end
-    return found
+    return fields

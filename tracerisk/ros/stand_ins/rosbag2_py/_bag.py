@@ -193,8 +193,10 @@ class SequentialReader:
     def get_all_topics_and_types(self) -> list[TopicMetadata]:
         """Return the topics of the bag."""
         return [
-            TopicMetadata(number, each.topic, each.msgtype, "cdr", [], each.digest)
-            for number, each in enumerate(self._opened().connections)
+            TopicMetadata(
+                number, connection.topic, connection.msgtype, "cdr", [], connection.digest
+            )
+            for number, connection in enumerate(self._opened().connections)
         ]
 
     def get_metadata(self) -> BagMetadata:
@@ -211,10 +213,14 @@ class SequentialReader:
 
     def _read(self) -> Iterator[Any]:
         reader, topics = self._opened(), self._filter.topics
-        wanted = [each for each in reader.connections if not topics or each.topic in topics]
+        wanted = [
+            connection
+            for connection in reader.connections
+            if not topics or connection.topic in topics
+        ]
         # Without any connection, rosbags reads all.
-        found = reader.messages(wanted, start=self._from_ns) if wanted else iter(())
-        return reversed(list(found)) if self._order.reverse else iter(found)
+        messages = reader.messages(wanted, start=self._from_ns) if wanted else iter(())
+        return reversed(list(messages)) if self._order.reverse else iter(messages)
 
 
 def _check(options: ConverterOptions | None) -> None:
@@ -258,18 +264,20 @@ def _metadata(reader: Any, path: Path, topics: list[TopicMetadata]) -> BagMetada
     stored = [file for file in files if file.suffix in PLUGINS.values()]
     start = reader.start_time if reader.message_count else 0
     duration = reader.duration if reader.message_count else 0
-    counts = {each.topic: each.msgcount for each in reader.connections}
-    found = BagMetadata(
+    counts = {connection.topic: connection.msgcount for connection in reader.connections}
+    metadata = BagMetadata(
         bag_size=sum(file.stat().st_size for file in files if file.is_file()),
         storage_identifier=next(name for name, end in PLUGINS.items() if end == stored[0].suffix),
         relative_file_paths=[file.name for file in stored],
         duration=Duration(nanoseconds=duration),
         starting_time=Time(nanoseconds=start),
         message_count=reader.message_count,
-        topics_with_message_count=[TopicInformation(each, counts[each.name]) for each in topics],
+        topics_with_message_count=[TopicInformation(topic, counts[topic.name]) for topic in topics],
     )
-    found.files = [
-        FileInformation(file.name, found.starting_time, found.duration, found.message_count)
+    metadata.files = [
+        FileInformation(
+            file.name, metadata.starting_time, metadata.duration, metadata.message_count
+        )
         for file in stored
     ]
-    return found
+    return metadata

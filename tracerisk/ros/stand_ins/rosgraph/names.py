@@ -61,8 +61,8 @@ def get_ros_namespace(env: Mapping[str, str] | None = None, argv: list[str] | No
     import os
 
     mappings = load_mappings(list(current().argv) if argv is None else argv)
-    found = mappings.get("__ns") or (os.environ if env is None else env).get("ROS_NAMESPACE", SEP)
-    return _names.make_global(found)
+    mapping = mappings.get("__ns") or (os.environ if env is None else env).get("ROS_NAMESPACE", SEP)
+    return _names.make_global(mapping)
 
 
 def load_mappings(argv: Sequence[str]) -> dict[str, str]:
@@ -74,5 +74,5 @@ def myargv(argv: list[str] | None = None) -> list[str]:
     """Return a command line without remappings."""
     import rospy
 
-    found: list[str] = rospy.myargv(argv)
-    return found
+    names: list[str] = rospy.myargv(argv)
+    return names

@@ -95,7 +95,7 @@ def encode_ros_handshake_header(header: Mapping[Any, Any]) -> bytes:
     """Return a header as it goes over a connection: fields `key=value`, each behind its length."""
     pairs = sorted((_to_bytes(key), _to_bytes(value)) for key, value in header.items())
     fields = [key + b"=" + value for key, value in pairs]
-    body = b"".join(_LENGTH.pack(len(each)) + each for each in fields)
+    body = b"".join(_LENGTH.pack(len(field)) + field for field in fields)
     return _LENGTH.pack(len(body)) + body
 
 
@@ -111,7 +111,7 @@ def decode_ros_handshake_header(header_str: bytes) -> dict[str, str]:
         raise ROSHandshakeException(
             f"Incomplete header. Expected {size} bytes but only have {len(body)}"
         )
-    found, at = {}, 0
+    handshake_header, at = {}, 0
     while at < size:
         (length,) = _LENGTH.unpack_from(body, at)
         at += _LENGTH.size
@@ -120,9 +120,9 @@ def decode_ros_handshake_header(header_str: bytes) -> dict[str, str]:
         key, separator, value = body[at : at + length].decode().partition("=")
         if not separator:
             raise ROSHandshakeException(f"Invalid line in handshake header: [{key}]")
-        found[key.strip()] = value
+        handshake_header[key.strip()] = value
         at += length
-    return found
+    return handshake_header
 
 
 def read_ros_handshake_header(sock: Any, b: BytesIO, buff_size: int) -> dict[str, str]:

@@ -20,5 +20,5 @@ def get_master_uri(env: Mapping[str, str] | None = None, argv: list[str] | None 
     for argument in current().argv if argv is None else argv:
         if argument.startswith("__master:="):
             return argument.removeprefix("__master:=")
-    found = (os.environ if env is None else env).get(ROS_MASTER_URI)
-    return found or f"http://localhost:{DEFAULT_MASTER_PORT}"
+    text = (os.environ if env is None else env).get(ROS_MASTER_URI)
+    return text or f"http://localhost:{DEFAULT_MASTER_PORT}"

@@ -79,8 +79,8 @@ def _value(value: Any, shown: _Shown, field: Any = None) -> Any:
         if shown.no_arr and field is not None:
             return _abbreviated(value, field)
         kind = tuple if isinstance(value, tuple) else list
-        found = [_value(item, shown) for item in value[: shown.longest]]
-        return kind([*found, "..."] if _is_long(value, shown) else found)
+        result = [_value(item, shown) for item in value[: shown.longest]]
+        return kind([*result, "..."] if _is_long(value, shown) else result)
     if isinstance(value, np.number):
         return value.item()
     if isinstance(value, bool | int | float):

@@ -51,10 +51,10 @@ def is_action(interface: Any) -> bool:
 
 
 def _of_kind(identifier: str, space: str, text: str, is_kind: Any) -> Any:
-    found = _find(identifier, space)
-    if not is_kind(found):
+    of_kind = _find(identifier, space)
+    if not is_kind(of_kind):
         raise ValueError(f"Expected the full name of {text}, got '{identifier}'")
-    return found
+    return of_kind
 
 
 def _find(identifier: str, space: str | None) -> Any:

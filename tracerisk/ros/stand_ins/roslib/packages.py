@@ -52,13 +52,13 @@ def find_resource(
     """
     top = Path(RosPack().get_path(pkg))
     accepts = filter_fn if callable(filter_fn) else lambda path: True
-    found = []
+    resource = []
     for folder, folders, files in os.walk(top):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         path = str(Path(folder) / resource_name)
         if resource_name in files and accepts(path):
-            found.append(path)
-    return found
+            resource.append(path)
+    return resource
 
 
 def find_node(pkg: str, node_type: str, rospack: object = None) -> list[str]:

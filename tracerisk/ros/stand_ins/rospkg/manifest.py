@@ -63,7 +63,7 @@ class Manifest:
 
     def get_export(self, tag: str, attr: str) -> list[str]:
         """Return an attribute of each export with a tag."""
-        values = (each.get(attr) for each in self.exports if each.tag == tag)
+        values = (export.get(attr) for export in self.exports if export.tag == tag)
         return [value for value in values if value is not None]
 
 
@@ -81,9 +81,9 @@ def parse_manifest_file(dirpath: str, manifest_name: str = PACKAGE_FILE) -> Mani
         raise InvalidManifest(f"[{file}] invalid XML: {error}") from error
     if root.tag != "package":
         raise InvalidManifest(f"[{file}] must have a top-level 'package' element")
-    licenses = [(each.text or "").strip() for each in root.findall("license")]
+    licenses = [(text.text or "").strip() for text in root.findall("license")]
     names = dict.fromkeys((e.text or "").strip() for tag in _DEPENDS for e in root.findall(tag))
-    authors = [(each.text or "").strip() for each in root.findall("author")]
+    authors = [(text.text or "").strip() for text in root.findall("author")]
     export = root.find("export")
     return Manifest(
         filename=str(file),
@@ -111,5 +111,5 @@ def _text_of(file: Path) -> bytes:
 
 
 def _text(root: ET.Element, tag: str) -> str | None:
-    found = root.findtext(tag)
-    return None if found is None else found.strip()
+    findtext = root.findtext(tag)
+    return None if findtext is None else findtext.strip()

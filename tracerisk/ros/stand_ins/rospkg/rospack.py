@@ -75,19 +75,23 @@ class RosPack:
         Raises:
             ResourceNotFound: there is no such package.
         """
-        found: dict[str, None] = {}
+        table: dict[str, None] = {}
         waiting = [name]
         while waiting:
-            for each in self.get_manifest(waiting.pop(0)).depends:
-                if each.name in self._folders and each.name not in found and each.name != name:
-                    found[each.name] = None
+            for depend in self.get_manifest(waiting.pop(0)).depends:
+                if (
+                    depend.name in self._folders
+                    and depend.name not in table
+                    and depend.name != name
+                ):
+                    table[depend.name] = None
                     if implicit:
-                        waiting.append(each.name)
-        return [*found]
+                        waiting.append(depend.name)
+        return [*table]
 
     def get_depends_on(self, name: str, implicit: bool = True) -> Names:
         """Return the packages of the workspace that need a package."""
-        return [each for each in self._folders if name in self.get_depends(each, implicit)]
+        return [folder for folder in self._folders if name in self.get_depends(folder, implicit)]
 
 
 def get_package_name(path: str) -> str | None:

@@ -100,8 +100,8 @@ def _topics_of(state: NodeState) -> list[str]:
     return [
         topic
         for topic in graph.topic_names()
-        if any(each.node == state.name for each in graph.publications(topic))
-        or any(each.node == state.name for each in graph.subscriptions(topic))
+        if any(publication.node == state.name for publication in graph.publications(topic))
+        or any(subscription.node == state.name for subscription in graph.subscriptions(topic))
     ]
 
 

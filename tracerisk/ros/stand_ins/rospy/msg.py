@@ -126,7 +126,7 @@ def deserialize_messages(
             bodies.append(data[begin:end])
             at = end
         kept = bodies if queue_size is None else bodies[-queue_size:]
-        msg_queue += [data_class().deserialize(each) for each in kept]
+        msg_queue += [data_class().deserialize(chunk) for chunk in kept]
         if queue_size is not None:
             del msg_queue[:-queue_size]
         if at:

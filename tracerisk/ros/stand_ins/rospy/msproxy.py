@@ -83,16 +83,16 @@ class MasterProxy:
 
     def searchParam(self, key: str) -> _Reply:
         """Look for a parameter."""
-        found = self.search_param(key)
-        if found is None:
+        search_param = self.search_param(key)
+        if search_param is None:
             return -1, f"Cannot find parameter [{key}] in an upwards search", ""
-        return 1, "Found", found
+        return 1, "Found", search_param
 
     def getParamNames(self) -> _Reply:
         """Return the names of all parameters."""
         parameters = node().graph.parameters
-        found = sorted({*parameters.names(), *parameters.offered_names()})
-        return 1, "Parameter names", found
+        names = sorted({*parameters.names(), *parameters.offered_names()})
+        return 1, "Parameter names", names
 
     def getPublishedTopics(self, subgraph: str = "/") -> _Reply:
         """Return [name, type] of each topic below `subgraph` that somebody publishes."""
@@ -113,11 +113,11 @@ class MasterProxy:
         system = state.runtime.client(SystemState)
         publishers, subscribers = [], []
         for name in system.topic_names():
-            if nodes := sorted({each.node for each in system.publications(name)}):
+            if nodes := sorted({publication.node for publication in system.publications(name)}):
                 publishers.append([name, nodes])
-            if nodes := sorted({each.node for each in system.subscriptions(name)}):
+            if nodes := sorted({subscription.node for subscription in system.subscriptions(name)}):
                 subscribers.append([name, nodes])
-        services = [[each.topic, [each.node]] for each in system.services()]
+        services = [[service.topic, [service.node]] for service in system.services()]
         return 1, "current system state", [publishers, subscribers, services]
 
     def lookupService(self, service: str) -> _Reply:

@@ -220,10 +220,10 @@ def _wait(name: str, timeout: float | Duration | None, type_name: str | None) ->
     timeout_ns = None if timeout is None else duration_ns(timeout)
     if timeout_ns == 0:
         raise ValueError("timeout must be non-zero")
-    found = state.graph.services.wait_for(
+    wait = state.graph.services.wait_for(
         name, type_name=type_name, timeout_ns=timeout_ns, unless=lambda: state.is_shutdown
     )
     if state.is_shutdown:
         raise ROSInterruptException("rospy shutdown")
-    if not found:
+    if not wait:
         raise ROSException(f"timeout exceeded while waiting for service {name}")

@@ -83,7 +83,7 @@ def call_service(
 def rosservice_find(service_type: str) -> list[str]:
     """Return the services of a type."""
     servers = current().client(SystemState).services()
-    return [each.topic for each in servers if each.type_name == service_type]
+    return [server.topic for server in servers if server.type_name == service_type]
 
 
 __all__ = _defined(globals())

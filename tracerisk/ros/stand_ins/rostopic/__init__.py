@@ -27,9 +27,9 @@ def get_topic_type(
     Three times None where nobody publishes it; `blocking` waits until somebody does.
     """
     while True:
-        found = _found(topic)
-        if found is not None:
-            return found
+        topic_type = _found(topic)
+        if topic_type is not None:
+            return topic_type
         if not blocking or rospy.is_shutdown():
             return None, None, None
         rospy.sleep(0.1)

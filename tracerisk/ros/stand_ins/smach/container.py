@@ -49,7 +49,7 @@ class Container(State):
 
     def is_opened(self) -> bool:
         """Return whether states can be added."""
-        return any(each is self for each in _OPEN)
+        return any(container is self for container in _OPEN)
 
     @property
     def opened(self) -> bool:
@@ -74,12 +74,12 @@ class Container(State):
             raise InvalidStateError(
                 "no container is open to add a state to: write `with container:` around it"
             )
-        found = _OPEN[-1]
-        if not isinstance(found, cls):
+        opened_container = _OPEN[-1]
+        if not isinstance(opened_container, cls):
             raise InvalidStateError(
-                f"the open container is a {type(found).__name__}, and no {cls.__name__}"
+                f"the open container is a {type(opened_container).__name__}, and no {cls.__name__}"
             )
-        return found
+        return opened_container
 
     def _hold(self, label: str, state: Any, remapping: Mapping[str, str] | None) -> None:
         if label in self._states:

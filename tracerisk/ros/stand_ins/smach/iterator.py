@@ -77,12 +77,12 @@ class Iterator(Container):
             self.userdata[self._items_label] = item
             if self.preempt_requested():
                 state.request_preempt()
-            found = self._execute_state(label)
-            breaks = found in (self._break_outcomes or ()) or (
-                self._break_outcomes is None and found not in self._loop_outcomes
+            execute_state = self._execute_state(label)
+            breaks = execute_state in (self._break_outcomes or ()) or (
+                self._break_outcomes is None and execute_state not in self._loop_outcomes
             )
             if breaks or log.is_shutdown():
-                outcome = found
+                outcome = execute_state
                 break
             self.call_transition_cbs()
         outcome = self._final_outcome_map.get(outcome, outcome)

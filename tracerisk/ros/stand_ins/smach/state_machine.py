@@ -41,7 +41,7 @@ class StateMachine(Container):
             state = CBState(state)
         self._hold(label, state, remapping)
         given = dict(transitions or {})
-        unknown = [each for each in given if each not in state.get_registered_outcomes()]
+        unknown = [name for name in given if name not in state.get_registered_outcomes()]
         if unknown:
             del self._states[label]
             raise InvalidTransitionError(

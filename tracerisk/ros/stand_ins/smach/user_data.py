@@ -36,12 +36,12 @@ class UserData:
 
     def extract(self, keys: Iterable[str], remapping: Mapping[str, str]) -> UserData:
         """Return data with some keys of this, under the names that `remapping` reads."""
-        found = UserData()
+        user_data = UserData()
         for key in keys:
             source = remapping.get(key, key)
             if source in self._data:
-                found[key] = self._data[source]
-        return found
+                user_data[key] = self._data[source]
+        return user_data
 
     def merge(self, ud: Any, keys: Iterable[str], remapping: Mapping[str, str]) -> None:
         """Take some keys of other data, under the names that `remapping` gives them."""

@@ -295,9 +295,9 @@ class TransformerROS(Transformer):
         """Return a PointCloud in another frame."""
         matrix = self.asMatrix(target_frame, point_cloud.header)
         cloud = PointCloud(channels=point_cloud.channels)
-        for each in point_cloud.points:
-            moved = type(each)()
-            moved.x, moved.y, moved.z = _moved(matrix, each)
+        for point in point_cloud.points:
+            moved = type(point)()
+            moved.x, moved.y, moved.z = _moved(matrix, point)
             cloud.points.append(moved)
         return _headed(cloud, point_cloud, target_frame)
 

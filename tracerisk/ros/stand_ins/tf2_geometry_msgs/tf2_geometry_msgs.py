@@ -152,7 +152,7 @@ def _fill_pose(result: Any, pose: Any, frame: motion.Pose) -> None:
     # The library of ROS 2 goes over matrices, which leaves of the two signs the one with w >= 0.
     sign = -1.0 if _IS_ROS2 and moved.orientation[3] < 0 else 1.0
     turn = result.orientation
-    turn.x, turn.y, turn.z, turn.w = (sign * each for each in moved.orientation)
+    turn.x, turn.y, turn.z, turn.w = (sign * value for value in moved.orientation)
 
 
 for _kind in (PointStamped, PoseStamped, Vector3Stamped):

@@ -90,13 +90,13 @@ class BufferCore:
         """
         self._look(target_frame, source_frame)
         time_ns = nanoseconds(time)
-        found = self._answer(
+        answer = self._answer(
             (target_frame, source_frame),
             lambda: self._tree.lookup(target_frame, source_frame, time_ns),
         )
         self._read(target_frame, source_frame, time_ns)
-        current().client(ReadPoses).read(target_frame, found[0], source_frame, "a lookup")
-        return _stamped(target_frame, source_frame, *found)
+        current().client(ReadPoses).read(target_frame, answer[0], source_frame, "a lookup")
+        return _stamped(target_frame, source_frame, *answer)
 
     def lookup_transform_full_core(
         self,
@@ -114,7 +114,7 @@ class BufferCore:
         """
         self._look(target_frame, source_frame)
         target_ns, source_ns = nanoseconds(target_time), nanoseconds(source_time)
-        found = self._answer(
+        answer = self._answer(
             (target_frame, source_frame, fixed_frame),
             lambda: self._tree.lookup_full(
                 target_frame, target_ns, source_frame, source_ns, fixed_frame
@@ -122,7 +122,7 @@ class BufferCore:
         )
         self._read(fixed_frame, source_frame, source_ns)
         self._read(target_frame, fixed_frame, target_ns)
-        return _stamped(target_frame, source_frame, *found)
+        return _stamped(target_frame, source_frame, *answer)
 
     def get_latest_common_time(self, target_frame: str, source_frame: str) -> Any:
         """Return the latest time at which the whole way between two frames is known.
@@ -208,12 +208,12 @@ class BufferCore:
 
     def _answer(self, names: tuple[str, ...], ask: Callable[[], Answer]) -> Answer:
         try:
-            found = ask()
+            answer = ask()
         except FrameError as error:
             self._report_failed(names, error.failure, str(error))
             raise _EXCEPTIONS[error.failure](str(error)) from None
         lookup_succeeded(names)
-        return found
+        return answer
 
     def _report_failed(self, names: tuple[str, ...], failure: str, message: str) -> None:
         """Record a look-up in vain under the frame that is missing, else under the source."""

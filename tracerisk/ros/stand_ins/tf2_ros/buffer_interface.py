@@ -139,8 +139,10 @@ class BufferInterface:
         """
         do_transform = self.registration.get(type(object_stamped))
         header = object_stamped.header
-        found = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
-        result = do_transform(object_stamped, found)
+        lookup_transform = self.lookup_transform(
+            target_frame, header.frame_id, header.stamp, timeout
+        )
+        result = do_transform(object_stamped, lookup_transform)
         return result if new_type is None else convert(result, new_type)
 
     def transform_full(
@@ -155,10 +157,10 @@ class BufferInterface:
         """Return a stamped object in another frame at another time, by way of a fixed frame."""
         do_transform = self.registration.get(type(object_stamped))
         header = object_stamped.header
-        found = self.lookup_transform_full(
+        results = self.lookup_transform_full(
             target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
         )
-        result = do_transform(object_stamped, found)
+        result = do_transform(object_stamped, results)
         return result if new_type is None else convert(result, new_type)
 
     def lookup_transform(

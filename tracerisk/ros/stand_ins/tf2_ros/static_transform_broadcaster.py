@@ -44,10 +44,10 @@ class _Ros2StaticBroadcaster:
     def sendTransform(self, transform: Any) -> None:
         """Send a TransformStamped or a list of them; of a frame, the first counts."""
         transforms = list(self.net_message.transforms)
-        for each in as_list(transform):
-            if each.child_frame_id not in self._child_frame_ids:
-                self._child_frame_ids.add(each.child_frame_id)
-                transforms.append(each)
+        for item in as_list(transform):
+            if item.child_frame_id not in self._child_frame_ids:
+                self._child_frame_ids.add(item.child_frame_id)
+                transforms.append(item)
         self.net_message.transforms = transforms
         self.pub_tf.publish(self.net_message)
 

@@ -51,7 +51,7 @@ class TRAC_IK:
         self._epsilon = epsilon
         self._chain = treeFromUrdfModel(model, quiet=True)[1].getChain(base_link, tip_link)
         self._segments = [self._chain.getSegment(i) for i in range(self._chain.getNrOfSegments())]
-        joints = {each.name: each for each in model.joints}
+        joints = {item.name: item for item in model.joints}
         moving = [joints[name] for name in self.getJointNamesInChain(urdf_string)]
         limits = [_limits(joint) for joint in moving]
         self._lower, self._upper = np.array(limits, dtype=np.float64).reshape(-1, 2).T
@@ -66,7 +66,7 @@ class TRAC_IK:
     def getJointNamesInChain(self, urdf_string: str) -> tuple[str, ...]:
         """Return the names of the joints that move."""
         joints = (segment.getJoint() for segment in self._segments)
-        return tuple(each.getName() for each in joints if each.getType() != kdl.Joint.Fixed)
+        return tuple(joint.getName() for joint in joints if joint.getType() != kdl.Joint.Fixed)
 
     def getLinkNamesInChain(self) -> tuple[str, ...]:
         """Return the names of the links, without `base_link`."""
@@ -82,7 +82,7 @@ class TRAC_IK:
 
     def setKDLLimits(self, lower: Sequence[float], upper: Sequence[float]) -> None:
         """Set the limits [rad, m]."""
-        self._lower, self._upper = (np.array(each, dtype=np.float64) for each in (lower, upper))
+        self._lower, self._upper = (np.array(values, dtype=np.float64) for values in (lower, upper))
 
     def CartToJnt(
         self,
@@ -112,17 +112,17 @@ class TRAC_IK:
         generator = np.random.default_rng(0)
         lower = np.where(self._lower > -_ENDLESS, self._lower, seed - math.pi)
         upper = np.where(self._upper < _ENDLESS, self._upper, seed + math.pi)
-        found = self._search(seed, goal, bounds)
-        if found is not None:
-            return tuple(self._nearest(found, seed).tolist())
+        search = self._search(seed, goal, bounds)
+        if search is not None:
+            return tuple(self._nearest(search, seed).tolist())
         others: list[NDArray[np.float64]] = []
         for _ in range(_RESTARTS):
-            found = self._search(generator.uniform(lower, upper), goal, bounds)
-            if found is not None:
-                others.append(self._nearest(found, seed))
+            search = self._search(generator.uniform(lower, upper), goal, bounds)
+            if search is not None:
+                others.append(self._nearest(search, seed))
             if len(others) == _COMPARED:
                 break
-        others.sort(key=lambda each: float(np.linalg.norm(each - seed)))
+        others.sort(key=lambda other: float(np.linalg.norm(other - seed)))
         return tuple(others[0].tolist()) if others else ()
 
     def _search(

@@ -19,10 +19,10 @@ class _Result:
     def get(self, timeout: float | None = None) -> Any:
         """Wait for the result, at most `timeout` [s]."""
         self.wait(timeout)
-        if not all(each.done() for each in self._futures):
+        if not all(future.done() for future in self._futures):
             raise multiprocessing.TimeoutError
-        found = [each.result() for each in self._futures]
-        return found[0] if self._is_single else found
+        results = [future.result() for future in self._futures]
+        return results[0] if self._is_single else results
 
     def wait(self, timeout: float | None = None) -> None:
         """Wait until all is done, at most `timeout` [s]."""
@@ -30,13 +30,13 @@ class _Result:
 
     def ready(self) -> bool:
         """Return whether all is done."""
-        return all(each.done() for each in self._futures)
+        return all(future.done() for future in self._futures)
 
     def successful(self) -> bool:
         """Return whether all was done without an exception."""
         if not self.ready():
             raise ValueError(f"{self!r} not ready")
-        return all(each.exception() is None for each in self._futures)
+        return all(future.exception() is None for future in self._futures)
 
 
 class ProcessPool:
@@ -83,7 +83,7 @@ class ProcessPool:
         error_callback: Callable[[BaseException], object] | None = None,
     ) -> _Result:
         """Call a function for each item."""
-        arguments = ((each,) for each in iterable)
+        arguments = ((item,) for item in iterable)
         return self.starmap_async(func, arguments, chunksize, callback, error_callback)
 
     def starmap(self, func: Callable[..., Any], iterable: Any, chunksize: int | None = None) -> Any:
@@ -100,22 +100,22 @@ class ProcessPool:
     ) -> _Result:
         """Call a function with each item as its arguments."""
         del chunksize
-        futures = [self._executor.submit(func, *each) for each in iterable]
+        futures = [self._executor.submit(func, *item) for item in iterable]
         return self._begin(_Result(futures, is_single=False), callback, error_callback)
 
     def imap(self, func: Callable[..., Any], iterable: Any, chunksize: int = 1) -> Iterator[Any]:
         """Yield the results for each item, in the order of the items."""
         del chunksize
-        futures = [self._executor.submit(func, each) for each in iterable]
-        return (each.result() for each in futures)
+        futures = [self._executor.submit(func, item) for item in iterable]
+        return (future.result() for future in futures)
 
     def imap_unordered(
         self, func: Callable[..., Any], iterable: Any, chunksize: int = 1
     ) -> Iterator[Any]:
         """Yield the results for each item, as they come."""
         del chunksize
-        futures = [self._executor.submit(func, each) for each in iterable]
-        return (each.result() for each in concurrent.futures.as_completed(futures))
+        futures = [self._executor.submit(func, item) for item in iterable]
+        return (future.result() for future in concurrent.futures.as_completed(futures))
 
     def close(self) -> None:
         """Take no more work."""
@@ -152,13 +152,13 @@ def _call_back(
     error_callback: Callable[[BaseException], object] | None,
 ) -> None:
     try:
-        found = result.get()
+        results = result.get()
     except Exception as error:  # noqa: BLE001 - whatever the work raised
         if error_callback is not None:
             error_callback(error)
         return
     if callback is not None:
-        callback(found)
+        callback(results)
 
 
 class ProcessPoolExecutor(concurrent.futures.ThreadPoolExecutor):

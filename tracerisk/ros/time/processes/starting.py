@@ -93,9 +93,9 @@ class _Shared:
 
     def current_process(self) -> multiprocessing.process.BaseProcess:
         """Return the process whose code runs; threads that it started count as the main one's."""
-        found = self._by_thread.get(self._scheduler.baton.ident())
-        if found is not None:
-            return found
+        base_process = self._by_thread.get(self._scheduler.baton.ident())
+        if base_process is not None:
+            return base_process
         main: multiprocessing.process.BaseProcess = vars(multiprocessing.process)[
             "_current_process"
         ]

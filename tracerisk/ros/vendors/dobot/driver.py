@@ -208,14 +208,14 @@ class DobotDriver(TwinNode):
     def _line_to_joints(
         self, degrees: Sequence[float], words: Mapping[str, float]
     ) -> JointTrajectory:
-        goal = [math.radians(each) for each in degrees]
+        goal = [math.radians(degree) for degree in degrees]
         self._arm.check(goal)
         return self._queue.line([self._arm.pose_at(goal)], words)
 
     def _two(self, asked: Any) -> tuple[Pose, Pose]:
         first, second = _six(asked), _six(asked, "2")
         if asked.mode:
-            joints = [[math.radians(each) for each in values] for values in (first, second)]
+            joints = [[math.radians(value) for value in values] for values in (first, second)]
             return self._arm.pose_at(joints[0]), self._arm.pose_at(joints[1])
         return pose_of(first), pose_of(second)
 
@@ -255,7 +255,7 @@ class DobotDriver(TwinNode):
 
     def _relative_joints(self, request: Any, answer: Any) -> int:
         def make(words: dict[str, float]) -> JointTrajectory:
-            here = [math.degrees(each) for each in self._arm.positions()]
+            here = [math.degrees(position) for position in self._arm.positions()]
             goal = [a + b for a, b in zip(here, _six(request), strict=True)]
             return self._queue.joint_move(goal, words)
 
@@ -274,19 +274,19 @@ class DobotDriver(TwinNode):
         if code:
             return self._queue.report_refused(kind, code)
         try:
-            found = goal()
-            self._arm.check(found)
+            values = goal()
+            self._arm.check(values)
         except PlanningError as error:
             self._wrong(kind, error.message)
             return NOT_EXECUTED
         self._queue.clear()
-        joints, place = self._arm.joints, np.array(found)
+        joints, place = self._arm.joints, np.array(values)
         self._streams.to_position(kind, "dobot_servo", joints, place, due_s=time_s)
         return OK
 
     def _servo_joints(self, request: Any, answer: Any) -> int:
         return self._servo(
-            "ServoJ", request, lambda: [math.radians(each) for each in _six(request)]
+            "ServoJ", request, lambda: [math.radians(value) for value in _six(request)]
         )
 
     def _servo_pose(self, request: Any, answer: Any) -> int:
@@ -321,7 +321,7 @@ class DobotDriver(TwinNode):
 
     def _answer(self, answer: Any, values: Sequence[float]) -> int:
         self._scheduler.touch()
-        lines = (str(each) if isinstance(each, int) else f"{each:.6f}" for each in values)
+        lines = (str(value) if isinstance(value, int) else f"{value:.6f}" for value in values)
         answer.robot_return = "{" + ",".join(lines) + "}"
         return OK
 
@@ -329,7 +329,7 @@ class DobotDriver(TwinNode):
 
     def _get_angle(self, request: Any, answer: Any) -> int:
         self._reading.asked("encoder")
-        return self._answer(answer, [math.degrees(each) for each in self._arm.positions()])
+        return self._answer(answer, [math.degrees(position) for position in self._arm.positions()])
 
     def _get_pose(self, request: Any, answer: Any) -> int:
         if request.user or request.tool:
@@ -348,10 +348,10 @@ class DobotDriver(TwinNode):
     def _inverse(self, request: Any, answer: Any) -> int:
         asked = (request.x, request.y, request.z, request.rx, request.ry, request.rz)
         try:
-            found = self._arm.reach(pose_of(asked))
+            reach = self._arm.reach(pose_of(asked))
         except PlanningError:
             return NOT_EXECUTED
-        return self._answer(answer, [math.degrees(each) for each in found])
+        return self._answer(answer, [math.degrees(value) for value in reach])
 
     def _set_pin(self, place: str, request: Any, answer: Any) -> None:
         self._pins[place, request.index] = int(request.status)

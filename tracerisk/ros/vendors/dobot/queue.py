@@ -145,7 +145,7 @@ class DobotQueue:
 
     def joint_move(self, degrees: Sequence[float], words: Mapping[str, float]) -> JointTrajectory:
         """Return the move of all joints to [deg]."""
-        goal = [math.radians(each) for each in degrees]
+        goal = [math.radians(degree) for degree in degrees]
         share = self.share["factor"] * words.get("v", 100 * self.share["joint"]) / 100
         rise = words.get("a", 100.0) / 100
         return self.arm.to_joints(
@@ -174,7 +174,7 @@ def words_of(given: Sequence[str]) -> dict[str, float]:
         PlanningError: one is not of this form, unknown, or asks for a frame that is not there.
     """
     words: dict[str, float] = {}
-    for part in (piece for each in given for piece in each.split(",")):
+    for part in (piece for text in given for piece in text.split(",")):
         name, _, value = (piece.strip() for piece in part.partition("="))
         if not name:
             continue
@@ -198,11 +198,11 @@ def words_of(given: Sequence[str]) -> dict[str, float]:
 def pose_of(values: Sequence[float]) -> Pose:
     """Return the pose of x, y, z [mm], rx, ry, rz [deg]."""
     x, y, z, *turns = (float(value) for value in values[:6])
-    rx, ry, rz = (math.radians(each) for each in turns)
+    rx, ry, rz = (math.radians(turn) for turn in turns)
     return Pose((x / 1000, y / 1000, z / 1000), quaternion_from_rpy(rx, ry, rz))
 
 
 def values_of(pose: Pose) -> list[float]:
     """Return x, y, z [mm], rx, ry, rz [deg] of a pose."""
-    turns = (math.degrees(each) for each in rpy_from_quaternion(pose.orientation))
-    return [*(1000 * each for each in pose.position), *turns]
+    turns = (math.degrees(value) for value in rpy_from_quaternion(pose.orientation))
+    return [*(1000 * value for value in pose.position), *turns]

@@ -129,7 +129,7 @@ class DoosanController(DoosanReports):
         return self._motion.line(self._motion.arc(via, end), list(asked.vel), asked.time)
 
     def _spline_joint(self, asked: Any) -> JointTrajectory:
-        points = [list(each.data)[: len(self._arm.joints)] for each in asked.pos]
+        points = [list(item.data)[: len(self._arm.joints)] for item in asked.pos]
         speeds, rises = list(asked.vel), list(asked.acc)
         return self._motion.spline(points, asked.mode, speeds, rises, asked.time)
 
@@ -165,9 +165,9 @@ class DoosanController(DoosanReports):
 
     def _path(self, given: Sequence[Any], ref: int, mode: int) -> list[Pose]:
         poses: list[Pose] = []
-        for each in given:
+        for item in given:
             before = poses[-1] if poses else None
-            poses.append(self._motion.pose(list(each.data), ref, mode, before))
+            poses.append(self._motion.pose(list(item.data), ref, mode, before))
         return poses
 
     def _home(self, request: Any, answer: Any) -> bool:
@@ -264,11 +264,13 @@ class DoosanController(DoosanReports):
 
     def _speed_joints(self, asked: Any) -> JointTrajectory | None:
         self._arm.look_at_degrees_per_s("speedj_stream", list(asked.vel))
-        return self._arm.at_speeds([math.radians(each) for each in asked.vel], asked.time or None)
+        return self._arm.at_speeds([math.radians(item) for item in asked.vel], asked.time or None)
 
     def _speed_line(self, asked: Any) -> JointTrajectory | None:
         values = list(asked.vel)
-        parts = [each / 1000 for each in values[:3]] + [math.radians(each) for each in values[3:]]
+        parts = [value / 1000 for value in values[:3]] + [
+            math.radians(value) for value in values[3:]
+        ]
         return self._twist(parts)
 
 

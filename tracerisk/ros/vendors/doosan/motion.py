@@ -45,16 +45,16 @@ class DoosanMotion:
 
     def positions(self) -> list[float]:
         """Return where the joints are [deg]."""
-        return [math.degrees(each) for each in self.arm.positions()]
+        return [math.degrees(position) for position in self.arm.positions()]
 
     def of_joints(self, degrees: Sequence[float]) -> Pose:
         """Return where the tool centre point is at joint positions [deg]."""
-        return compose(self.arm.pose_at([math.radians(each) for each in degrees]), self.tcp)
+        return compose(self.arm.pose_at([math.radians(degree) for degree in degrees]), self.tcp)
 
     def to_joints_of(self, pose: Pose) -> list[float]:
         """Return joint positions [deg] that lead to a pose; PlanningError where there are none."""
-        found = self.arm.reach(compose(pose, inverse(self.tcp)))
-        return [math.degrees(each) for each in found]
+        reach = self.arm.reach(compose(pose, inverse(self.tcp)))
+        return [math.degrees(value) for value in reach]
 
     def pose(
         self, values: Sequence[float], ref: int, mode: int, before: Pose | None = None
@@ -87,7 +87,7 @@ class DoosanMotion:
         goal = list(degrees[: len(self.arm.joints)])
         if mode == RELATIVE:
             goal = [a + b for a, b in zip(goal, self.positions(), strict=True)]
-        radians = [math.radians(each) for each in goal]
+        radians = [math.radians(value) for value in goal]
         if time_s > 0.0:
             return self.arm.to_joints(radians, duration_s=time_s / self.share)
         if min(speeds) <= 0.0 or min(rises) <= 0.0:
@@ -98,8 +98,8 @@ class DoosanMotion:
             )
         return self.arm.to_joints(
             radians,
-            speeds=[math.radians(each) * self.share for each in speeds],
-            rises=[math.radians(each) for each in rises],
+            speeds=[math.radians(speed) * self.share for speed in speeds],
+            rises=[math.radians(rise) for rise in rises],
         )
 
     def spline(
@@ -118,10 +118,10 @@ class DoosanMotion:
             goals.append(here)
         if not goals:
             raise PlanningError("bad_request", "a spline of 0 points")
-        radians = [[math.radians(each) for each in goal] for goal in goals]
+        radians = [[math.radians(value) for value in goal] for goal in goals]
         limits = (
-            [math.radians(each) * self.share for each in speeds] if min(speeds) > 0 else None,
-            [math.radians(each) for each in rises] if min(rises) > 0 else None,
+            [math.radians(speed) * self.share for speed in speeds] if min(speeds) > 0 else None,
+            [math.radians(rise) for rise in rises] if min(rises) > 0 else None,
         )
         if time_s <= 0.0 and None in limits:
             raise PlanningError(
@@ -133,7 +133,7 @@ class DoosanMotion:
             times.append(now)
             before = goal
         slower = max(1.0, time_s / now) if time_s > 0 else 1.0
-        return self.arm.through(radians, [each * slower for each in times])
+        return self.arm.through(radians, [time * slower for time in times])
 
     def line(
         self, poses: Sequence[Pose], speeds: Sequence[float], time_s: float
@@ -160,7 +160,7 @@ class DoosanMotion:
             PlanningError: the three lie on a line.
         """
         start = before or self.here()
-        a, b, c = (np.array(each.position) for each in (start, via, end))
+        a, b, c = (np.array(pose.position) for pose in (start, via, end))
         normal = np.cross(b - a, c - a)
         area = float(np.dot(normal, normal))
         if area < 1e-14:
@@ -177,7 +177,7 @@ class DoosanMotion:
         poses = []
         for share in np.linspace(0.0, 1.0, _ARC_STEPS + 1)[1:]:
             angle = swept * share
-            x, y, z = (float(each) for each in centre + u * math.cos(angle) + v * math.sin(angle))
+            x, y, z = (float(item) for item in centre + u * math.cos(angle) + v * math.sin(angle))
             poses.append(Pose((x, y, z), _between(start.orientation, end.orientation, share)))
         return poses
 
@@ -210,7 +210,7 @@ class DoosanMotion:
         here, total = self.here(), max(moving) * repeat
         count = max(8, math.ceil(total / min(moving) * _PERIOD_STEPS))
         points: list[list[float]] = []
-        times = [float(each) for each in np.linspace(0.0, total, count + 1)[1:]]
+        times = [float(item) for item in np.linspace(0.0, total, count + 1)[1:]]
         seed = self.arm.positions()
         for time in times:
             ease = math.sin(
@@ -250,7 +250,7 @@ def values_of(pose: Pose) -> list[float]:
     else:
         # Only the sum or the difference of both turns about z is defined here.
         a, c = (math.atan2(r21, r11) if r33 > 0 else math.atan2(-r21, -r11)), 0.0
-    return [*(1000 * each for each in pose.position), *(math.degrees(v) for v in (a, b, c))]
+    return [*(1000 * value for value in pose.position), *(math.degrees(v) for v in (a, b, c))]
 
 
 def rows_of(pose: Pose) -> list[Vector]:
@@ -276,5 +276,5 @@ def _between(a: Quaternion, b: Quaternion, share: float) -> Quaternion:
     if angle < 1e-9:
         return a
     mixed = math.sin((1 - share) * angle) * first + math.sin(share * angle) * second
-    x, y, z, w = (float(each) for each in mixed / math.sin(angle))
+    x, y, z, w = (float(item) for item in mixed / math.sin(angle))
     return (x, y, z, w)

@@ -118,8 +118,8 @@ class DoosanReports(TwinNode):
         self._scheduler.touch()
         self._reading.asked("encoder")
         is_joint = request.space_type == 0
-        found = self._motion.positions() if is_joint else values_of(self._motion.here())
-        return _filled(answer, pos=found)
+        positions = self._motion.positions() if is_joint else values_of(self._motion.here())
+        return _filled(answer, pos=positions)
 
     def _posx(self, request: Any, answer: Any) -> bool:
         self._scheduler.touch()

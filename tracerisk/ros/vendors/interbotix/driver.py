@@ -169,7 +169,7 @@ class InterbotixDriver(ServoNode):
                 topic, f"{len(message.cmd)} commands for the {len(names)} joints of {message.name}"
             )
             return
-        self._command(topic, names, [float(each) for each in message.cmd], "joint_group_command")
+        self._command(topic, names, [float(item) for item in message.cmd], "joint_group_command")
 
     def _take_single(self, topic: str, message: Any) -> None:
         if message.name not in self._servos:

@@ -60,8 +60,8 @@ class InterbotixMotion:
             raise ValueError("the times of the points do not rise")
         goals = [
             [
-                self._reachable(name, float(each))
-                for name, each in zip(names, p.positions, strict=True)
+                self._reachable(name, float(position))
+                for name, position in zip(names, p.positions, strict=True)
             ]
             for p in points
         ]
@@ -110,10 +110,10 @@ def _joined(
             time.append(begin)
             position.append(position[-1])
             velocity.append(np.zeros(len(names)))
-        time += [begin + each for each in leg.time]
+        time += [begin + item for item in leg.time]
         position += list(leg.position)
         velocity += list(leg.velocity)
-    kept = [i for i, each in enumerate(time) if i == 0 or each > time[i - 1] + 1e-9]
+    kept = [i for i, value in enumerate(time) if i == 0 or value > time[i - 1] + 1e-9]
     return JointTrajectory(
         names,
         np.array([time[i] for i in kept]),

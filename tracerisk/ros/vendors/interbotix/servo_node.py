@@ -106,7 +106,7 @@ class ServoNode(TwinNode):
         state = self._twin.joint_state()
         message = self._messages.new(JOINT_STATE_TYPE)
         self._now(message.header)
-        present = [each for each in self._joint_order() if each not in state.absent]
+        present = [text for text in self._joint_order() if text not in state.absent]
         message.name = self._graph.carrier.world.ordered(present)
         values = {
             name: (state.position[i], state.velocity[i], state.effort[i])

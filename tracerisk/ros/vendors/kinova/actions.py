@@ -62,7 +62,7 @@ class KortexArm:
 
     def angles(self) -> list[float]:
         """Return where the joints are, in [0, 360) degrees."""
-        return [math.degrees(each) % 360.0 for each in self.arm.positions()]
+        return [math.degrees(position) % 360.0 for position in self.arm.positions()]
 
     def goal(self, degrees: Sequence[float], here: Sequence[float] | None = None) -> list[float]:
         """Return the joint positions [rad] that angles in degrees mean."""
@@ -77,11 +77,11 @@ class KortexArm:
     def reach_angles(self, asked: Any) -> JointTrajectory:
         """Return the way to ConstrainedJointAngles."""
         here = self.angles()
-        for each in asked.joint_angles.joint_angles:
-            _put(here, each.joint_identifier, each.value)
+        for joint_angle in asked.joint_angles.joint_angles:
+            _put(here, joint_angle.joint_identifier, joint_angle.value)
         if not asked.joint_angles.joint_angles:
             raise PlanningError("invalid_goal", "no joint angles")
-        asked_for = [each.value for each in asked.joint_angles.joint_angles]
+        asked_for = [joint_angle.value for joint_angle in asked.joint_angles.joint_angles]
         self.arm.look_at_degrees("a goal of joint angles", asked_for)
         return self._to_angles(here, asked.constraint)
 
@@ -110,9 +110,9 @@ class KortexArm:
     def joint_speeds(self, asked: Any) -> JointTrajectory | None:
         """Return the way at Base_JointSpeeds [deg/s], None where they stop the arm."""
         speeds = [0.0] * len(self.arm.joints)
-        for each in asked.joint_speeds:
-            _put(speeds, each.joint_identifier, math.radians(each.value))
-        self.arm.look_at_degrees_per_s("joint_velocity", [math.degrees(each) for each in speeds])
+        for joint_speed in asked.joint_speeds:
+            _put(speeds, joint_speed.joint_identifier, math.radians(joint_speed.value))
+        self.arm.look_at_degrees_per_s("joint_velocity", [math.degrees(speed) for speed in speeds])
         return self.arm.at_speeds(speeds, asked.duration / 1000.0 or None)
 
     def twist(self, asked: Any, frame: int) -> JointTrajectory | None:
@@ -136,7 +136,7 @@ class KortexArm:
         """
         for error in self.errors(asked):
             raise PlanningError("invalid_goal", f"waypoint {error.waypoint}: {error.message}")
-        kinds = [each.oneof_type_of_waypoint for each in asked.waypoints]
+        kinds = [waypoint.oneof_type_of_waypoint for waypoint in asked.waypoints]
         if kinds[0].angular_waypoint:
             points, times, here, now = [], [], self.arm.positions(), 0.0
             for kind in kinds:
@@ -153,22 +153,22 @@ class KortexArm:
         self, asked: Sequence[Any], duration_s: float = 0.0, *, in_degrees: bool = True
     ) -> JointTrajectory:
         """Return the line through CartesianWaypoints; corners are not blended."""
-        found: list[Pose] = []
-        for each in asked:
-            frame = found[-1] if found else self.arm.tool_pose()
-            pose = pose_of(each.pose, in_degrees=in_degrees)
-            if each.reference_frame == TOOL:
+        result: list[Pose] = []
+        for item in asked:
+            frame = result[-1] if result else self.arm.tool_pose()
+            pose = pose_of(item.pose, in_degrees=in_degrees)
+            if item.reference_frame == TOOL:
                 pose = compose(frame, pose)
-            elif each.reference_frame == MIXED:
+            elif item.reference_frame == MIXED:
                 x, y, z = (a + b for a, b in zip(frame.position, pose.position, strict=True))
                 turned = compose(Pose(ORIGIN.position, frame.orientation), pose).orientation
                 pose = Pose((x, y, z), turned)
-            found.append(pose)
-        speeds = [each.maximum_linear_velocity for each in asked if each.maximum_linear_velocity]
-        turns = [each.maximum_angular_velocity for each in asked if each.maximum_angular_velocity]
+            result.append(pose)
+        speeds = [item.maximum_linear_velocity for item in asked if item.maximum_linear_velocity]
+        turns = [item.maximum_angular_velocity for item in asked if item.maximum_angular_velocity]
         turn = min(turns, default=math.inf)
         return self.arm.line(
-            found,
+            result,
             speed=min(speeds, default=math.inf),
             turn=math.radians(turn) if in_degrees else turn,
             duration_s=duration_s,
@@ -176,7 +176,7 @@ class KortexArm:
 
     def errors(self, asked: Any) -> list[WaypointError]:
         """Return what keeps a WaypointList from being followed."""
-        kinds = [each.oneof_type_of_waypoint for each in asked.waypoints]
+        kinds = [waypoint.oneof_type_of_waypoint for waypoint in asked.waypoints]
         angular = [bool(kind.angular_waypoint) for kind in kinds]
         empty = [not kind.angular_waypoint and not kind.cartesian_waypoint for kind in kinds]
         if not kinds or any(empty):
@@ -262,7 +262,7 @@ def pose_of(asked: Any, *, in_degrees: bool = True) -> Pose:
 def write_pose(message: Any, pose: Pose) -> Any:
     """Fill a message Pose, and return it."""
     message.x, message.y, message.z = pose.position
-    turns = [math.degrees(each) for each in rpy_from_quaternion(pose.orientation)]
+    turns = [math.degrees(value) for value in rpy_from_quaternion(pose.orientation)]
     message.theta_x, message.theta_y, message.theta_z = turns
     return message
 
@@ -278,7 +278,7 @@ def _near(degrees: float, at: float, lower: float, upper: float, is_continuous: 
         return at + (angle - at + math.pi) % turn - math.pi
     candidates = [angle + k * turn for k in (-1, 0, 1) if lower <= angle + k * turn <= upper]
     wrapped = (angle + math.pi) % turn - math.pi
-    return min(candidates, key=lambda each: abs(each - at), default=wrapped)
+    return min(candidates, key=lambda candidate: abs(candidate - at), default=wrapped)
 
 
 def joint_angles(messages: TwinMessages, positions: Sequence[float]) -> list[Any]:

@@ -231,7 +231,7 @@ class KortexDriver(TwinNode):
         answer.output.finger = [finger]
 
     def _forward(self, request: Any, answer: Any) -> None:
-        angles = [each.value for each in request.input.joint_angles]
+        angles = [joint_angle.value for joint_angle in request.input.joint_angles]
         if len(angles) != len(self._arm.joints):
             raise ServiceFailedError(
                 f"{len(angles)} joint angles for {len(self._arm.joints)} joints"
@@ -250,7 +250,7 @@ class KortexDriver(TwinNode):
             for identifier in (*DEFAULTS, *sorted(self._player.created))
         ]
         answer.output.action_list = [
-            each for each in actions if kind in (0, each.handle.action_type)
+            action for action in actions if kind in (0, action.handle.action_type)
         ]
 
     def _create_action(self, request: Any, answer: Any) -> None:
@@ -303,12 +303,12 @@ class KortexDriver(TwinNode):
 
     def _inverse(self, request: Any, answer: Any) -> None:
         asked = request.input
-        guess = self._kortex.goal([each.value for each in asked.guess.joint_angles])
+        guess = self._kortex.goal([joint_angle.value for joint_angle in asked.guess.joint_angles])
         try:
-            found = self._arm.reach(pose_of(asked.cartesian_pose), guess)
+            reach = self._arm.reach(pose_of(asked.cartesian_pose), guess)
         except PlanningError as error:
             raise ServiceFailedError(error.message) from error
-        answer.output.joint_angles = joint_angles(self._messages, found)
+        answer.output.joint_angles = joint_angles(self._messages, reach)
 
     # The action of cartesian trajectories
 

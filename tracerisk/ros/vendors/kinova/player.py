@@ -76,8 +76,8 @@ class KortexPlayer:
         name, state = DEFAULTS[identifier]
         robot = self._arm.twin.robot
         states = robot.named_states.get(self._arm.group or "", {})
-        found = next((each for key, each in states.items() if key.lower() == state), None)
-        if found is None:
+        item = next((fields for key, fields in states.items() if key.lower() == state), None)
+        if item is None:
             known = ", ".join(sorted(states)) or "none"
             raise self.refused(
                 f"action {identifier} ({name}) goes to the named state '{state}', which robot "
@@ -86,7 +86,7 @@ class KortexPlayer:
         action.handle.identifier, action.handle.action_type = identifier, REACH_ANGLES
         action.handle.permission, action.name = 7, name
         angles = self._messages.new(f"{_PACKAGE}/ConstrainedJointAngles")
-        values = [found.get(joint, 0.0) for joint in self._arm.joints]
+        values = [item.get(joint, 0.0) for joint in self._arm.joints]
         angles.joint_angles.joint_angles = joint_angles(self._messages, values)
         action.oneof_action_parameters.reach_joint_angles.append(angles)
         return action

@@ -136,7 +136,9 @@ class NiryoRobot(NiryoActions):
     def _parameters(self) -> Mapping[str, Any]:
         wrapper = "/niryo_robot/python_ros_wrapper"
         name = self._arm.twin.robot.name
-        known = next((each for each in ("ned3pro", "ned2", "ned", "one") if each in name), "ned2")
+        known = next(
+            (literal for literal in ("ned3pro", "ned2", "ned", "one") if literal in name), "ned2"
+        )
         nodes = ("poses_handlers", "arm_commander", "rpi", "tools_commander")
         controllers = self._arm.twin.robot.controllers
         follow = next((c.name for c in controllers if c.type == "follow_joint_trajectory"), "")

@@ -91,7 +91,7 @@ class NiryoMotion:
             shifted = self.shifted(asked.shift.axis_number, asked.shift.value)
             return self._to_pose(shifted) if kind == SHIFT_POSE else self._through([shifted])
         if kind == EXECUTE_TRAJ:
-            return self.poses([pose_of(each) for each in asked.list_poses])
+            return self.poses([pose_of(list_pose) for list_pose in asked.list_poses])
         if kind == DRAW_SPIRAL:
             return self._through(self._spiral(asked.args))
         if kind == DRAW_CIRCLE:
@@ -182,7 +182,7 @@ class NiryoMotion:
     def _through(
         self, poses: Sequence[Pose], start: dict[str, float] | None = None
     ) -> JointTrajectory | None:
-        found, fraction = self._arm.twin.plan_cartesian(
+        joint_trajectory, fraction = self._arm.twin.plan_cartesian(
             self._group(),
             [self._of_link(pose) for pose in poses],
             link=self._arm.tool,
@@ -191,7 +191,7 @@ class NiryoMotion:
         )
         if fraction < 1.0 - 1e-6:
             raise PlanningError("no_plan", cut_line(poses[-1], fraction, self._arm.tool_pose()))
-        return found if len(found.time) > 1 else None
+        return joint_trajectory if len(joint_trajectory.time) > 1 else None
 
     def _spiral(self, values: Sequence[float]) -> list[Pose]:
         if len(values) != 4 or values[3] not in (1, 2, 3):
@@ -202,22 +202,22 @@ class NiryoMotion:
             )
         radius, step, count, plane = values
         first, second = {1: (1, 2), 2: (0, 2), 3: (0, 1)}[int(plane)]
-        here, angle, found = self.here(), 0.0, []
+        here, angle, spiral = self.here(), 0.0, []
         outward = np.linspace(0.0, radius, num=int(count))
         for distance in (*outward, *(radius - outward)):
             position = list(here.position)
             position[first] += (distance + _LEAST_RADIUS) * math.cos(angle)
             position[second] += (distance + _LEAST_RADIUS) * math.sin(angle)
-            found.append(Pose((position[0], position[1], position[2]), here.orientation))
+            spiral.append(Pose((position[0], position[1], position[2]), here.orientation))
             angle += math.radians(step)
-        return found
+        return spiral
 
     def _circle(self, centre: Any) -> list[Pose]:
         here = self.here()
         x, y, z = here.position
         radius = math.dist(here.position, (centre.x, centre.y, centre.z))
         begin = math.atan2(z - centre.z, y - centre.y)
-        turned = (math.radians(each) for each in range(0, 360 + _CIRCLE_STEP, _CIRCLE_STEP))
+        turned = (math.radians(index) for index in range(0, 360 + _CIRCLE_STEP, _CIRCLE_STEP))
         return [
             Pose(
                 (

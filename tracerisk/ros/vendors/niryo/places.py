@@ -51,9 +51,9 @@ class NiryoPlaces(TwinNode):
         }
 
     def _listed(self, known: Mapping[str, Any], message: Any) -> Any:
-        for name, each in sorted(known.items()):
+        for name, item in sorted(known.items()):
             entry = self._messages.new("niryo_robot_msgs/BasicObject")
-            entry.name, entry.description = name, each.description
+            entry.name, entry.description = name, item.description
             message.objects.append(entry)
         return message
 
@@ -148,7 +148,7 @@ def _frame(origin: Any, on_x: Any, near_y: Any) -> Pose | None:
         return None
     x, z = along / np.linalg.norm(along), normal / np.linalg.norm(normal)
     matrix = np.column_stack((x, np.cross(z, x), z))
-    a, b, c = (float(each) for each in origin)
+    a, b, c = (float(item) for item in origin)
     return Pose((a, b, c), _quaternion(matrix))
 
 
@@ -163,5 +163,5 @@ def _quaternion(m: Any) -> tuple[float, float, float, float]:
         ]
     )
     values, vectors = np.linalg.eigh(k)
-    x, y, z, w = (float(each) for each in vectors[:, int(np.argmax(values))])
+    x, y, z, w = (float(item) for item in vectors[:, int(np.argmax(values))])
     return (x, y, z, w)

@@ -281,18 +281,21 @@ class BaxterDriver(TwinNode):
             seeds = request.seed_angles
             seed = seeds[index] if index < len(seeds) and seeds[index].name else None
             try:
-                found = self._twin.inverse_kinematics(
+                inverse_kinematics = self._twin.inverse_kinematics(
                     group,
                     message_pose(stamped.pose),
                     seed=None if seed is None else dict(zip(seed.name, seed.position, strict=True)),
                 )
-                message.name, message.position = list(found), list(found.values())
+                message.name, message.position = (
+                    list(inverse_kinematics),
+                    list(inverse_kinematics.values()),
+                )
                 valid.append(True)
             except (PlanningError, RobotError):
                 valid.append(False)
             joints.append(message)
         answer.joints, answer.isValid = joints, valid
-        answer.result_type = bytes(int(each) for each in valid)
+        answer.result_type = bytes(int(flag) for flag in valid)
         return answer
 
 
@@ -305,5 +308,5 @@ def _numbers(text: str) -> dict[str, float]:
 
 
 def _side(topic: str) -> str:
-    found = _SIDE.search(topic)
-    return found.group(1) if found else ""
+    matched = _SIDE.search(topic)
+    return matched.group(1) if matched else ""

@@ -74,12 +74,12 @@ class IoDevices(TwinNode):
         self._graph.watch(self._on_change)
 
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        found = _TOPIC.match(name)
-        if found is None or not type_name.startswith(f"{_CORE}/IO") or name in self._open:
+        matched = _TOPIC.match(name)
+        if matched is None or not type_name.startswith(f"{_CORE}/IO") or name in self._open:
             return
-        node, device, kind = found.groups()
+        node, device, kind = matched.groups()
         key = (node, device or "")
-        if key not in self._values and (device or node not in {each for each, _ in self._values}):
+        if key not in self._values and (device or node not in {value for value, _ in self._values}):
             return
         if change == "advertised" and kind == "command" and device:
             self._open.add(name)
@@ -119,7 +119,7 @@ class IoDevices(TwinNode):
         del taken[:-_KEPT]
         try:
             signals = json.loads(message.args or "{}").get("signals", {})
-            asked = {name: each["data"][0] for name, each in signals.items()}
+            asked = {name: signal["data"][0] for name, signal in signals.items()}
         except (ValueError, TypeError, KeyError, IndexError, AttributeError):
             self._streams.refuse(topic, f"args '{message.args}' are no signals with data, as JSON")
             return
@@ -163,7 +163,7 @@ class IoDevices(TwinNode):
         if what:
             message.signals = [self._config(name) for name in self._values[key]]
         else:
-            message.signals = [self._signal(*each) for each in self._signals(key)]
+            message.signals = [self._signal(*signal) for signal in self._signals(key)]
             message.commands = list(self._taken[key])
         return message
 

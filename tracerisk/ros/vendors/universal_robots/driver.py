@@ -162,10 +162,10 @@ class _Program:
 
     def _run(self, text: str) -> Iterator[bool]:
         try:
-            for each in statements(text):
-                found = evaluate(each, self._names, self._functions)
-                if each.name:
-                    self._names[each.name] = found
+            for statement in statements(text):
+                result = evaluate(statement, self._names, self._functions)
+                if statement.name:
+                    self._names[statement.name] = result
                 yield True
         except ScriptError as error:
             self._report("unprovided", str(error))
@@ -291,7 +291,7 @@ class _Program:
     def _goal(self, target: Any) -> list[float]:
         if isinstance(target, PoseNumbers):
             return self._arm.reach(self._tool_at(target), self._arm.positions())
-        return [float(each) for each in target]
+        return [float(item) for item in target]
 
     def _pose_add(self, one: Any, other: Any) -> PoseNumbers:
         return self._numbers(shifted(self._pose(other), self._pose(one)))

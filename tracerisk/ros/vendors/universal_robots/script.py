@@ -47,7 +47,7 @@ def statements(text: str) -> list[Statement]:
     Raises:
         ScriptError: it branches, or is malformed.
     """
-    found: list[Statement] = []
+    result: list[Statement] = []
     programs: set[str] = set()
     for number, full in enumerate(text.splitlines(), 1):
         line = full.partition("#")[0].strip().rstrip(";").rstrip()
@@ -66,8 +66,8 @@ def statements(text: str) -> list[Statement]:
             parsed = ast.parse(expression, mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             raise ScriptError(f"line {number} of the program is malformed: {line[:60]}") from None
-        found.append(Statement(number, name, parsed))
-    return found
+        result.append(Statement(number, name, parsed))
+    return result
 
 
 def evaluate(
@@ -102,7 +102,7 @@ def evaluate(
             case ast.Call(func=ast.Name(id=name), args=given, keywords=keywords):
                 if name not in functions:
                     raise ScriptError(f"'{name}' is not simulated")
-                more = {str(each.arg): value(each.value) for each in keywords}
+                more = {str(keyword.arg): value(keyword.value) for keyword in keywords}
                 return functions[name](*map(value, given), **more)
         raise ScriptError(f"'{ast.unparse(node)[:60]}' is not simulated")
 

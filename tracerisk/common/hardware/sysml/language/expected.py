@@ -125,12 +125,12 @@ def _text(expected: Iterable[str]) -> str:
         if "_CLOSE_ROUND" in names:
             words.append("')'")
         return _joined(words)
-    plain = sorted(_PLAIN[each] for each in names - _SILENT if each in _PLAIN)
+    plain = sorted(_PLAIN[name] for name in names - _SILENT if name in _PLAIN)
     if "NUMBER" in names:
         plain.insert(0, "a number")
     plain = ["a name"] if "a name" in plain and names & {"_DEF", "LESS"} else plain
     if not plain:
-        plain = sorted(_PLAIN[each] for each in names if each in _PLAIN)
+        plain = sorted(_PLAIN[name] for name in names if name in _PLAIN)
     return _joined(plain) if plain else "something else"
 
 

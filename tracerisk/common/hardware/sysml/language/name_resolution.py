@@ -89,29 +89,28 @@ class Symbol:
         if self._members is None:
             nodes = () if isinstance(self.node, Alias) else self.node.members
             self._members = tuple(
-                Symbol(each, self, self.source, self.find_package)
-                for each in nodes
-                if isinstance(each, Package | Element | Annotation | Alias)
+                Symbol(node, self, self.source, self.find_package)
+                for node in nodes
+                if isinstance(node, Package | Element | Annotation | Alias)
             )
         return self._members
 
     def own(self, name: str) -> Symbol | None:
         """Return the element declared within by that name or short name."""
         if self._by_name is None:
-            found: dict[str, Symbol] = {}
+            symbols: dict[str, Symbol] = {}
             for member in self.members:
                 node = member.node
                 names = {member.name, None if isinstance(node, Annotation) else node.short}
-                for each in sorted(filter(None, names)):
-                    if each in found:
-                        before = found[each].location()
+                for key in sorted(filter(None, names)):
+                    if key in symbols:
+                        before = symbols[key].location()
                         raise HardwareError(
-                            f"duplicate '{each}', first in line {before.line}; give "
-                            "it another name",
+                            f"duplicate '{key}', first in line {before.line}; give it another name",
                             member.location(),
                         )
-                    found[each] = member
-            self._by_name = found
+                    symbols[key] = member
+            self._by_name = symbols
         return self._by_name.get(name)
 
     # What an element specialises.
@@ -132,9 +131,9 @@ class Symbol:
             return ()
         self._active = True
         try:
-            found = [self._redefined(target) for target in node.redefines]
-            found += [self._resolve_general(target) for target in (*node.subsets, *node.types)]
-            self._generals = tuple(dict.fromkeys(each for each in found if each is not None))
+            symbols = [self._redefined(target) for target in node.redefines]
+            symbols += [self._resolve_general(target) for target in (*node.subsets, *node.types)]
+            self._generals = tuple(dict.fromkeys(item for item in symbols if item is not None))
         finally:
             self._active = False
         return self._generals
@@ -157,8 +156,8 @@ class Symbol:
         """Return the features that the element redefines."""
         if not isinstance(self.node, Element):
             return ()
-        targets = (self._redefined(each) for each in self.node.redefines)
-        return tuple(each for each in targets if isinstance(each, Symbol))
+        targets = (self._redefined(redefine) for redefine in self.node.redefines)
+        return tuple(target for target in targets if isinstance(target, Symbol))
 
     def _redefined(self, target: Reference) -> Found | None:
         owner = self.scope()
@@ -166,11 +165,14 @@ class Symbol:
             hit = owner.inherited(target.name[0])
             if hit is not None:
                 return hit
-            if any(isinstance(each, Standard) for each in ancestors(owner)):
+            if any(isinstance(ancestor, Standard) for ancestor in ancestors(owner)):
                 return None
             if not self.is_structural:
                 return None
-            names = sorted({each.name or "" for each in inherited_members(owner)} - {""})
+            names = sorted(
+                {inherited_member.name or "" for inherited_member in inherited_members(owner)}
+                - {""}
+            )
             raise HardwareError(
                 f"redefines '{target}', which its owner does not inherit; "
                 f"{one_of(names, target.name[0])}",
@@ -257,9 +259,9 @@ class Symbol:
         return hit
 
     def _imported(self, name: str, *, public_only: bool = False) -> Found | None:
-        for each, space in self._spaces():
-            if not (public_only and each.is_private):
-                hit = _through(each, space, name)
+        for item, space in self._spaces():
+            if not (public_only and item.is_private):
+                hit = _through(item, space, name)
                 if hit is not None:
                     return hit
         return None
@@ -273,16 +275,16 @@ class Symbol:
         if self._imports is not None:
             return self._imports
         assert not isinstance(self.node, Alias)
-        waiting = [each for each in self.node.members if isinstance(each, Import)]
+        waiting = [member for member in self.node.members if isinstance(member, Import)]
         self._imports = []
         while waiting:
             left = []
-            for each in waiting:
-                space = self.lookup(each.target)
+            for item in waiting:
+                space = self.lookup(item.target)
                 if space is None:
-                    left.append(each)
+                    left.append(item)
                 else:
-                    self._imports.append((each, space))
+                    self._imports.append((item, space))
             if len(left) == len(waiting):
                 raise self.unknown(left[0].target)
             waiting = left
@@ -292,8 +294,8 @@ class Symbol:
         """Yield the library packages that are imported here or around, not all names known."""
         scope: Symbol | None = self
         while scope is not None:
-            for each, space in scope._spaces():
-                if isinstance(space, Standard) and not space.is_closed and each.every:
+            for item, space in scope._spaces():
+                if isinstance(space, Standard) and not space.is_closed and item.every:
                     yield space
             scope = scope.owner
 
@@ -303,7 +305,7 @@ class Symbol:
         return (
             len(target.name) == 1
             and target.name[0] not in known
-            and any(each.path[0] in packages for each in self.open_imports())
+            and any(open_import.path[0] in packages for open_import in self.open_imports())
         )
 
     def unknown(self, target: Reference) -> HardwareError:
@@ -375,25 +377,25 @@ def ancestors(symbol: Symbol) -> tuple[Found, ...]:
     """
     if symbol.kin is not None:
         return symbol.kin
-    found: dict[Found, None] = {symbol: None}
+    table: dict[Found, None] = {symbol: None}
     level: list[Found] = [symbol]
     for _ in range(MAX_CHAIN):
         following: list[Found] = []
-        for each in level:
-            if isinstance(each, Symbol):
-                for general in each.generals():
+        for item in level:
+            if isinstance(item, Symbol):
+                for general in item.generals():
                     if general is symbol:
                         raise HardwareError(
-                            f"'{symbol.name}' specialises itself, through '{each.name}'; break "
+                            f"'{symbol.name}' specialises itself, through '{item.name}'; break "
                             "the cycle",
                             symbol.location(),
                         )
-                    if general not in found:
-                        found[general] = None
+                    if general not in table:
+                        table[general] = None
                         following.append(general)
         if not following:
-            kin = tuple(found)
-            if all(each.is_settled for each in kin if isinstance(each, Symbol)):
+            kin = tuple(table)
+            if all(item.is_settled for item in kin if isinstance(item, Symbol)):
                 symbol.kin = kin
             return kin
         level = following

@@ -36,21 +36,21 @@ def skipped_warnings(files: tuple[Symbol, ...]) -> tuple[str, ...]:
 
 
 def _skipped(top: Symbol) -> list[tuple[Symbol, Skipped]]:
-    found = []
+    pairs = []
     waiting = [top]
     while waiting:
         symbol = waiting.pop()
         if isinstance(symbol.node, Package | Element):
             nodes = symbol.node.members
-            found += [(symbol, node) for node in nodes if isinstance(node, Skipped)]
+            pairs += [(symbol, node) for node in nodes if isinstance(node, Skipped)]
             waiting.extend(symbol.members)
-    return sorted(found, key=lambda each: each[1].at)
+    return sorted(pairs, key=lambda pair: pair[1].at)
 
 
 def _is_ours(scope: Symbol, target: Reference) -> bool:
     hit = scope.lookup(target)
     kin = ancestors(hit) if isinstance(hit, Symbol) else (hit,)
     return any(
-        isinstance(each, Standard) and each.path[0] == OURS and each.path[-1] in KINDS
-        for each in kin
+        isinstance(standard, Standard) and standard.path[0] == OURS and standard.path[-1] in KINDS
+        for standard in kin
     )

@@ -51,11 +51,11 @@ FEATURES: dict[str, tuple[str, ...]] = {
 
 def _words(*meanings: str) -> dict[str, str]:
     """Return what the words of an enumeration mean: `missionStart` is `mission_start`."""
-    found = {}
-    for each in meanings:
-        first, *others = each.split("_")
-        found["".join((first, *map(str.title, others)))] = each
-    return found
+    words = {}
+    for meaning in meanings:
+        first, *others = meaning.split("_")
+        words["".join((first, *map(str.title, others)))] = meaning
+    return words
 
 
 ENUMERATIONS: dict[str, dict[str, str]] = {

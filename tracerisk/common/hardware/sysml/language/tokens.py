@@ -68,8 +68,8 @@ def cut(source: SourceText) -> list[Token]:
     Raises HardwareError at what begins no token, at brackets that do not match, and at what is
     nested too deep.
     """
-    found: list[Token] = []
-    append = found.append
+    tokens: list[Token] = []
+    append = tokens.append
     words = WORDS
     signs = SIGNS
     new = str.__new__
@@ -86,12 +86,12 @@ def cut(source: SourceText) -> list[Token]:
             if is_start and (kind == "SKIPPED" or kind == "NOT"):
                 append(_skip(source, match, stream))
                 continue
-            if kind != "PREFIX" and is_start and not (found and found[-1].type == "_HASH"):
-                is_start = kind == "NAME" and _is_prefix_name(found)
+            if kind != "PREFIX" and is_start and not (tokens and tokens[-1].type == "_HASH"):
+                is_start = kind == "NAME" and _is_prefix_name(tokens)
         elif kind == "SIGNS":
             kind = signs[value]
             if kind == "_OPEN":
-                if found and _begins_expression(found):
+                if tokens and _begins_expression(tokens):
                     end = _matching(source, match, stream)
                     append(Token("BODY", source.text[at:end], at))
                     continue
@@ -118,7 +118,7 @@ def cut(source: SourceText) -> list[Token]:
                     depth -= 1
         elif kind == "QUOTED":
             kind = "NAME"
-            is_start = is_start and _is_prefix_name(found)
+            is_start = is_start and _is_prefix_name(tokens)
         elif kind == "COMMENT":
             is_start = True
         else:
@@ -133,7 +133,7 @@ def cut(source: SourceText) -> list[Token]:
             "unclosed '{'; expected '}' before the end of the file",
             source.location(open_braces[-1]),
         )
-    return found
+    return tokens
 
 
 def _matches(source: SourceText) -> Iterator[re.Match[str]]:

@@ -80,10 +80,10 @@ class TreeBuilder(Transformer[Token, Package]):
     # The top, and bodies.
 
     def start(self, *members: Member | None) -> Package:
-        return Package(None, None, tuple(each for each in members if each is not None), 0)
+        return Package(None, None, tuple(member for member in members if member is not None), 0)
 
     def body(self, *members: Member | None) -> tuple[Member, ...]:
-        return tuple([each for each in members if each is not None])
+        return tuple([member for member in members if member is not None])
 
     def empty_body(self) -> tuple[Member, ...]:
         return ()
@@ -97,9 +97,9 @@ class TreeBuilder(Transformer[Token, Package]):
         word = re.split(r"[^a-z]", str(token), maxsplit=1)[0]
         named = []
         if "@" in token or "#" in token or "metadata" in token:
-            for found in _SKIPPED_METADATA.finditer(str(token)):
-                segments = re.findall(_METADATA_NAME, found.group(1))
-                at = _at(token) + found.start(1)
+            for match_ in _SKIPPED_METADATA.finditer(str(token)):
+                segments = re.findall(_METADATA_NAME, match_.group(1))
+                at = _at(token) + match_.start(1)
                 named.append(Reference(tuple(map(unquoted, segments)), at))
         return Skipped(word, tuple(named), _at(token))
 
@@ -153,13 +153,13 @@ class TreeBuilder(Transformer[Token, Package]):
 
     def prefixed(self, *parts: Any) -> Member | None:
         core = parts[-1]
-        words = [each for each in parts[:-1] if isinstance(each, Token)]
+        words = [part for part in parts[:-1] if isinstance(part, Token)]
         if isinstance(core, Import):
             private = "private" in words
             return Import(core.target, core.every, core.recursive, private, core.at)
         if not isinstance(core, Element):
             return core  # type: ignore[no-any-return]
-        marks = tuple(each for each in parts[:-1] if isinstance(each, Annotation))
+        marks = tuple(part for part in parts[:-1] if isinstance(part, Annotation))
         return replace(core, prefixes=tuple(map(str, words)), annotations=marks)
 
     def definition(self, kind: Token, *parts: Any) -> Element:
@@ -178,7 +178,7 @@ class TreeBuilder(Transformer[Token, Package]):
         return _element("", False, 0, parts)
 
     def metadata(self, *parts: Any) -> Annotation:
-        rest = [each for each in parts if each is not None and not isinstance(each, Token)]
+        rest = [part for part in parts if part is not None and not isinstance(part, Token)]
         members = rest.pop()
         about = rest.pop() if isinstance(rest[-1], tuple) and len(rest) > 1 else ()
         kind = rest.pop()
@@ -270,7 +270,7 @@ class TreeBuilder(Transformer[Token, Package]):
 
     def arguments(self, bracket: Token, *parts: Any) -> tuple[tuple[str | None, Expression], ...]:
         del bracket
-        return tuple(each if isinstance(each, tuple) else (None, each) for each in parts)
+        return tuple(part if isinstance(part, tuple) else (None, part) for part in parts)
 
     def instance(self, of: Reference, arguments: Any) -> Instance:
         return Instance(of, arguments, of.at)
@@ -295,7 +295,7 @@ def _bound(found: Token | Reference) -> int | Reference:
 def _element(kind: str, is_definition: bool, at: int, parts: Several[Any]) -> Element:
     """Build a definition or a usage from what its rule has found, in the order of the text."""
     name = short = bare = multiplicity = value = None
-    found: dict[str, list[Reference]] = {}
+    table: dict[str, list[Reference]] = {}
     for part in parts[:-1]:
         if isinstance(part, Reference):
             at = part.at
@@ -311,9 +311,9 @@ def _element(kind: str, is_definition: bool, at: int, parts: Several[Any]) -> El
             multiplicity = part[1]
         else:
             sign, targets = part
-            found.setdefault(sign, []).extend(targets)
+            table.setdefault(sign, []).extend(targets)
     if not at:
-        at = next((each[0].at for each in found.values() if each), at)
+        at = next((references[0].at for references in table.values() if references), at)
     return Element(
         kind=kind,
         is_definition=is_definition,
@@ -321,9 +321,9 @@ def _element(kind: str, is_definition: bool, at: int, parts: Several[Any]) -> El
         short=short,
         at=at,
         bare=bare,
-        types=tuple(found.get(":", ())),
-        subsets=tuple(found.get(":>", ())),
-        redefines=tuple(found.get(":>>", ())),
+        types=tuple(table.get(":", ())),
+        subsets=tuple(table.get(":>", ())),
+        redefines=tuple(table.get(":>>", ())),
         multiplicity=multiplicity,
         value=value,
         members=parts[-1],

@@ -29,7 +29,7 @@ def unknown_name(scope: Symbol, target: Reference) -> str:
     visible: set[str] = set()
     around: Symbol | None = scope
     while around is not None:
-        visible.update(each.name for each in around.members if each.name)
+        visible.update(member.name for member in around.members if member.name)
         around = around.owner
     return f"unknown name '{target}'; declare or import it; {one_of(visible, name[0])}"
 
@@ -37,4 +37,4 @@ def unknown_name(scope: Symbol, target: Reference) -> str:
 def _names_in(space: Found) -> tuple[str, ...]:
     if isinstance(space, Standard):
         return known_members(space.path)
-    return tuple(each.name for each in space.members if each.name)
+    return tuple(member.name for member in space.members if member.name)

@@ -33,7 +33,7 @@ class EventHandler:
             then = then(event, context)
         if then is None:
             return []
-        return [each for each in then if each is not None] if isinstance(then, Iterable) else [then]
+        return [item for item in then if item is not None] if isinstance(then, Iterable) else [then]
 
 
 class _OnTarget(EventHandler):

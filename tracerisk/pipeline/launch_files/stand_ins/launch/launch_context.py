@@ -120,8 +120,8 @@ class LaunchContext:
             below = entity.visit(self)
             # Kept, so that no other entity gets its number.
             self._executed[id(entity)] = entity
-            for each in below or ():
-                self.walk(each)
+            for item in below or ():
+                self.walk(item)
         except (RecursionError, MemoryError):
             raise
         # Whatever a launch file of anybody raises is a finding about it.
@@ -144,7 +144,7 @@ class LaunchContext:
 
     def unregister_event_handler(self, handler: Any) -> None:
         """Forget an event's handler."""
-        self._handlers = [each for each in self._handlers if each[0] is not handler]
+        self._handlers = [row for row in self._handlers if row[0] is not handler]
 
     def emit_event_sync(self, event: Any) -> None:
         """Do nothing: no events come while a description is read."""
@@ -155,11 +155,11 @@ class LaunchContext:
         while self._handlers and is_progress:
             is_progress = False
             waiting, self._handlers = self._handlers, []
-            for each in waiting:
-                handler, configurations, local = each
+            for row in waiting:
+                handler, configurations, local = row
                 target = getattr(handler, "target", None)
                 if target is not None and id(target) not in self._executed:
-                    self._handlers.append(each)
+                    self._handlers.append(row)
                     continue
                 is_progress = True
                 for name, value in configurations.items():

@@ -33,10 +33,10 @@ class LaunchDescriptionEntity:
         below = [(is_conditional, self.describe_sub_entities())]
         below += [(True, more) for _, more in self.describe_conditional_sub_entities()]
         for within, entities in below:
-            for each in entities:
-                if isinstance(each, LaunchDescriptionEntity):
-                    conditional = within or getattr(each, "condition", None) is not None
-                    each._gather_arguments(conditional, found)
+            for entity in entities:
+                if isinstance(entity, LaunchDescriptionEntity):
+                    conditional = within or getattr(entity, "condition", None) is not None
+                    entity._gather_arguments(conditional, found)
 
 
 class LaunchDescription(LaunchDescriptionEntity):
@@ -71,14 +71,14 @@ class LaunchDescription(LaunchDescriptionEntity):
 
     def get_launch_arguments(self) -> list[Any]:
         """Return the arguments that the description declares, those of what it includes too."""
-        found: list[Any] = []
-        self._gather_arguments(False, found)
-        return found
+        launch_arguments: list[Any] = []
+        self._gather_arguments(False, launch_arguments)
+        return launch_arguments
 
     def describe_sub_entities(self) -> list[Any]:
         """Return the entities."""
-        return [each for each in self.__entities if each is not None]
+        return [entity for entity in self.__entities if entity is not None]
 
     def visit(self, context: Any) -> Any:
         """Return the entities."""
-        return [each for each in self.__entities if each is not None]
+        return [entity for entity in self.__entities if entity is not None]

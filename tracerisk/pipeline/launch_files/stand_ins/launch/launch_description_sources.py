@@ -13,7 +13,9 @@ class InvalidLaunchFileError(Exception):
     """A launch file cannot be read: why, in the errors of those who tried."""
 
     def __init__(self, extension: str = "", *, likely_errors: Any = None) -> None:
-        lines = [f"{type(each).__name__}: {each}" for each in likely_errors or ()]
+        lines = [
+            f"{type(likely_error).__name__}: {likely_error}" for likely_error in likely_errors or ()
+        ]
         kind = f"Caught errors when trying to load a launch file of the kind [{extension}]"
         super().__init__(f"{kind}: {'; '.join(lines)}" if lines else extension)
         self.extension, self.likely_errors = extension, likely_errors

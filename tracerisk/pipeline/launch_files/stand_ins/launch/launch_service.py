@@ -11,7 +11,7 @@ class LaunchIntrospector:
 
     def format_launch_description(self, launch_description: Any) -> str:
         """Return a line for each entity."""
-        return "\n".join(each.describe() for each in launch_description.entities)
+        return "\n".join(entity.describe() for entity in launch_description.entities)
 
 
 class LaunchService:

@@ -145,9 +145,9 @@ class PythonExpression(Substitution):
     def describe(self) -> str:
         """Return the expression and the modules that it may use."""
         modules = self.python_modules
-        reported = [modules] if isinstance(modules, str) else [str(each) for each in modules]
+        reported = [modules] if isinstance(modules, str) else [str(module) for module in modules]
         parts = [self.expression] if isinstance(self.expression, str) else self.expression
-        text = "".join(each if isinstance(each, str) else each.describe() for each in parts)
+        text = "".join(part if isinstance(part, str) else part.describe() for part in parts)
         return f"PythonExpr('{text}', {reported})"
 
     def perform(self, context: Any) -> str:

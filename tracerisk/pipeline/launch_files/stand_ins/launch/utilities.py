@@ -30,7 +30,11 @@ def normalize_to_list_of_substitutions(subs: Any) -> list[Substitution]:
     if isinstance(subs, Iterable):
         parts = list(subs)
         if not any(isinstance(part, list | tuple | set | dict) for part in parts):
-            return [each for part in parts for each in normalize_to_list_of_substitutions(part)]
+            return [
+                substitution
+                for part in parts
+                for substitution in normalize_to_list_of_substitutions(part)
+            ]
         subs = next(part for part in parts if isinstance(part, list | tuple | set | dict))
     raise TypeError(
         f"Failed to normalize given item of type '{type(subs)}', when only 'str' or "
@@ -40,7 +44,7 @@ def normalize_to_list_of_substitutions(subs: Any) -> list[Substitution]:
 
 def perform_substitutions(context: Any, subs: Any) -> str:
     """Return the joined texts of substitutions."""
-    return "".join(each.perform(context) for each in subs)
+    return "".join(sub.perform(context) for sub in subs)
 
 
 def text_of(context: Any, value: Any) -> str:

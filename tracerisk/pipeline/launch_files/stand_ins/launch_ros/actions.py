@@ -75,7 +75,7 @@ class Node(ExecuteProcess):
         """Note the node."""
         configurations = context.launch_configurations
         shared: list[LaunchParameter] = configurations.get(_PARAMETERS, [])
-        found, left_out = evaluate_parameters(context, self.parameters)
+        parameters, left_out = evaluate_parameters(context, self.parameters)
         own = [(text_of(context, a), text_of(context, b)) for a, b in self.remappings]
         context.reading.nodes.append(
             StartedNode(
@@ -85,9 +85,11 @@ class Node(ExecuteProcess):
                 joined_namespace(
                     context, "" if self.namespace is None else text_of(context, self.namespace)
                 ),
-                arguments=tuple(text_of(context, each) for each in self.arguments),
-                ros_arguments=tuple(text_of(context, each) for each in self.ros_arguments),
-                parameters=(*shared, *found),
+                arguments=tuple(text_of(context, argument) for argument in self.arguments),
+                ros_arguments=tuple(
+                    text_of(context, ros_argument) for ros_argument in self.ros_arguments
+                ),
+                parameters=(*shared, *parameters),
                 remaps=(*configurations.get(_REMAPS, ()), *own),
                 environment=self.environment(context),
                 left_out=tuple(left_out),
@@ -145,8 +147,8 @@ class SetParameter(Action):
 
     def execute(self, context: Any) -> Any:
         """Add it."""
-        found, _ = evaluate_parameters(context, [{self.name: self.value}])
-        _add_shared(context, found)
+        parameters, _ = evaluate_parameters(context, [{self.name: self.value}])
+        _add_shared(context, parameters)
 
 
 class SetUseSimTime(SetParameter):
@@ -169,8 +171,8 @@ class SetParametersFromFile(Action):
         Raises:
             ParameterTextError: the file cannot be read.
         """
-        found, left_out = evaluate_parameters(context, [self.file])
-        _add_shared(context, found)
+        parameters, left_out = evaluate_parameters(context, [self.file])
+        _add_shared(context, parameters)
         if left_out:
             raise ParameterTextError(left_out[0][1])
 

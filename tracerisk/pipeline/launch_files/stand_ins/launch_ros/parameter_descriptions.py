@@ -67,22 +67,22 @@ class ParameterFile:
 
 def evaluate_parameters(context: Any, given: Any) -> Found:
     """Return what the `parameters` of a node come to."""
-    found: Found = ([], [])
+    parameters: Found = ([], [])
     if isinstance(given, Absent):
-        found[1].append(("*", f"{given.words} is not here"))
-        return found
+        parameters[1].append(("*", f"{given.words} is not here"))
+        return parameters
     if isinstance(given, Mapping | str | Substitution):
         given = [given]
-    for each in given or ():
-        if isinstance(each, Absent):
-            found[1].append(("*", f"{each.words} is not here"))
-        elif isinstance(each, Mapping):
-            _of_mapping(context, each, "", found)
-        elif isinstance(each, Parameter):
-            _put(context, each.name, each.value, "", found)
-        elif each is not None:
-            _of_file(context, each, found)
-    return found
+    for parameter in given or ():
+        if isinstance(parameter, Absent):
+            parameters[1].append(("*", f"{parameter.words} is not here"))
+        elif isinstance(parameter, Mapping):
+            _of_mapping(context, parameter, "", parameters)
+        elif isinstance(parameter, Parameter):
+            _put(context, parameter.name, parameter.value, "", parameters)
+        elif parameter is not None:
+            _of_file(context, parameter, parameters)
+    return parameters
 
 
 def _of_mapping(context: Any, tree: Mapping[Any, Any], prefix: str, found: Found) -> None:
@@ -115,12 +115,12 @@ def _value(context: Any, value: Any) -> Any:
         return _of_yaml(text_of(context, value))
     if isinstance(value, str | bool | int | float | bytes) or not isinstance(value, Sequence):
         return value
-    if any(isinstance(each, Substitution) for each in value) and all(
-        isinstance(each, str | Substitution) for each in value
+    if any(isinstance(item, Substitution) for item in value) and all(
+        isinstance(item, str | Substitution) for item in value
     ):
         # Parts of one text.
         return _of_yaml(text_of(context, value))
-    return _uniform([_value(context, each) if _is_text(each) else each for each in value])
+    return _uniform([_value(context, item) if _is_text(item) else item for item in value])
 
 
 def _is_text(value: Any) -> bool:
@@ -130,8 +130,8 @@ def _is_text(value: Any) -> bool:
 
 
 def _uniform(values: list[Any]) -> list[Any]:
-    kinds = {type(each) for each in values}
-    return [float(each) for each in values] if kinds == {int, float} else values
+    kinds = {type(value) for value in values}
+    return [float(value) for value in values] if kinds == {int, float} else values
 
 
 def _of_yaml(text: str) -> Any:
@@ -141,7 +141,7 @@ def _of_yaml(text: str) -> Any:
 def _text_or_list(context: Any, value: Any) -> Any:
     if isinstance(value, str | Substitution | Absent):
         return text_of(context, value)
-    if all(isinstance(each, bool | int | float) for each in value):
+    if all(isinstance(item, bool | int | float) for item in value):
         return list(value)
     return text_of(context, value)
 
@@ -156,7 +156,7 @@ def _typed(value: Any, kind: Any) -> Any:
     if inner or kind is list:
         if not isinstance(read, list):
             raise ValueError(f"'{value}' is not a list")
-        return [_scalar(each, inner[0]) for each in read] if inner else read
+        return [_scalar(item, inner[0]) for item in read] if inner else read
     return _scalar(read, kind)
 
 
@@ -191,4 +191,4 @@ def _of_file(context: Any, given: Any, found: Found) -> None:
 
 
 def _kept(parameters: Sequence[LaunchParameter]) -> Iterator[LaunchParameter]:
-    return (each for each in parameters if is_storable(each.value))
+    return (parameter for parameter in parameters if is_storable(parameter.value))

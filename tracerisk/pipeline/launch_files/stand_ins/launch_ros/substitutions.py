@@ -71,9 +71,9 @@ class Parameter(Substitution):
     def perform(self, context: Any) -> str:
         """Return its value as text."""
         name = text_of(context, self.name)
-        for each in reversed(context.launch_configurations.get("global_params", [])):
-            if each.name == name:
-                return str(each.value)
+        for item in reversed(context.launch_configurations.get("global_params", [])):
+            if item.name == name:
+                return str(item.value)
         if self.default is None:
             raise SubstitutionFailure(f"parameter '{name}' is not set")
         return text_of(context, self.default)

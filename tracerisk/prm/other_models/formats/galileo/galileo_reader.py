@@ -168,7 +168,7 @@ def _read(draft: _Draft, statement: Statement) -> None:
             raise ModelError("param needs exactly one name after it", first.place)
         draft.parameters.add(words[1].text)
         return
-    attributes = tuple(_with_values(draft, each) for each in statement.attributes)
+    attributes = tuple(_with_values(draft, attribute) for attribute in statement.attributes)
     name = first.text
     if name in draft.places:
         raise ModelError(f"'{name}' is defined twice, first at {draft.places[name]}", first.place)
@@ -252,8 +252,8 @@ def _read_event(draft: _Draft, name: Word, attributes: tuple[tuple[Word, Word], 
     law = tuple(sorted(set(values) - {"dorm", "repl"}))
     if law not in _LAWS:
         allowed = "; ".join(" and ".join(names) for names in _LAWS)
-        found = " and ".join(law) or "no failure law"
-        raise ModelError(f"event '{name.text}' has {found}; allowed: {allowed}", name.place)
+        text = " and ".join(law) or "no failure law"
+        raise ModelError(f"event '{name.text}' has {text}; allowed: {allowed}", name.place)
     numbers = [_number(values[part]) for part in law]
     if "phases" in values and not numbers[1].is_integer():
         raise ModelError(
@@ -338,7 +338,7 @@ def _with_inputs(gate: Gate | DynamicGate, inputs: tuple[str, ...]) -> Gate | Dy
 
 
 def _dormancies(draft: _Draft) -> dict[str, float]:
-    found = {
+    dormancies = {
         name: _number(draft.dormancies[name]) if name in draft.dormancies else 1.0
         for name in draft.models
     }
@@ -357,8 +357,8 @@ def _dormancies(draft: _Draft) -> dict[str, float]:
                     "give it a dorm",
                     draft.places[name],
                 )
-            found[name] = _WAITING[kind]
-    return found
+            dormancies[name] = _WAITING[kind]
+    return dormancies
 
 
 def _inputs_of(draft: _Draft, name: str) -> tuple[str, ...]:

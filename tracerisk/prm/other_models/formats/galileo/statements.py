@@ -72,20 +72,20 @@ def _words(text: str, file: str) -> Iterator[Word]:
     position, line, start_of_line = 0, 1, 0
     while position < len(text):
         place = Location(file, line, position - start_of_line + 1)
-        found = _TOKEN.match(text, position)
-        if found is None:
+        matched = _TOKEN.match(text, position)
+        if matched is None:
             what = "comment" if text.startswith("/*", position) else "name in quotes"
             if text[position] not in '"/':
                 what = "word"
             raise ModelError(f"unterminated {what}", place)
-        if found["quoted"] is not None:
-            yield Word(found["quoted"], place, quoted=True)
-        elif found["space"] is None:
-            yield Word(found[0], place)
-        line += found[0].count("\n")
-        if "\n" in found[0]:
-            start_of_line = position + found[0].rindex("\n") + 1
-        position = found.end()
+        if matched["quoted"] is not None:
+            yield Word(matched["quoted"], place, quoted=True)
+        elif matched["space"] is None:
+            yield Word(matched[0], place)
+        line += matched[0].count("\n")
+        if "\n" in matched[0]:
+            start_of_line = position + matched[0].rindex("\n") + 1
+        position = matched.end()
 
 
 def _statement(gathered: list[Word]) -> Statement:

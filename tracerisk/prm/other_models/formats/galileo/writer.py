@@ -70,14 +70,14 @@ def _listed(names: Mapping[str, str], inputs: Iterable[str]) -> str:
 
 def _names(tree: FaultTree | DynamicTree) -> dict[str, str]:
     """Return for each name the one to write, all of them different."""
-    found = [element.name for element in (*tree.gates, *tree.events)]
+    result = [element.name for element in (*tree.gates, *tree.events)]
     if isinstance(tree, DynamicTree):
-        found += [tie.name for tie in tree.ties]
+        result += [tie.name for tie in tree.ties]
     else:
-        found += [house.name for house in tree.houses]
-    taken = {name for name in found if not _UNSAFE.search(name)}
+        result += [house.name for house in tree.houses]
+    taken = {name for name in result if not _UNSAFE.search(name)}
     names = {}
-    for name in found:
+    for name in result:
         new = name
         if name not in taken:
             stem = _UNSAFE.sub("_", name).strip("_") or "element"

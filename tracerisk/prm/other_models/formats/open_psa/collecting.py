@@ -158,10 +158,12 @@ class Collector:
         form = self.name_form(root)
         if form:
             name = read_name(name, form)
-            attributes = tuple(each for each in attributes if each.name != NAMES_MARK)
-        found = (name, label, attributes)
+            attributes = tuple(
+                attribute for attribute in attributes if attribute.name != NAMES_MARK
+            )
+        row = (name, label, attributes)
         if self.root == ("", "", ()):
-            self.root = found
+            self.root = row
 
     def _check_place(self, element: Element) -> None:
         allowed = self._allowed[self._inside[-1]]
@@ -181,20 +183,20 @@ class Collector:
         element.check_attributes("name", "role")
         label, attributes = self._notes(element)
         if label or attributes:
-            for index, each in enumerate(self.containers):
-                if each.path == path:
-                    self.containers[index] = replace(each, label=label, attributes=attributes)
+            for index, container in enumerate(self.containers):
+                if container.path == path:
+                    self.containers[index] = replace(container, label=label, attributes=attributes)
 
     def name_form(self, element: Element) -> NameForm:
         """Return how names in the element's file are written: the writer's have a mark."""
-        found = self._forms.get(element.file)
-        if found is None:
+        form = self._forms.get(element.file)
+        if form is None:
             root = self._files.get(element.file)
             attributes = () if root is None else self._notes(root)[1]
-            marks = [each.value for each in attributes if each.name == NAMES_MARK]
-            found = ("readable" if "readable" in marks else "escaped") if marks else ""
-            self._forms[element.file] = found
-        return found
+            marks = [attribute.value for attribute in attributes if attribute.name == NAMES_MARK]
+            form = ("readable" if "readable" in marks else "escaped") if marks else ""
+            self._forms[element.file] = form
+        return form
 
     def _short(self, element: Element) -> str:
         name = element.attributes.get("name") or element.attribute("name")
@@ -251,12 +253,12 @@ class Collector:
             if child.tag == "label":
                 label = child.text.strip()
             elif child.tag == "attributes":
-                for each in child.children:
-                    if each.tag != "attribute":
-                        each.unexpected(("attribute",))
-                    value = each.attributes.get("value", "")
+                for item in child.children:
+                    if item.tag != "attribute":
+                        item.unexpected(("attribute",))
+                    value = item.attributes.get("value", "")
                     attributes.append(
-                        Attribute(each.attribute("name"), value, each.attributes.get("type", ""))
+                        Attribute(item.attribute("name"), value, item.attributes.get("type", ""))
                     )
         return label, tuple(attributes)
 
@@ -323,7 +325,7 @@ class Collector:
                             f"{member.location}: '{path}' has a definition of its own; the "
                             f"definition of its common cause group '{name}' is used"
                         )
-                        self.basic = [each for each in self.basic if each.name != path]
+                        self.basic = [pending for pending in self.basic if pending.name != path]
                     else:
                         self.events.add(
                             member, "basic event", short, place.home, private=place.private
@@ -337,10 +339,10 @@ class Collector:
                 child.unexpected(("define-phase",))
             inner = self.place(child)
             houses = []
-            for each in child.children:
-                if each.tag != "set-house-event":
-                    each.unexpected(("set-house-event",))
-                houses.append((self.name(each), read_bool(each.one_child())))
+            for item in child.children:
+                if item.tag != "set-house-event":
+                    item.unexpected(("set-house-event",))
+                houses.append((self.name(item), read_bool(item.one_child())))
             fraction = read_float(child, "time-fraction")
             if not 0.0 <= fraction <= 1.0:
                 child.fail(f"the time-fraction {fraction!r} is outside [0, 1]; give a share")

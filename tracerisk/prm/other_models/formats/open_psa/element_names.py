@@ -13,14 +13,16 @@ class Names:
 
     def __init__(self, model: LogicModel) -> None:
         self.is_marked = False
-        self._kinds = {each.gate.name: "gate" for each in model.gates}
-        self._kinds |= {each.name: "basic-event" for each in model.events}
-        self._kinds |= {each.house.name: "house-event" for each in model.houses}
-        self._homes = {each.gate.name: each.place for each in model.gates if each.place.private}
-        self._homes |= {each.name: each.place for each in model.events if each.place.private}
-        self._homes |= {each.name: each.place for each in model.houses if each.place.private}
+        self._kinds = {gate.gate.name: "gate" for gate in model.gates}
+        self._kinds |= {event.name: "basic-event" for event in model.events}
+        self._kinds |= {house.house.name: "house-event" for house in model.houses}
+        self._homes = {gate.gate.name: gate.place for gate in model.gates if gate.place.private}
+        self._homes |= {event.name: event.place for event in model.events if event.place.private}
+        self._homes |= {house.name: house.place for house in model.houses if house.place.private}
         self._parameter_homes = {
-            each.name: each.place for each in model.parameters if each.place.private
+            parameter.name: parameter.place
+            for parameter in model.parameters
+            if parameter.place.private
         }
         self.above = _parents(model.containers)
 
@@ -75,7 +77,7 @@ class Names:
 
 def _parents(containers: tuple[Container, ...]) -> dict[str, str]:
     """Return for each container the innermost one that its path leads through, or nothing."""
-    paths = {each.path for each in containers}
+    paths = {container.path for container in containers}
     above = {}
     for path in paths:
         parent = path.rpartition(".")[0]

@@ -45,9 +45,12 @@ def event_tree_nodes(
     it is written in place.
     Raises ModelError when Open-PSA cannot hold an event tree.
     """
-    nodes = [names.node("define-initiating-event", each.name) for each in model.initiating_events]
-    for each in model.event_trees:
-        nodes += _TreeWriter(each, names, condition).nodes()
+    nodes = [
+        names.node("define-initiating-event", initiating_event.name)
+        for initiating_event in model.initiating_events
+    ]
+    for event_tree in model.event_trees:
+        nodes += _TreeWriter(event_tree, names, condition).nodes()
     return nodes
 
 
@@ -68,7 +71,7 @@ class _TreeWriter:
     def nodes(self) -> list[Node]:
         """Return the initiating event, if there is one, and the tree."""
         tree = self._tree
-        found: list[Node] = []
+        rows: list[Node] = []
         if tree.initiating is not None:
             begins = {"event-tree": self._names.name(tree.name)}
             place = self._notes.get(("initiating-event", tree.initiating.name), Place())
@@ -77,12 +80,12 @@ class _TreeWriter:
                 place = _marked(place, Attribute(FREQUENCY_MARK, value, tree.initiating.per))
             node = self._names.node
             name = tree.initiating.name
-            found.append(node("define-initiating-event", name, notes(place), **begins))
+            rows.append(node("define-initiating-event", name, notes(place), **begins))
         body = [self._defined("functional-event", name, []) for name in tree.functional_events]
-        sequences = [self._sequence(each) for each in tree.sequences]
+        sequences = [self._sequence(sequence) for sequence in tree.sequences]
         branches = [
-            self._defined("branch", each.name, self._course(each.target, each.instructions))
-            for each in tree.branches
+            self._defined("branch", branch.name, self._course(branch.target, branch.instructions))
+            for branch in tree.branches
         ]
         start = self._course(tree.start.target, tree.start.instructions)
         sequences += [
@@ -91,8 +94,8 @@ class _TreeWriter:
         ]
         body += [*sequences, *branches, ("initial-state", {}, start)]
         body = [*notes(self._place), *body]
-        found.append(self._names.node("define-event-tree", tree.name, body))
-        return found
+        rows.append(self._names.node("define-event-tree", tree.name, body))
+        return rows
 
     def _remarks(self, kind: str, name: str) -> list[Node]:
         return notes(self._notes.get((kind, name), Place()))
@@ -131,7 +134,7 @@ class _TreeWriter:
         return "fork", {"functional-event": self._names.name(target.functional_event)}, paths
 
     def _instructions(self, instructions: Sequence[Instruction]) -> list[Node]:
-        return [self._instruction(each) for each in instructions]
+        return [self._instruction(instruction) for instruction in instructions]
 
     def _instruction(self, instruction: Instruction) -> Node:
         if isinstance(instruction, Condition):

@@ -75,7 +75,7 @@ def read_event_trees(source: Collector, definitions: Definitions) -> EventTrees:
 
     Raises ModelError, with the position, for what is malformed or does not fit an EventTree.
     """
-    found = EventTrees()
+    event_trees = EventTrees()
     elements = source.trees
     rules: dict[str, Element] = {}
     begun: dict[str, tuple[Element, Place]] = {}
@@ -103,7 +103,7 @@ def read_event_trees(source: Collector, definitions: Definitions) -> EventTrees:
                     "give each its own tree"
                 )
             begun[tree] = (element, source.place(element))
-    found.initiating_events = tuple(alone)
+    event_trees.initiating_events = tuple(alone)
     trees = []
     elsewhere = {
         source.name(child): child
@@ -114,13 +114,13 @@ def read_event_trees(source: Collector, definitions: Definitions) -> EventTrees:
     }
     for element in elements:
         if element.tag == "define-event-tree":
-            reader = _TreeReader(element, source, definitions, rules, found.gates, elsewhere)
+            reader = _TreeReader(element, source, definitions, rules, event_trees.gates, elsewhere)
             trees.append(reader.read(begun.pop(reader.name, None)))
     for name, (element, _) in begun.items():
-        names = [each.name for each in trees]
+        names = [definition.name for definition in trees]
         element.fail(f"event tree '{name}' is not defined; {one_of(names, name)}")
-    found.trees = tuple(trees)
-    return found
+    event_trees.trees = tuple(trees)
+    return event_trees
 
 
 class _TreeReader:
@@ -143,7 +143,7 @@ class _TreeReader:
         self._rules = rules
         # Sequences of other event trees, by name; those of this one; those read, borrowed or own.
         self._elsewhere = elsewhere
-        self._own = {source.name(each) for each in element.children if each.tag == _SEQUENCE}
+        self._own = {source.name(child) for child in element.children if child.tag == _SEQUENCE}
         self._defined: set[str] = set()
         self._sequences: list[EventSequence] = []
         self._gates = gates
@@ -159,10 +159,10 @@ class _TreeReader:
         start: Branch | None = None
         initiating = None
         if begun is not None:
-            element, found = begun
-            found, mark = _unmarked(found, FREQUENCY_MARK)
+            element, result = begun
+            result, mark = _unmarked(result, FREQUENCY_MARK)
             initiating = _initiating(element, self._source.name(element), mark)
-            self._note("initiating-event", initiating.name, found)
+            self._note("initiating-event", initiating.name, result)
         for child in self._element.children:
             if child.tag == "define-functional-event":
                 functions.append(self._named(child, "functional-event"))
@@ -210,8 +210,8 @@ class _TreeReader:
     def _sequence(self, element: Element) -> None:
         element.check_attributes("name")
         name = self._source.name(element)
-        found, mark = _unmarked(self._source.place(element), END_STATE_MARK)
-        self._note("sequence", name, found)
+        place, mark = _unmarked(self._source.place(element), END_STATE_MARK)
+        self._note("sequence", name, place)
         if name in self._defined:
             element.fail(f"sequence '{name}' is defined twice in '{self.name}'; rename one")
         self._defined.add(name)
@@ -229,13 +229,13 @@ class _TreeReader:
 
     def _with_links(self, elements: Sequence[Element], rules: tuple[str, ...]) -> list[Element]:
         """Return the elements, rules that lead into an event tree replaced by what is in them."""
-        found = []
+        links = []
         for element in elements:
             name = self._source.name(element) if element.tag == "rule" else ""
             rule = self._rules.get(name) if name not in rules else None
             inner = [] if rule is None else self._with_links(rule.children, (*rules, name))
-            found += inner if any(each.tag == "event-tree" for each in inner) else [element]
-        return found
+            links += inner if any(item.tag == "event-tree" for item in inner) else [element]
+        return links
 
     def _branch(self, element: Element, name: str) -> Branch:
         target, instructions = self._course(element)
@@ -309,7 +309,8 @@ class _TreeReader:
         self._conditions += 1
         name = f"#{self.name}#{self._conditions}"
         self._gates += [
-            each.resolved(self._source.find_public) for each in read_formula(inner, name)
+            unresolved.resolved(self._source.find_public)
+            for unresolved in read_formula(inner, name)
         ]
         return Condition(name, happens)
 
@@ -342,29 +343,29 @@ class _TreeReader:
             return then if read_bool(test) else otherwise
         if test.tag in ("and", "or") and test.children:
             is_and = test.tag == "and"
-            for each in reversed(test.children):
+            for child in reversed(test.children):
                 if is_and:
-                    then = self._chosen(each, then, otherwise)
+                    then = self._chosen(child, then, otherwise)
                 else:
-                    otherwise = self._chosen(each, then, otherwise)
+                    otherwise = self._chosen(child, then, otherwise)
             return then if is_and else otherwise
-        found: InState | Initiated
+        in_state: InState | Initiated
         if test.tag == "test-functional-event":
             state = self._source.attribute_name(test, "state")
-            found = InState(self._source.name(test), state)
+            in_state = InState(self._source.name(test), state)
         elif test.tag == "test-initiating-event":
-            found = Initiated(self._source.name(test))
+            in_state = Initiated(self._source.name(test))
         else:
             test.unexpected(_TESTS)
-        return (When(found, then, otherwise),)
+        return (When(in_state, then, otherwise),)
 
 
 def _unmarked(place: Place, name: str) -> tuple[Place, Attribute | None]:
     """Return a place without the mark of a name, and the mark."""
-    marks = [each for each in place.attributes if each.name == name]
+    marks = [attribute for attribute in place.attributes if attribute.name == name]
     if len(marks) != 1:
         return place, None
-    kept = tuple(each for each in place.attributes if each.name != name)
+    kept = tuple(attribute for attribute in place.attributes if attribute.name != name)
     return replace(place, attributes=kept), marks[0]
 
 

@@ -55,16 +55,16 @@ class Unresolved:
         """
         known = plain or {}
         names = []
-        for each in self.inputs:
-            if isinstance(each, str):
-                names.append(each)
+        for element in self.inputs:
+            if isinstance(element, str):
+                names.append(element)
                 continue
-            written = each.attributes.get("name", "")
+            written = element.attributes.get("name", "")
             kind = known.get(written)
-            if kind is not None and kind == EVENTS.get(each.tag):
+            if kind is not None and kind == EVENTS.get(element.tag):
                 names.append(written)
             else:
-                names.append(find(each, kind_asked(each)))
+                names.append(find(element, kind_asked(element)))
         inputs = tuple(names)
         gate = Gate(self.name, self.kind, inputs, self.k, self.most)
         try:
@@ -102,9 +102,9 @@ def read_formula(element: Element, name: str) -> list[Unresolved]:
         flat = tuple(element.children)
         if all(child.tag in EVENTS for child in flat):
             return [Unresolved(name, connective, flat, element)]
-    found: list[Unresolved | None] = []
-    _visit(element, name, found)
-    return [gate for gate in found if gate is not None]
+    s: list[Unresolved | None] = []
+    _visit(element, name, s)
+    return [gate for gate in s if gate is not None]
 
 
 def _visit(node: Element, name: str, found: list[Unresolved | None]) -> str:

@@ -41,18 +41,19 @@ class Linker:
 
         Raises ModelError, with the position, for what does not hold together.
         """
-        groups = [self._read_group(each) for each in self._from.groups]
-        events = tuple(self._read_basic(each) for each in self._from.basic)
+        groups = [self._read_group(pending) for pending in self._from.groups]
+        events = tuple(self._read_basic(pending) for pending in self._from.basic)
         members = tuple(
             EventDefinition(member, None, Place(group.place.home, group.place.private))
             for group in groups
             for member in group.members
         )
         gates = self._read_gates()
-        parameters = tuple(self._read_parameter(each) for each in self._from.defined)
+        parameters = tuple(self._read_parameter(pending) for pending in self._from.defined)
         trees = self._read_event_trees(parameters) if self._from.trees else None
         substitutions = tuple(
-            self._read_substitution(each, gates) for each in self._from.substitutions
+            self._read_substitution(substitution, gates)
+            for substitution in self._from.substitutions
         )
         if trees is not None:
             gates += [GateDefinition(gate, nested=True) for gate in trees.gates]
@@ -83,23 +84,28 @@ class Linker:
     def _read_event_trees(self, parameters: tuple[ParameterDefinition, ...]) -> EventTrees:
         from tracerisk.prm.other_models.formats.open_psa.event_trees import read_event_trees
 
-        definitions = Definitions(tuple((each.name, each.expression) for each in parameters))
+        definitions = Definitions(
+            tuple((parameter.name, parameter.expression) for parameter in parameters)
+        )
         return read_event_trees(self._from, definitions)
 
     def _positions(self) -> list[tuple[Element, tuple[str, str]]]:
-        found = [
+        positions = [
             (element, (self._from.events.kinds[name], name))
             for name, element in self._from.events.elements.items()
         ]
-        found += [
+        positions += [
             (element, ("parameter", name))
             for name, element in self._from.parameters.elements.items()
         ]
-        found += [(each.element, ("common cause group", each.name)) for each in self._from.groups]
-        found += [
-            (each, ("substitution", self._from.name(each))) for each in self._from.substitutions
+        positions += [
+            (group.element, ("common cause group", group.name)) for group in self._from.groups
         ]
-        return found
+        positions += [
+            (substitution, ("substitution", self._from.name(substitution)))
+            for substitution in self._from.substitutions
+        ]
+        return positions
 
     def _read_gates(self) -> list[GateDefinition]:
         gates: list[GateDefinition] = []
@@ -110,7 +116,7 @@ class Linker:
             def find(element: Element, kind: str | None, home: str = home) -> str:
                 return self._from.find(element, home, kind)
 
-            read = [each.resolved(find, plain) for each in unresolved]
+            read = [item.resolved(find, plain) for item in unresolved]
             form = self._from.name_form(unresolved[0].element)
             if place.attributes and form:
                 marked, place = read_mark(read, place, form)
@@ -171,15 +177,15 @@ class Linker:
         factors: list[tuple[int, Expression]] = []
         for child in element.children:
             if child.tag == "members":
-                members += [self._from.find(each, home, "basic event") for each in child.children]
+                members += [self._from.find(item, home, "basic event") for item in child.children]
             elif child.tag == "distribution":
                 distribution = self._from.expression(child.one_child(), home)
             elif child.tag in ("factor", "factors"):
-                for each in child.children if child.tag == "factors" else (child,):
-                    if each.tag != "factor":
-                        each.unexpected(("factor",))
-                    level = self._level(each, laws[law].value, len(members), factors)
-                    factors.append((level, self._from.expression(each.one_child(), home)))
+                for item in child.children if child.tag == "factors" else (child,):
+                    if item.tag != "factor":
+                        item.unexpected(("factor",))
+                    level = self._level(item, laws[law].value, len(members), factors)
+                    factors.append((level, self._from.expression(item.one_child(), home)))
             else:
                 child.unexpected(("members", "distribution", "factors", "factor"))
         if distribution is None:
@@ -215,13 +221,13 @@ class Linker:
             if child.tag == "hypothesis":
                 own = f"{name}#hypothesis"
                 read = [
-                    each.resolved(self._from.find_public)
-                    for each in read_formula(child.one_child(), own)
+                    unresolved.resolved(self._from.find_public)
+                    for unresolved in read_formula(child.one_child(), own)
                 ]
                 gates += [GateDefinition(gate, Place(), nested=True) for gate in read]
                 hypothesis = own
             elif child.tag == "source":
-                sources = tuple(self._from.find(each, "", "basic event") for each in child.children)
+                sources = tuple(self._from.find(item, "", "basic event") for item in child.children)
             elif child.tag == "target":
                 inner = child.one_child()
                 target = (

@@ -48,7 +48,7 @@ def _read(sources: list[tuple[str | bytes, str]]) -> LogicModel:
 
 def _collected(sources: list[tuple[str | bytes, str]], collector: Collector) -> LogicModel:
     # Each with the files that include it, the outermost first.
-    waiting: list[tuple[str | bytes, str, tuple[str, ...]]] = [(*each, ()) for each in sources]
+    waiting: list[tuple[str | bytes, str, tuple[str, ...]]] = [(*row, ()) for row in sources]
     for count, (source, file, above) in enumerate(waiting, start=1):
         includes: list[Element] = []
         root = parse(source, file, CONTAINERS, collector.enter, collector.take, includes.append)
@@ -58,7 +58,7 @@ def _collected(sources: list[tuple[str | bytes, str]], collector: Collector) -> 
             root.fail(f"more than {_MOST_FILES} files belong to the model; merge some")
         collector.finish_file(root)
         chain = above if isinstance(source, bytes) else (*above, os.path.realpath(source))
-        paths = [_included(each, source, chain) for each in includes]
+        paths = [_included(include, source, chain) for include in includes]
         waiting += [(path, path, chain) for path in paths]
     return Linker(collector).model()
 

@@ -173,27 +173,27 @@ def _in_pairs(kind: GateKind, inputs: tuple[str | Form, ...]) -> tuple[str | For
 def _apart(inputs: Iterable[str | Form]) -> tuple[str | Form, ...]:
     """Return the inputs, what stands there again as a formula of its own."""
     seen: set[str | Form] = set()
-    found: list[str | Form] = []
-    for each in inputs:
-        if isinstance(each, str) and each in seen:
-            found.append(
-                Form(GateKind.AND, (each, ALWAYS))
-                if each == NEVER
-                else Form(GateKind.OR, (each, NEVER))
+    apart: list[str | Form] = []
+    for name in inputs:
+        if isinstance(name, str) and name in seen:
+            apart.append(
+                Form(GateKind.AND, (name, ALWAYS))
+                if name == NEVER
+                else Form(GateKind.OR, (name, NEVER))
             )
         else:
-            found.append(each)
-        seen.add(each)
-    return tuple(found)
+            apart.append(name)
+        seen.add(name)
+    return tuple(apart)
 
 
 def form_inputs(form: Form) -> Iterator[str]:
     """Yield the names in a formula."""
-    for each in form.inputs:
-        if isinstance(each, str):
-            yield each
+    for name in form.inputs:
+        if isinstance(name, str):
+            yield name
         else:
-            yield from form_inputs(each)
+            yield from form_inputs(name)
 
 
 def gates_of(name: str, form: Form) -> list[Gate]:
@@ -204,7 +204,7 @@ def gates_of(name: str, form: Form) -> list[Gate]:
         place = len(gates)
         own = f"{name}#{place}" if place else name
         gates.append(None)
-        inputs = tuple(each if isinstance(each, str) else visit(each) for each in part.inputs)
+        inputs = tuple(text if isinstance(text, str) else visit(text) for text in part.inputs)
         gates[place] = Gate(own, part.kind, inputs, part.k)
         return own
 
@@ -239,7 +239,7 @@ class Marked:
 
 def read_mark(gates: list[Gate], place: Place, form: NameForm) -> tuple[Marked, Place]:
     """Return the gates as their mark says they were, and their place without it."""
-    marks = [each.value for each in place.attributes if each.name == GATE_MARK]
+    marks = [attribute.value for attribute in place.attributes if attribute.name == GATE_MARK]
     if len(marks) != 1:
         return Marked(gates), place
     words = marks[0].split(" ")
@@ -251,14 +251,16 @@ def read_mark(gates: list[Gate], place: Place, form: NameForm) -> tuple[Marked, 
         restored = [gate] if gate is not None and fits else None
     if restored is None:
         return Marked(gates), place
-    kept: tuple[Attribute, ...] = tuple(each for each in place.attributes if each.name != GATE_MARK)
+    kept: tuple[Attribute, ...] = tuple(
+        attribute for attribute in place.attributes if attribute.name != GATE_MARK
+    )
     return Marked(restored, nested), replace(place, attributes=kept)
 
 
 def _read_gate(name: str, words: Sequence[str], form: NameForm) -> Gate | None:
     kind, *numbers = words[0].split(":")
-    kinds = {each.value: each for each in GateKind}
-    if kind not in kinds or not all(each.isdecimal() and len(each) < 10 for each in numbers):
+    kinds = {gate_kind.value: gate_kind for gate_kind in GateKind}
+    if kind not in kinds or not all(number.isdecimal() and len(number) < 10 for number in numbers):
         return None
     k, most = [*map(int, numbers), None, None][:2]
     gate = Gate(name, kinds[kind], tuple(read_name(word, form) for word in words[1:]), k, most)

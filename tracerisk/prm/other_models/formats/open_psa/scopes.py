@@ -46,9 +46,9 @@ class Scope:
             element.fail(
                 f"{kind or self._what} '{short}' is not defined; {suggestion(self.kinds, short)}"
             )
-        found = self.kinds[name]
-        if kind is not None and found != kind:
-            element.fail(f"'{short}' is a {found}, not a {kind}; refer to it as a {found}")
+        text = self.kinds[name]
+        if kind is not None and text != kind:
+            element.fail(f"'{short}' is a {text}, not a {kind}; refer to it as a {text}")
         return name
 
     def _inside(self, short: str, home: str) -> str | None:

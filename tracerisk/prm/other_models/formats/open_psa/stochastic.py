@@ -96,8 +96,8 @@ def _kind(name: str) -> Callable[..., Expression]:
             return kind
     from tracerisk.prm.other_models.expressions import deviates, laws
 
-    found: Callable[..., Expression] = getattr(laws, name, None) or getattr(deviates, name)
-    return found
+    result: Callable[..., Expression] = getattr(laws, name, None) or getattr(deviates, name)
+    return result
 
 
 def read_float(element: Element, attribute: str = "value") -> float:
@@ -141,11 +141,11 @@ def _read_histogram(element: Element, resolve: Resolve) -> Expression:
     first, *bins = element.children
     boundaries = [read_expression(first, resolve)]
     weights = []
-    for each in bins:
-        if each.tag != "bin" or len(each.children) != 2:
-            each.fail("a histogram takes <bin> elements of an upper boundary and a weight")
-        boundaries.append(read_expression(each.children[0], resolve))
-        weights.append(read_expression(each.children[1], resolve))
+    for item in bins:
+        if item.tag != "bin" or len(item.children) != 2:
+            item.fail("a histogram takes <bin> elements of an upper boundary and a weight")
+        boundaries.append(read_expression(item.children[0], resolve))
+        weights.append(read_expression(item.children[1], resolve))
     return _kind("Histogram")(tuple(boundaries), tuple(weights))
 
 
@@ -155,7 +155,7 @@ def _read_switch(element: Element, resolve: Resolve) -> list[Expression]:
         if child.tag == "case":
             if len(child.children) != 2:
                 child.fail("<case> takes a condition and a value")
-            terms += [read_expression(each, resolve) for each in child.children]
+            terms += [read_expression(item, resolve) for item in child.children]
         else:
             terms.append(read_expression(child, resolve))
     return terms
@@ -185,7 +185,7 @@ def expression_node(expression: Expression, name_of: Callable[[str], str], depth
         raise ModelError(
             f"an expression nests more than {GREATEST_DEPTH // 2} deep; make parts of it parameters"
         )
-    parts = [expression_node(each, name_of, depth + 1) for each in expression.arguments]
+    parts = [expression_node(argument, name_of, depth + 1) for argument in expression.arguments]
     if len(parts) == 1 and _is_its_term(expression):
         # SCRAM takes two or more.
         return parts[0]

@@ -82,23 +82,23 @@ class _Writer:
     def __init__(self, model: LogicModel) -> None:
         self._model = model
         self._names = Names(model)
-        self._uses = Counter(name for each in model.gates for name in each.gate.inputs)
-        self._definitions = {each.gate.name: each for each in model.gates}
+        self._uses = Counter(name for gate in model.gates for name in gate.gate.inputs)
+        self._definitions = {gate.gate.name: gate for gate in model.gates}
         self._inlined: set[str] = set()
 
     def text(self) -> str:
         """Return the XML."""
         model = self._model
-        for each in model.gates:
-            if not each.nested:
-                self._inline_below(each)
+        for gate in model.gates:
+            if not gate.nested:
+                self._inline_below(gate)
         trees = event_tree_nodes(model, self._names, self._condition)
-        substitutions = [self._substitution(each) for each in model.substitutions]
+        substitutions = [self._substitution(substitution) for substitution in model.substitutions]
         fault_trees, data = self._trees()
         body = [*trees, *fault_trees, *self._groups("")]
         if data:
             body.append(("model-data", {}, data))
-        body += [self._alignment(each) for each in model.alignments]
+        body += [self._alignment(alignment) for alignment in model.alignments]
         named = {"name": self._names.name(model.name)} if model.name else {}
         attributes = model.attributes
         if self._names.is_marked:
@@ -108,20 +108,20 @@ class _Writer:
 
     def _condition(self, name: str, expected: str) -> Node:
         """Return the formula of a condition or hypothesis: a gate that is its own in place."""
-        found = self._definitions.get(name)
+        definition = self._definitions.get(name)
         fits = (
-            found is not None
-            and found.nested
+            definition is not None
+            and definition.nested
             and name == expected
             and not self._uses[name]
-            and found.place == NOWHERE
-            and is_accepted(found.gate)
+            and definition.place == NOWHERE
+            and is_accepted(definition.gate)
         )
-        if not fits or found is None:
+        if not fits or definition is None:
             return self._names.reference(name)
         self._inlined.add(name)
-        self._inline_below(found)
-        return self._formula(found.gate, self._inlined_gates(found.gate))
+        self._inline_below(definition)
+        return self._formula(definition.gate, self._inlined_gates(definition.gate))
 
     def _inlined_gates(self, gate: Gate) -> dict[str, Gate]:
         """Return the gates below one that are written in its formula."""
@@ -153,21 +153,21 @@ class _Writer:
         stack = [(name, 1) for name in reversed(each.gate.inputs)]
         while stack:
             name, depth = stack.pop()
-            found = self._definitions.get(name)
+            definition = self._definitions.get(name)
             fits = (
-                found is not None
+                definition is not None
                 and depth < _DEEPEST
-                and found.nested
+                and definition.nested
                 and self._uses[name] == 1
                 and name == f"{each.gate.name}#{count + 1}"
-                and found.place == home
-                and is_accepted(found.gate)
-                and found.gate.kind is not GateKind.TRANSFER
+                and definition.place == home
+                and is_accepted(definition.gate)
+                and definition.gate.kind is not GateKind.TRANSFER
             )
-            if fits and found is not None:
+            if fits and definition is not None:
                 count += 1
                 self._inlined.add(name)
-                stack.extend((below, depth + 1) for below in reversed(found.gate.inputs))
+                stack.extend((below, depth + 1) for below in reversed(definition.gate.inputs))
 
     def _gate(self, each: GateDefinition) -> Node:
         gate, place = each.gate, each.place
@@ -192,7 +192,9 @@ class _Writer:
         return tag, attributes | more, [*notes(place), *body]
 
     def _is_private(self, home: str) -> bool:
-        return any(each.path == home and each.private for each in self._model.containers)
+        return any(
+            container.path == home and container.private for container in self._model.containers
+        )
 
     def _basic_event(self, each: EventDefinition) -> Node:
         body = (
@@ -229,11 +231,11 @@ class _Writer:
         return self._names.node("define-CCF-group", each.name, body, model=each.law.value)
 
     def _groups(self, home: str) -> list[Node]:
-        return [self._group(each) for each in self._model.groups if each.place.home == home]
+        return [self._group(group) for group in self._model.groups if group.place.home == home]
 
     def _trees(self) -> tuple[list[Node], list[Node]]:
         """Return the fault trees, with all that is defined in them, and what is in none."""
-        inside: dict[str, list[Node]] = {each.path: [] for each in self._model.containers}
+        inside: dict[str, list[Node]] = {container.path: [] for container in self._model.containers}
         if NO_HOME in inside:
             raise ModelError(
                 f"the fault tree '{NO_HOME}' has the name reserved for gates outside fault "
@@ -251,19 +253,19 @@ class _Writer:
                 )
             inside[home].append(node)
         roots: list[Node] = []
-        for each in self._model.containers:
-            for node in self._groups(each.path):
-                inside[each.path].append(node)
+        for container in self._model.containers:
+            for node in self._groups(container.path):
+                inside[container.path].append(node)
         # Components come after all else in their home, the innermost are joined first.
-        for each in reversed(self._model.containers):
-            above = self._names.above[each.path]
-            short = each.path[len(above) + 1 :] if above else each.path
+        for container in reversed(self._model.containers):
+            above = self._names.above[container.path]
+            short = container.path[len(above) + 1 :] if above else container.path
             attributes = {"name": self._names.name(short)}
             tag = "define-component" if above else "define-fault-tree"
-            if above and each.private != self._is_private(above):
-                attributes["role"] = "private" if each.private else "public"
-            remarks = notes(Place(label=each.label, attributes=each.attributes))
-            node = (tag, attributes, [*remarks, *inside[each.path]])
+            if above and container.private != self._is_private(above):
+                attributes["role"] = "private" if container.private else "public"
+            remarks = notes(Place(label=container.label, attributes=container.attributes))
+            node = (tag, attributes, [*remarks, *inside[container.path]])
             if above:
                 index = len(inside[above])
                 while index and inside[above][index - 1][0] == "define-component":

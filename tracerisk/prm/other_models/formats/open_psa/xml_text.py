@@ -19,21 +19,21 @@ def document(root: Node) -> str:
 
 def notes(place: Place) -> list[Node]:
     """Return the label and the attributes of what stands at a place."""
-    found: list[Node] = []
+    nodes: list[Node] = []
     if place.label:
-        found.append(("label", {TEXT: place.label}, []))
+        nodes.append(("label", {TEXT: place.label}, []))
     if place.attributes:
         attributes: list[Node] = [
             (
                 "attribute",
-                {"name": each.name, "value": each.value}
-                | ({"type": each.type} if each.type else {}),
+                {"name": attribute.name, "value": attribute.value}
+                | ({"type": attribute.type} if attribute.type else {}),
                 [],
             )
-            for each in place.attributes
+            for attribute in place.attributes
         ]
-        found.append(("attributes", {}, attributes))
-    return found
+        nodes.append(("attributes", {}, attributes))
+    return nodes
 
 
 def _lines(node: Node, indent: str) -> Iterator[str]:

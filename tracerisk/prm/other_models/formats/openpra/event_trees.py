@@ -35,26 +35,26 @@ def read_event_tree(element: Element, tops: Mapping[str, str]) -> EventTreeDefin
     A functional event is the fault tree of its name, or that of its `refGate`.
     Raises ModelError, with the path and the place, for what is malformed.
     """
-    found = element.fields(
+    fields = element.fields(
         {"name", "initiatingEvent"}, optional={"description", "functionalEvents", "sequences"}
     )
     notes: list[tuple[str, str, Place]] = []
-    initiating = _read_initiating(found["initiatingEvent"], notes)
+    initiating = _read_initiating(fields["initiatingEvent"], notes)
     sequences: list[EventSequence] = []
     stated: list[States] = []
     gates: dict[str, str] = {}
-    for each in found["sequences"].items() if "sequences" in found else ():
-        parts = each.fields(
+    for item in fields["sequences"].items() if "sequences" in fields else ():
+        parts = item.fields(
             {"functionalStates", "endState"}, optional={"name", "frequency", "unit"}
         )
         end = parts["endState"].string()
         name = parts["name"].string() if "name" in parts else end
         sequences.append(EventSequence(name, end))
         stated.append(_read_states(parts["functionalStates"], gates, tops))
-    functions = _read_functions(found, stated, notes)
+    functions = _read_functions(fields, stated, notes)
     if not sequences:
         element.fail("'sequences' are missing; give at least one")
-    places = found["sequences"].items()
+    places = fields["sequences"].items()
 
     def target(level: int, left: Sequence[int]) -> Target:
         """Return how the sequences `left` part over the functional events from `level` on."""
@@ -81,10 +81,10 @@ def read_event_tree(element: Element, tops: Mapping[str, str]) -> EventTreeDefin
         )
 
     start = Branch(target(0, range(len(sequences))))
-    label = found["description"].string() if "description" in found else ""
+    label = fields["description"].string() if "description" in fields else ""
     tree = element.guard(
         lambda: EventTree(
-            found["name"].string(), functions, start, tuple(sequences), initiating=initiating
+            fields["name"].string(), functions, start, tuple(sequences), initiating=initiating
         )
     )
     return EventTreeDefinition(tree, Place(label=label), tuple(notes))
@@ -95,29 +95,29 @@ def _condition(state: str, gate: str) -> tuple[Instruction, ...]:
 
 
 def _read_initiating(element: Element, notes: list[tuple[str, str, Place]]) -> InitiatingEvent:
-    found = element.fields({"name", "frequency"}, optional={"description", "unit"})
-    name = found["name"].string()
-    if "description" in found:
-        notes.append(("initiating-event", name, Place(label=found["description"].string())))
-    frequency = found["frequency"].number()
+    fields = element.fields({"name", "frequency"}, optional={"description", "unit"})
+    name = fields["name"].string()
+    if "description" in fields:
+        notes.append(("initiating-event", name, Place(label=fields["description"].string())))
+    frequency = fields["frequency"].number()
     per = ""
-    if "unit" in found:
-        found["unit"].choice((YEARLY,))
+    if "unit" in fields:
+        fields["unit"].choice((YEARLY,))
         per = "year"
     elif frequency > 1.0:
         # Without a unit it may be a probability; this one cannot.
         per = "year"
-    return found["frequency"].guard(lambda: InitiatingEvent(name, frequency, per))
+    return fields["frequency"].guard(lambda: InitiatingEvent(name, frequency, per))
 
 
 def _read_states(element: Element, gates: dict[str, str], tops: Mapping[str, str]) -> States:
     states: States = {}
-    for each in element.items():
-        parts = each.fields({"name", "state"}, optional={"refGate"})
+    for item in element.items():
+        parts = item.fields({"name", "state"}, optional={"refGate"})
         name = parts["name"].string()
         if name in states:
             parts["name"].fail(f"duplicate '{name}' in one sequence; remove one")
-        states[name] = (parts["state"].choice(STATES), each)
+        states[name] = (parts["state"].choice(STATES), item)
         where, tree = parts["name"], name
         if "refGate" in parts:
             where = parts["refGate"].fields({"name"})["name"]
@@ -142,8 +142,8 @@ def _read_functions(
     if "functionalEvents" not in found:
         return tuple(used)
     functions = []
-    for each in found["functionalEvents"].items():
-        parts = each.fields({"name"}, optional={"description", "frequency"})
+    for item in found["functionalEvents"].items():
+        parts = item.fields({"name"}, optional={"description", "frequency"})
         functions.append(parts["name"].string())
         if "description" in parts:
             label = parts["description"].string()
@@ -178,13 +178,13 @@ def event_tree_data(
         for name in tree.functional_events
     ]
     sequences = []
-    for each in _courses(tree, where):
+    for course in _courses(tree, where):
         states = [
-            _state(name, each.states.get(name), tree_of, where) for name in tree.functional_events
+            _state(name, course.states.get(name), tree_of, where) for name in tree.functional_events
         ]
-        sequence = tree.sequence(each.sequence)
-        found = {"name": sequence.name, "functionalStates": states}
-        sequences.append(found | {"endState": sequence.end_state})
+        sequence = tree.sequence(course.sequence)
+        collectionses = {"name": sequence.name, "functionalStates": states}
+        sequences.append(collectionses | {"endState": sequence.end_state})
     return described({"name": tree.name}, definition.place.label) | {
         "initiatingEvent": begun,
         "functionalEvents": functions,
@@ -233,7 +233,7 @@ def _courses(tree: EventTree, where: str) -> list[_Course]:
     Raises ModelError when one collects what does not belong to a functional event, or a sequence
     ends several ways.
     """
-    found: list[_Course] = []
+    courses: list[_Course] = []
 
     def check(instructions: Sequence[Instruction], what: str) -> None:
         if instructions:
@@ -245,12 +245,12 @@ def _courses(tree: EventTree, where: str) -> list[_Course]:
     def follow(target: Target, states: dict[str, tuple[Instruction, ...]]) -> None:
         if isinstance(target, End):
             check(tree.sequence(target.sequence).instructions, f"sequence '{target.sequence}'")
-            if any(each.sequence == target.sequence for each in found):
+            if any(course.sequence == target.sequence for course in courses):
                 raise ModelError(
                     f"{where}: several paths end in the sequence '{target.sequence}'; "
                     "OpenPRA takes one: give each a sequence, with one end state"
                 )
-            found.append(_Course(target.sequence, states))
+            courses.append(_Course(target.sequence, states))
         elif isinstance(target, Resume):
             branch = tree.branch(target.branch)
             check(branch.instructions, f"branch '{branch.name}'")
@@ -266,5 +266,5 @@ def _courses(tree: EventTree, where: str) -> list[_Course]:
 
     check(tree.start.instructions, "the initial state")
     follow(tree.start.target, {})
-    order = {each.name: rank for rank, each in enumerate(tree.sequences)}
-    return sorted(found, key=lambda each: order[each.sequence])
+    order = {sequence.name: rank for rank, sequence in enumerate(tree.sequences)}
+    return sorted(courses, key=lambda course: order[course.sequence])

@@ -73,16 +73,16 @@ def _gate(element: Element, name: str, visit: Callable[[Element], str]) -> Gate:
     kind = OPERATIONS[parts["op"].choice(OPERATIONS)]
     k = None
     if kind is GateKind.NOT:
-        found = element.fields({"op", "arg"}, optional={"name"})
-        inputs: tuple[str, ...] = (visit(found["arg"]),)
+        fields = element.fields({"op", "arg"}, optional={"name"})
+        inputs: tuple[str, ...] = (visit(fields["arg"]),)
     else:
         required = {"op", "args"} | ({"k"} if kind is GateKind.ATLEAST else set())
-        found = element.fields(required, optional={"name"})
-        inputs = found["args"].each(visit)
+        fields = element.fields(required, optional={"name"})
+        inputs = fields["args"].each(visit)
         if not inputs:
-            found["args"].fail("is empty; give at least one argument")
+            fields["args"].fail("is empty; give at least one argument")
         if kind is GateKind.ATLEAST:
-            k = found["k"].integer()
+            k = fields["k"].integer()
     gate = Gate(name, kind, inputs, k)
     try:
         check_gate(gate)
@@ -126,7 +126,7 @@ class LogicWriter:
     def _form(self, form: Form, owner: str) -> dict[str, Any]:
         if form.kind is GateKind.TRANSFER:
             return self._input(form.inputs[0], owner)
-        inputs = [self._input(each, owner) for each in form.inputs]
+        inputs = [self._input(item, owner) for item in form.inputs]
         if form.kind is GateKind.NOT:
             return {"op": "not", "arg": inputs[0]}
         written: dict[str, Any] = {"op": form.kind.value}
@@ -149,15 +149,15 @@ class LogicWriter:
         while stack:
             name = stack[-1]
             names = list(form_inputs(accepted_form(self._gates[name].gate)))
-            below = [each for each in names if each in self._gates]
-            waiting = [each for each in below if each not in sizes]
+            below = [text for text in names if text in self._gates]
+            waiting = [text for text in below if text not in sizes]
             if waiting:
                 stack += waiting
                 continue
             stack.pop()
             sizes[name] = (
-                1 + sum(sizes[each][0] for each in below),
-                1 + max((sizes[each][1] for each in below), default=0),
+                1 + sum(sizes[key][0] for key in below),
+                1 + max((sizes[key][1] for key in below), default=0),
             )
         size, depth = sizes[top]
         self._written += size

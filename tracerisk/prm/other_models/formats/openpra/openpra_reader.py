@@ -60,13 +60,13 @@ def loads_openpra(text: str | bytes, file: str) -> LogicModel:
         raise ModelError("is empty; expected a JSON file", Location(file))
     with collection_paused():
         document = read_document(text, file)
-        found = document.entries()
-        if "model" in found:
+        entries = document.entries()
+        if "model" in entries:
             # A request to the engine: the settings say how it solves, not what.
-            found = document.fields({"model"}, optional={"settings"})
-            if "settings" in found:
-                found["settings"].entries()
-            return _Reader(found["model"]).model()
+            entries = document.fields({"model"}, optional={"settings"})
+            if "settings" in entries:
+                entries["settings"].entries()
+            return _Reader(entries["model"]).model()
         return _Reader(document).model()
 
 
@@ -96,34 +96,34 @@ class _Reader:
 
     def model(self) -> LogicModel:
         """Return the model."""
-        found = self._element.fields(
+        fields = self._element.fields(
             (), optional={"name", "description", "faultTrees", "eventTrees", "ccfGroups"}
         )
-        trees = found["faultTrees"].items() if "faultTrees" in found else ()
+        trees = fields["faultTrees"].items() if "faultTrees" in fields else ()
         named = self._names(trees)
         for element in trees:
             self._events_of(element)
         for element in trees:
             self._fault_tree(element, named)
-        groups = found["ccfGroups"].each(self._group) if "ccfGroups" in found else ()
+        groups = fields["ccfGroups"].each(self._group) if "ccfGroups" in fields else ()
         events = tuple(
             # The figure of a member is that of its group, which is in no fault tree.
             EventDefinition(name) if name in self._members else event
             for name, (_, event, _) in self._events.items()
         )
         event_trees: tuple[EventTreeDefinition, ...] = ()
-        if "eventTrees" in found:
-            event_trees = found["eventTrees"].each(lambda each: read_event_tree(each, named))
+        if "eventTrees" in fields:
+            event_trees = fields["eventTrees"].each(lambda item: read_event_tree(item, named))
         try:
             return LogicModel(
-                found["name"].string() if "name" in found else "",
+                fields["name"].string() if "name" in fields else "",
                 tuple(self._gates),
                 events,
                 tuple(house for house, _ in self._houses.values()),
                 groups=groups,
                 event_trees=event_trees,
                 containers=tuple(self._containers),
-                label=found["description"].string() if "description" in found else "",
+                label=fields["description"].string() if "description" in fields else "",
                 findings=tuple(self._findings),
                 locations=Locations(self._elements),
             )
@@ -135,11 +135,11 @@ class _Reader:
         """Return the fault trees by name, each with the name of its top gate."""
         named: dict[str, str] = {}
         for element in trees:
-            found = self._parts(element)
-            name = found["name"].string()
+            parts = self._parts(element)
+            name = parts["name"].string()
             if name in named:
-                found["name"].fail(f"'{name}' names two fault trees; rename one")
-            top = found["top"].entries()
+                parts["name"].fail(f"'{name}' names two fault trees; rename one")
+            top = parts["top"].entries()
             named[name] = top["name"].string() if "name" in top else name
         return named
 
@@ -150,10 +150,10 @@ class _Reader:
 
     def _events_of(self, element: Element) -> None:
         """Read the events that a fault tree lists; several may list one, if they agree."""
-        found = self._parts(element)
-        home = Place(found["name"].string())
-        for each in found["basicEvents"].items() if "basicEvents" in found else ():
-            parts = each.fields({"name", "p"}, optional={"description"})
+        elements = self._parts(element)
+        home = Place(elements["name"].string())
+        for item in elements["basicEvents"].items() if "basicEvents" in elements else ():
+            parts = item.fields({"name", "p"}, optional={"description"})
             name = parts["name"].string()
             p = parts["p"].number()
             if not 0.0 <= p <= 1.0:
@@ -168,10 +168,10 @@ class _Reader:
                 )
             if known is None:
                 place = Place(home.home, label=_label(parts))
-                self._events[name] = (p, EventDefinition(name, Number(p), place), each)
-                self._elements["basic event", name] = each
-        for each in found["houseEvents"].items() if "houseEvents" in found else ():
-            parts = each.fields({"name", "state"}, optional={"description"})
+                self._events[name] = (p, EventDefinition(name, Number(p), place), item)
+                self._elements["basic event", name] = item
+        for item in elements["houseEvents"].items() if "houseEvents" in elements else ():
+            parts = item.fields({"name", "state"}, optional={"description"})
             name = parts["name"].string()
             state = parts["state"].boolean()
             listed = self._houses.get(name)
@@ -184,16 +184,16 @@ class _Reader:
                 house = HouseDefinition(
                     HouseEvent(name, state), Place(home.home, label=_label(parts))
                 )
-                self._houses[name] = (house, each)
-                self._elements["house event", name] = each
+                self._houses[name] = (house, item)
+                self._elements["house event", name] = item
 
     def _fault_tree(self, element: Element, named: dict[str, str]) -> None:
-        found = self._parts(element)
-        name = found["name"].string()
-        self._containers.append(Container(name, label=_label(found)))
+        parts = self._parts(element)
+        name = parts["name"].string()
+        self._containers.append(Container(name, label=_label(parts)))
         home = Place(name)
-        known = {each.name: each for each in self._gates}
-        for gate, nested, place in read_logic(found["top"], named[name], self._find(named)):
+        known = {gate_definition.name: gate_definition for gate_definition in self._gates}
+        for gate, nested, place in read_logic(parts["top"], named[name], self._find(named)):
             self._elements.setdefault(("gate", gate.name), place)
             if gate.name not in known:
                 self._gates.append(GateDefinition(gate, home, nested))
@@ -207,10 +207,10 @@ class _Reader:
 
     def _find(self, named: dict[str, str]) -> dict[str, str]:
         """Return what each name in a formula stands for: events, and tops of fault trees."""
-        found = {ALWAYS: ALWAYS, NEVER: NEVER} | named
-        found |= {name: name for name in self._events}
-        found |= {name: name for name in self._houses}
-        return found
+        texts = {ALWAYS: ALWAYS, NEVER: NEVER} | named
+        texts |= {name: name for name in self._events}
+        texts |= {name: name for name in self._houses}
+        return texts
 
     def _report_duplicates(self, gate: Gate, place: Element) -> None:
         if len(set(gate.inputs)) < len(gate.inputs):
@@ -220,22 +220,22 @@ class _Reader:
             )
 
     def _group(self, element: Element) -> GroupDefinition:
-        found = element.fields(
+        fields = element.fields(
             {"name", "model", "members"}, optional={"description", "distribution", "factors"}
         )
-        name = found["name"].string()
-        law = _LAWS[found["model"].choice(_LAWS)]
-        members = found["members"].each(Element.string)
+        name = fields["name"].string()
+        law = _LAWS[fields["model"].choice(_LAWS)]
+        members = fields["members"].each(Element.string)
         for index, member in enumerate(members):
             if member not in self._events:
-                found["members"].items()[index].fail(
+                fields["members"].items()[index].fail(
                     f"member '{member}' is not a basic event; {suggestion(self._events, member)}"
                 )
         own = {self._events[member][0] for member in members}
-        if "distribution" in found:
-            distribution = found["distribution"].number()
+        if "distribution" in fields:
+            distribution = fields["distribution"].number()
             if not 0.0 <= distribution <= 1.0:
-                found["distribution"].fail(f"probability {distribution!r} is outside [0, 1]")
+                fields["distribution"].fail(f"probability {distribution!r} is outside [0, 1]")
             if own - {distribution}:
                 self._findings.append(
                     f"{element.location}: the members of '{name}' have figures of their own; the "
@@ -245,9 +245,9 @@ class _Reader:
             distribution = own.pop()
         else:
             element.fail("'distribution' is missing, and its members have different figures")
-        factors = self._factors(found, law, len(members), element)
+        factors = self._factors(fields, law, len(members), element)
         group = GroupDefinition(
-            name, law, members, Number(distribution), factors, Place(label=_label(found))
+            name, law, members, Number(distribution), factors, Place(label=_label(fields))
         )
         self._elements["common cause group", name] = element
         self._members |= dict.fromkeys(members, group)
@@ -259,13 +259,13 @@ class _Reader:
         least = count if law is CommonCauseLaw.BETA else _LEAST_LEVELS.get(law, 1)
         factors: dict[int, Expression] = {}
         level = least - 1
-        for each in found["factors"].items() if "factors" in found else ():
-            parts = each.fields({"value"}, optional={"level"})
+        for item in found["factors"].items() if "factors" in found else ():
+            parts = item.fields({"value"}, optional={"level"})
             level = parts["level"].integer() if "level" in parts else level + 1
             if not least <= level <= count:
-                each.fail(f"the level {level} of {law.value}; allowed: {least} to {count}")
+                item.fail(f"the level {level} of {law.value}; allowed: {least} to {count}")
             if level in factors:
-                each.fail(f"duplicate level {level}; give each level once")
+                item.fail(f"duplicate level {level}; give each level once")
             factors[level] = Number(parts["value"].number())
         if not factors:
             element.fail("'factors' are missing; give at least one")

@@ -61,11 +61,11 @@ class _Writer:
         self._model = model
         self._mission_time_h = mission_time_h
         self._values = Evaluation(model.definitions.by_name, mission_time_h or 0.0)
-        self._gates = {each.gate.name: each for each in model.gates}
-        self._events = {each.name: each for each in model.events}
-        self._houses = {each.house.name: each for each in model.houses}
+        self._gates = {gate.gate.name: gate for gate in model.gates}
+        self._events = {event.name: event for event in model.events}
+        self._houses = {house.house.name: house for house in model.houses}
         self._groups = {member: group for group in model.groups for member in group.members}
-        self._labels = {each.path: each.label for each in model.containers}
+        self._labels = {container.path: container.label for container in model.containers}
         self._trees = self._tree_names()
         self._logic = LogicWriter(self._gates)
 
@@ -74,14 +74,16 @@ class _Writer:
         model = self._model
         if model.substitutions:
             raise ModelError("OpenPRA has no substitutions; write them as gates, or leave them out")
-        event_trees = [event_tree_data(each, self._tree_of) for each in model.event_trees]
+        event_trees = [
+            event_tree_data(event_tree, self._tree_of) for event_tree in model.event_trees
+        ]
         data = described({"name": model.name} if model.name else {}, model.label)
         trees = [self._fault_tree(name, top) for top, name in self._trees.items()]
         self._add_unused(trees)
         if trees:
             data["faultTrees"] = trees
         if model.groups:
-            data["ccfGroups"] = [self._group(each) for each in model.groups]
+            data["ccfGroups"] = [self._group(group) for group in model.groups]
         if event_trees:
             data["eventTrees"] = event_trees
         return data
@@ -130,10 +132,12 @@ class _Writer:
         expression = self._logic.top(top, name)
         below = self._below(top)
         data = described({"name": name}, self._labels.get(name, ""))
-        events = [self._event(each) for each in self._model.events if each.name in below]
+        events = [self._event(event) for event in self._model.events if event.name in below]
         # OpenPRA has no constants; these are the events that always and never happen.
-        events += [{"name": each, "p": p} for each, p in _CONSTANTS.items() if each in below]
-        houses = [_house(each) for each in self._model.houses if each.house.name in below]
+        events += [
+            {"name": constant, "p": p} for constant, p in _CONSTANTS.items() if constant in below
+        ]
+        houses = [_house(house) for house in self._model.houses if house.house.name in below]
         data["basicEvents"] = events
         if houses:
             data["houseEvents"] = houses
@@ -171,17 +175,17 @@ class _Writer:
 
     def _add_unused(self, trees: list[dict[str, Any]]) -> None:
         """Add what no fault tree holds to the first one."""
-        listed = {each["name"] for tree in trees for each in tree["basicEvents"]}
-        unused = [each for each in self._model.events if each.name not in listed]
-        placed = {each["name"] for tree in trees for each in tree.get("houseEvents", ())}
-        houses = [each for each in self._model.houses if each.house.name not in placed]
+        listed = {item["name"] for tree in trees for item in tree["basicEvents"]}
+        unused = [event for event in self._model.events if event.name not in listed]
+        placed = {item["name"] for tree in trees for item in tree.get("houseEvents", ())}
+        houses = [house for house in self._model.houses if house.house.name not in placed]
         if not unused and not houses:
             return
         if not trees:
             raise ModelError(
                 "OpenPRA allows events in fault trees only, but the model has none; add one"
             )
-        trees[0]["basicEvents"] += [self._event(each) for each in unused]
+        trees[0]["basicEvents"] += [self._event(event_definition) for event_definition in unused]
         if houses:
             trees[0].setdefault("houseEvents", []).extend(map(_house, houses))
 

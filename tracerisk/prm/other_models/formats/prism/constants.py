@@ -81,8 +81,8 @@ def _needs(
     made = declared[name].value if name in declared else formulas[name]
     if made is None:
         return []
-    found = dict.fromkeys(names_in(made))
-    return [other for other in found if other in declared or other in formulas]
+    fromkeys = dict.fromkeys(names_in(made))
+    return [other for other in fromkeys if other in declared or other in formulas]
 
 
 def _value(constant: Constant, scope: Scope, given: Mapping[str, Value]) -> Value:

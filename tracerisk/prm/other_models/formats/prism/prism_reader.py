@@ -62,25 +62,25 @@ def read_prism_model(
     program = parse_program(text, file)
     scope = constant_scope(program.constants, program.formulas, constants or {})
     space = StateSpace(program, scope, most_states)
-    found = space.explore()
-    initial = frozenset(range(found.starts))
+    explore = space.explore()
+    initial = frozenset(range(explore.starts))
     labels: dict[str, frozenset[int]] = {INITIAL: initial}
     for label, expression in program.labels.items():
         labels[label] = space.holding(expression, f'label "{label}"')
     names = names_from_labels(
-        len(found.states), labels, [space.valuation(state) for state in found.states]
+        len(explore.states), labels, [space.valuation(state) for state in explore.states]
     )
     chain = ExplicitChain(
         program.kind,
         0,
-        found.rows,
+        explore.rows,
         labels,
         names,
         tuple(space.notes),
         tuple(sorted(initial)) if len(initial) > 1 else (),
-        found.rewards,
+        explore.rewards,
     )
-    return PrismModel(chain, found.states, scope)
+    return PrismModel(chain, explore.states, scope)
 
 
 def constant_values(text: str, file: str) -> dict[str, Value]:

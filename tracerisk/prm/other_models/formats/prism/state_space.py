@@ -128,8 +128,8 @@ class StateSpace:
                 self._together.setdefault(action, []).append(ready_ones)
         self._rewards = {
             name: [
-                _ReadyReward(each, scope.compile(each.guard), scope.compile(each.value))
-                for each in rewards
+                _ReadyReward(reward, scope.compile(reward.guard), scope.compile(reward.value))
+                for reward in rewards
             ]
             for name, rewards in program.rewards.items()
         }
@@ -175,7 +175,7 @@ class StateSpace:
         """Return the states in which an expression holds; `what` is it in messages."""
         compiled = self._scope.compile(expression)
         self._count(compiled.size * len(self._states))
-        found = []
+        numbers = []
         for number, state in enumerate(self._states):
             value = compiled.run(state)
             if not isinstance(value, bool):
@@ -183,8 +183,8 @@ class StateSpace:
                     f"{what} is {value!r}, neither true nor false", expression.location
                 )
             if value:
-                found.append(number)
-        return frozenset(found)
+                numbers.append(number)
+        return frozenset(numbers)
 
     def _starts(self) -> Iterator[State]:
         """Yield the states in which the chain can start."""
@@ -252,24 +252,24 @@ class StateSpace:
     ) -> tuple[float, float]:
         """Return what a state earns, and its moves: in one step, or per unit of time."""
         held = moved = 0.0
-        for each in rewards:
-            if not self._true(each.guard, state, each.reward.guard.location):
+        for reward in rewards:
+            if not self._true(reward.guard, state, reward.reward.guard.location):
                 continue
-            self._count(each.value.size)
-            value = each.value.run(state)
-            place = each.reward.value.location
+            self._count(reward.value.size)
+            value = reward.value.run(state)
+            place = reward.reward.value.location
             if isinstance(value, bool) or not 0.0 <= value < math.inf:
                 raise ModelError(
                     f"{value!r} in {self.valuation(state)} is not a reward; allowed: 0 or more",
                     place,
                 )
-            if each.reward.action is None:
+            if reward.reward.action is None:
                 held += _double(value, place)
                 continue
             often = [
                 weight * share
                 for action, choice in choices
-                if action == each.reward.action
+                if action == reward.reward.action
                 for weight, _ in choice
             ]
             self._count(len(choices) + len(often))
@@ -304,7 +304,7 @@ class StateSpace:
         return value
 
     def _choice(self, commands: Sequence[_Ready], state: State) -> Choice:
-        found = []
+        choice = []
         self._check_ways([command.moves for command in commands], state)
         for moves in product(*(command.moves for command in commands)):
             weight = 1.0
@@ -316,16 +316,16 @@ class StateSpace:
                 for place, value, location in move.assignments:
                     following[place] = self._checked(place, value(state), location)
             if weight > 0.0:
-                found.append((weight, tuple(following)))
+                choice.append((weight, tuple(following)))
         if self._program.kind is ChainKind.DTMC:
-            total = math.fsum(weight for weight, _ in found)
+            total = math.fsum(weight for weight, _ in choice)
             if abs(total - 1.0) > _SUM_TOLERANCE:
                 raise ModelError(
                     f"the probabilities sum to {total!r} in {self.valuation(state)}; "
                     "they must sum to 1",
                     commands[0].location,
                 )
-        return tuple(found)
+        return tuple(choice)
 
     def _weight(self, move: _Move, state: State) -> float:
         if move.weight is None:

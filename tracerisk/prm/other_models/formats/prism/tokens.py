@@ -31,32 +31,32 @@ class Token:
 
     def refuse(self, expected: str) -> NoReturn:
         """Raise ModelError: something else was expected here."""
-        found = f"'{self.text}'" if self.kind != "end" else "the end of the file"
-        raise ModelError(f"expected {expected}, found {found}", self.location)
+        text = f"'{self.text}'" if self.kind != "end" else "the end of the file"
+        raise ModelError(f"expected {expected}, found {text}", self.location)
 
 
 def tokens_of(text: str, file: str) -> list[Token]:
     """Return the words of a text, then an end; raise ModelError where there is no word."""
-    found: list[Token] = []
+    tokens: list[Token] = []
     position, line, line_start = 0, 1, 0
     while position < len(text):
         location = Location(file, line, position - line_start + 1)
         # Two dots part a range; one before digits belongs to a number.
         match = _WORD.match(text, position)
         if text.startswith("..", position):
-            found.append(Token("sign", "..", location))
+            tokens.append(Token("sign", "..", location))
             position += 2
             continue
         if match is None:
             raise ModelError(f"{text[position]!r} is not part of the PRISM language", location)
         kind = str(match.lastgroup)
         if kind != "space":
-            found.append(Token(kind, match.group(), location))
+            tokens.append(Token(kind, match.group(), location))
         else:
             breaks = match.group().count("\n")
             if breaks:
                 line += breaks
                 line_start = match.start() + match.group().rindex("\n") + 1
         position = match.end()
-    found.append(Token("end", "", Location(file, line, position - line_start + 1)))
-    return found
+    tokens.append(Token("end", "", Location(file, line, position - line_start + 1)))
+    return tokens

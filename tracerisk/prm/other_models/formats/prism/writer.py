@@ -33,6 +33,6 @@ def write_prism(chain: ExplicitChain) -> str:
             lines.append(f"// state {state}: {json.dumps(name)}")
     for label, states in chain.labels.items():
         if label != INITIAL:
-            found = " | ".join(f"s={state}" for state in sorted(states)) or "false"
-            lines.append(f'label "{label}" = {found};')
+            result = " | ".join(f"s={state}" for state in sorted(states)) or "false"
+            lines.append(f'label "{label}" = {result};')
     return "\n".join(lines) + "\n"

@@ -122,8 +122,8 @@ class Factors:
 
     def _solve(self, solver: Any, given: Array) -> Array:
         ordered = np.ascontiguousarray(given, dtype=np.float64)[self.plan.order]
-        found: Array = solver(ordered, self.plan.head, self.leaving, *self.rows, self.dense)
-        return found[self.plan.rank]
+        array: Array = solver(ordered, self.plan.head, self.leaving, *self.rows, self.dense)
+        return array[self.plan.rank]
 
 
 def plan(weights: Weights, budget: Budget) -> Plan | None:

@@ -64,8 +64,8 @@ class Iteration:
         def product(y: Array) -> Array:
             return np.asarray(y - ways @ (y / leaving))
 
-        found = _bicgstab(product, target, self._steps)
-        return np.asarray(found / leaving * scale)
+        bicgstab = _bicgstab(product, target, self._steps)
+        return np.asarray(bicgstab / leaving * scale)
 
 
 def _bicgstab(product: Product, target: Array, limit: int) -> Array:

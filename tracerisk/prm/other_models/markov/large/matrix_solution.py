@@ -76,8 +76,8 @@ class MatrixSolution:
         chain = self.chain
         chosen = chain.chosen(targets)
         reward, low = row_sums_into(chain.rows, chosen, chain.transient)
-        found = self._solver.right(reward, low)
-        return Certified(self._full(found.values) + chosen, found.bound)
+        certified = self._solver.right(reward, low)
+        return Certified(self._full(certified.values) + chosen, certified.bound)
 
     def expected_steps(self) -> float:
         """Return the mean number of steps until the chain is absorbed."""

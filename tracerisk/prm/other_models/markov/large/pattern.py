@@ -41,9 +41,9 @@ def neighbours(
     """
     seen = np.full(n, -1, np.int32)
     starts = np.zeros(n + 1, np.int64)
-    found = np.empty(len(indices) + len(turned), np.int32)
-    count = _neighbours(indptr, indices, turned_ptr, turned, seen, starts, found)
-    return starts, found[:count].copy()
+    empty = np.empty(len(indices) + len(turned), np.int32)
+    count = _neighbours(indptr, indices, turned_ptr, turned, seen, starts, empty)
+    return starts, empty[:count].copy()
 
 
 def not_reached_backwards(n: int, turned_ptr: Array, turned: Array, ends: Array) -> Array:

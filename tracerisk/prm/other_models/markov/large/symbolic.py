@@ -54,9 +54,9 @@ def count_fill(
 
 def later_states(how: Plan) -> Array:
     """Return for each of the first `how.head` states, by rank, which later ones it can lead to."""
-    found = np.empty(how.out_ptr[how.head], np.int32)
+    empty = np.empty(how.out_ptr[how.head], np.int32)
     ends = how.out_ptr[: how.head].copy()
     mark = np.full(len(how.order), -1, np.int32)
     joined = how.joined_ptr, how.joined
-    _later_states(how.head, how.order, how.rank, *joined, how.parent, mark, ends, found)
-    return found
+    _later_states(how.head, how.order, how.rank, *joined, how.parent, mark, ends, empty)
+    return empty

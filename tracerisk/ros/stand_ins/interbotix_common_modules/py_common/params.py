@@ -20,6 +20,6 @@ def save_to_ros_params_file(
 
 def load_from_ros_params_file(filepath: str, namespace: str | None = None) -> dict[str, Any]:
     """Read the parameters of a namespace, by default of every node."""
-    found = YAML(typ="safe").load(Path(filepath).read_text(encoding="utf-8"))
-    parameters: dict[str, Any] = found[namespace or _EVERY_NODE]["ros__parameters"]
+    result = YAML(typ="safe").load(Path(filepath).read_text(encoding="utf-8"))
+    parameters: dict[str, Any] = result[namespace or _EVERY_NODE]["ros__parameters"]
     return parameters

@@ -114,8 +114,14 @@ class JointValues:
     # How
 
     def _named(self, group: str, values: Sequence[float]) -> dict[str, float]:
-        found = self._model._group(group)
-        return dict(zip(found.active_joint_model_names, found._checked(values), strict=True))
+        joint_model_group = self._model._group(group)
+        return dict(
+            zip(
+                joint_model_group.active_joint_model_names,
+                joint_model_group._checked(values),
+                strict=True,
+            )
+        )
 
     def _listed(self, group: str, values: Mapping[str, float]) -> Array:
         names = self._model._group(group).active_joint_model_names

@@ -93,10 +93,10 @@ class SceneChecks:
         result: CollisionResult | None = None,
     ) -> None:
         """Look for collisions; the twin pads no links, so that it is check_collision."""
-        request, found = collision_request or req, collision_result or result
-        if request is None or found is None:
+        request, results = collision_request or req, collision_result or result
+        if request is None or results is None:
             raise TypeError("check_collision_unpadded() needs a request and a result")
-        self._check(request, found, state, acm)
+        self._check(request, results, state, acm)
 
     def check_self_collision(
         self,
@@ -126,13 +126,13 @@ class SceneChecks:
                     f"collide, and counts them; leave '{what}' False"
                 )
         group, verbose = request.joint_model_group_name, request.verbose
-        found = self._colliding(state or self._state, group, acm, verbose=verbose)
+        pairs = self._colliding(state or self._state, group, acm, verbose=verbose)
         if among is not None:
-            found = [pair for pair in found if set(pair) <= set(among)]
-        if found:
+            pairs = [pair for pair in pairs if set(pair) <= set(among)]
+        if pairs:
             result.collision = True
         if request.contacts:
-            result.contact_count = min(len(found), request.max_contacts)
+            result.contact_count = min(len(pairs), request.max_contacts)
 
     def _colliding(
         self,
@@ -146,15 +146,15 @@ class SceneChecks:
             return self._pairs(state, group, verbose=verbose)
 
     def _pairs(self, state: RobotState, group: str, *, verbose: bool) -> Pairs:
-        found = self._server.collisions(state.joint_positions)
+        pairs = self._server.collisions(state.joint_positions)
         if group:
             links = self._model._group(group)._moved_links()
             moved = links | {n for n, one in self._objects.attached.items() if one.link in links}
-            found = [pair for pair in found if moved.intersection(pair)]
+            pairs = [pair for pair in pairs if moved.intersection(pair)]
         if verbose:
-            for one, two in found:
+            for one, two in pairs:
                 log_error(f"Found a contact between '{one}' and '{two}'")
-        return found
+        return pairs
 
     @contextmanager
     def _in_force(self, acm: AllowedCollisionMatrix | None) -> Iterator[None]:

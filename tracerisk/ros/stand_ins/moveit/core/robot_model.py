@@ -115,18 +115,18 @@ class JointModelGroup(HandedOut):
         return [self._server.robot.joint(name) for name in self.active_joint_model_names]
 
     def _checked(self, values: Sequence[float]) -> list[float]:
-        found = [float(value) for value in np.asarray(values, dtype=np.float64).reshape(-1)]
+        floats = [float(value) for value in np.asarray(values, dtype=np.float64).reshape(-1)]
         wanted = len(self.active_joint_model_names)
         gripper = self._server.gripper_of(self._name)
-        if gripper is not None and len(found) == 1:
+        if gripper is not None and len(floats) == 1:
             # The other fingers mimic the first, as they do in the real library.
             signs = [gripper.sign(name) for name in self.active_joint_model_names]
-            return [sign * signs[0] * found[0] for sign in signs]
-        named = self._server.values_by_name(self._name, found)
+            return [sign * signs[0] * floats[0] for sign in signs]
+        named = self._server.values_by_name(self._name, floats)
         if named is None:
             raise ValueError(
                 f"group '{self._name}' has {wanted} variables "
-                f"({', '.join(self.active_joint_model_names)}), {len(found)} values were given"
+                f"({', '.join(self.active_joint_model_names)}), {len(floats)} values were given"
             )
         return list(named.values())
 

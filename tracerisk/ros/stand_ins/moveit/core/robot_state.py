@@ -148,13 +148,13 @@ class RobotState(JointValues):
         self._link(tip_name)
         pose = message_pose(geometry_pose)
         try:
-            found = server.solve(group, pose, tip_name, self._positions)
+            solve = server.solve(group, pose, tip_name, self._positions)
         except PlanningError as error:
             text = f"set_from_ik failed: {error.message}"
             server.execution.report("ik_failure", text, object_name=group, target=pose.position)
             return False
         server.execution.succeeded("ik_failure", group, pose.position)
-        self._set_positions(found)
+        self._set_positions(solve)
         return True
 
     def clear_attached_bodies(self) -> None:

@@ -269,5 +269,5 @@ def _pairs(names: Sequence[str], values: Any) -> dict[str, float]:
 
 
 def _rows(names: Sequence[str], values: Sequence[Any], shape: tuple[int, int]) -> Any:
-    rows = [[each[name] for name in names] for each in values]
+    rows = [[value[name] for name in names] for value in values]
     return np.array(rows, dtype=np.float64).reshape(shape)

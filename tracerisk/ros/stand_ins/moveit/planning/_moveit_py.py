@@ -129,8 +129,8 @@ class MoveItPy:
             self._context.shutdown()
 
     def _parameter(self, name: str, default: Any) -> Any:
-        found = self._node.get_parameter_or(name, None)
-        return default if found.value is None else found.value
+        parameter = self._node.get_parameter_or(name, None)
+        return default if parameter.value is None else parameter.value
 
 
 def _invoked_with(self: Any, args: Sequence[Any], kwargs: Mapping[str, Any]) -> str:
@@ -145,16 +145,16 @@ def _flagged(flag: str, values: Sequence[str]) -> list[str]:
 
 def _parameters(tree: Mapping[str, Any], prefix: str = "") -> list[Parameter]:
     """Return nested values as parameters with dots; what can be none is left out."""
-    found: list[Parameter] = []
+    parameters: list[Parameter] = []
     for key, value in tree.items():
         if isinstance(value, Mapping):
-            found += _parameters(value, f"{prefix}{key}.")
+            parameters += _parameters(value, f"{prefix}{key}.")
             continue
         try:
-            found.append(Parameter(f"{prefix}{key}", value=_plain(value)))
+            parameters.append(Parameter(f"{prefix}{key}", value=_plain(value)))
         except (TypeError, ValueError):
             continue
-    return found
+    return parameters
 
 
 def _plain(value: Any) -> Any:

@@ -39,8 +39,8 @@ class PlanRequestParameters:
     def __init__(self, moveit_cpp: MoveItPy, ns: str = "") -> None:
         prefix = f"{ns}.plan_request_params." if ns else "plan_request_params."
         for name, default in _DEFAULTS.items():
-            found = moveit_cpp._parameter(prefix + name, default)
-            setattr(self, name, type(default)(found))
+            parameter = moveit_cpp._parameter(prefix + name, default)
+            setattr(self, name, type(default)(parameter))
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name not in _DEFAULTS:

@@ -214,9 +214,9 @@ class PlanningComponent:
         select: Callable[[list[MotionPlanResponse]], Any] | None,
     ) -> MotionPlanResponse:
         # The same parameters give the same plan: each is made once.
-        distinct = {each._key(): each for each in parameters}
-        answers = {key: self._plan_one(each, scene) for key, each in distinct.items()}
-        responses = [answers[each._key()] for each in parameters]
+        distinct = {parameter._key(): parameter for parameter in parameters}
+        answers = {key: self._plan_one(item, scene) for key, item in distinct.items()}
+        responses = [answers[parameter._key()] for parameter in parameters]
         if not responses:
             return self._response(Plan(ErrorCode.INVALID_GOAL_CONSTRAINTS, None), None, "")
         if select is not None:

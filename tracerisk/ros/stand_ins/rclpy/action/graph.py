@@ -36,9 +36,9 @@ def get_action_server_names_and_types_by_node(
     """Return the actions that a node serves, with their types; see the last."""
     known = node._known(remote_node_name, remote_node_namespace)
     beside = current().client(SystemState).actions()
-    found = _of_node(run().actions.servers(), node, remote_node_name, remote_node_namespace)
+    of_node = _of_node(run().actions.servers(), node, remote_node_name, remote_node_namespace)
     served = {(name, kind): None for name, kind, server in beside if server == known}
-    return sorted(dict((*_listed(served), *found)).items())
+    return sorted(dict((*_listed(served), *of_node)).items())
 
 
 def _of_node(ends: Any, node: Any, name: str, namespace: str) -> NamesAndTypes:
@@ -48,7 +48,7 @@ def _of_node(ends: Any, node: Any, name: str, namespace: str) -> NamesAndTypes:
 
 
 def _listed(pairs: dict[tuple[str, str], None]) -> NamesAndTypes:
-    found: dict[str, list[str]] = {}
+    texts: dict[str, list[str]] = {}
     for name, type_name in sorted(pairs):
-        found.setdefault(name, []).append(type_name.replace("/", "/action/", 1))
-    return list(found.items())
+        texts.setdefault(name, []).append(type_name.replace("/", "/action/", 1))
+    return list(texts.items())

@@ -95,7 +95,7 @@ class StateMachine:
     @property
     def available(self) -> tuple[Transition, ...]:
         """What can happen in this state."""
-        return tuple(each for each in GRAPH if each.start == self.state)
+        return tuple(transition for transition in GRAPH if transition.start == self.state)
 
     def by_label(self, label: str) -> Transition:
         """Return the transition of a label that can happen now.
@@ -114,9 +114,9 @@ class StateMachine:
         return self._available_by("id", number, str(number))
 
     def _available_by(self, field: str, value: Any, text: str) -> Transition:
-        for each in self.available:
-            if getattr(each, field) == value:
-                return each
+        for transition in self.available:
+            if getattr(transition, field) == value:
+                return transition
         raise RCLError(
             f"Failed to trigger lifecycle state machine transition: transition {text} is not "
             f"registered in state '{self.label}'"

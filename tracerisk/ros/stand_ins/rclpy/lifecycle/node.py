@@ -244,7 +244,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return response
 
     def _on_get_graph(self, request: Any, response: Any) -> Any:
-        response.available_transitions = [_description(each) for each in GRAPH]
+        response.available_transitions = [_description(transition) for transition in GRAPH]
         return response
 
 

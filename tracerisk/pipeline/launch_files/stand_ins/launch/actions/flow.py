@@ -46,8 +46,8 @@ class GroupAction(Action):
 
     def execute(self, context: Any) -> Any:
         """Return the actions between those that begin and end the scope."""
-        inner = [each for each in self.actions if each is not None]
-        sets: list[Any] = [SetLaunchConfiguration(*each) for each in self.configurations.items()]
+        inner = [action for action in self.actions if action is not None]
+        sets: list[Any] = [SetLaunchConfiguration(*item) for item in self.configurations.items()]
         if not self.scoped:
             return [*sets, *inner]
         if not self.forwarding:
@@ -93,7 +93,7 @@ class IncludeLaunchDescription(Action):
                 context.extend_locals(places if is_file else dict.fromkeys(places, place))
             return [*sets, self.source.description]
         # Values are taken where the file is included, not within it.
-        done = [each.visit(context) for each in sets]
+        done = [configuration.visit(context) for configuration in sets]
         assert not any(done)
         before = context.get_locals_as_dict()
         return [
@@ -104,13 +104,13 @@ class IncludeLaunchDescription(Action):
 
     def _check_arguments(self, context: Any) -> None:
         given = [text_of(context, name) for name, _ in self.launch_arguments]
-        for each in self.source.description.entities:
-            if not isinstance(each, DeclareLaunchArgument) or each.is_optional:
+        for entity in self.source.description.entities:
+            if not isinstance(entity, DeclareLaunchArgument) or entity.is_optional:
                 continue
-            if each.name not in (*given, *context.launch_configurations):
+            if entity.name not in (*given, *context.launch_configurations):
                 raise RuntimeError(
-                    f"Included launch description missing required argument '{each.name}' "
-                    f"(description: '{each.description}'), given: [{', '.join(given)}]"
+                    f"Included launch description missing required argument '{entity.name}' "
+                    f"(description: '{entity.description}'), given: [{', '.join(given)}]"
                 )
 
     def describe_sub_entities(self) -> list[Any]:
@@ -155,8 +155,8 @@ class OpaqueFunction(Action):
 
     def execute(self, context: Any) -> Any:
         """Return what the function returns."""
-        found = self.function(context, *self.args, **self.kwargs)
-        return [each for each in found or () if each is not None]
+        function = self.function(context, *self.args, **self.kwargs)
+        return [item for item in function or () if item is not None]
 
 
 class OpaqueCoroutine(Action):
@@ -178,7 +178,7 @@ class TimerAction(Action):
 
     def execute(self, context: Any) -> Any:
         """Return the actions."""
-        return [each for each in self.actions if each is not None]
+        return [action for action in self.actions if action is not None]
 
 
 class ForEach(Action):
@@ -192,11 +192,11 @@ class ForEach(Action):
         """Return the actions for all values."""
         from tracerisk.pipeline.launch_files.parameter_text import yaml_value
 
-        found: list[Any] = []
+        result: list[Any] = []
         for text in text_of(context, self.input_values).strip(" ;").split(";"):
             values = yaml_value("{" + text + "}") if text.strip() else {}
-            found += self.function(**values) or []
-        return found
+            result += self.function(**values) or []
+        return result
 
 
 class ForLoop(Action):
@@ -209,7 +209,7 @@ class ForLoop(Action):
     def execute(self, context: Any) -> Any:
         """Return the actions of all turns."""
         turns = range(min(int(text_of(context, self.length)), 10_000))
-        return [each for turn in turns for each in self.function(turn) or []]
+        return [item for turn in turns for item in self.function(turn) or []]
 
 
 class RegisterEventHandler(Action):

@@ -89,7 +89,7 @@ class SetLaunchConfiguration(Action):
 
     def execute(self, context: Any) -> Any:
         """Set it."""
-        name, value = (text_of(context, each) for each in self._given)
+        name, value = (text_of(context, item) for item in self._given)
         context.launch_configurations[name] = value
 
 
@@ -160,7 +160,7 @@ class AppendEnvironmentVariable(Action):
         """Add to it."""
         name, value = text_of(context, self.name), text_of(context, self.value)
         old = context.environment.get(name)
-        parts = [each for each in ((value, old) if self.prepend else (old, value)) if each]
+        parts = [text for text in ((value, old) if self.prepend else (old, value)) if text]
         context.set_environment(name, text_of(context, self.separator).join(parts))
 
 
