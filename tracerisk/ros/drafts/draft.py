@@ -42,6 +42,7 @@ from tracerisk.ros.messages.fields import (
     action_parts,
     fields_of,
     goal_class,
+    known_constants,
     service_parts,
     type_of,
 )
@@ -179,7 +180,7 @@ def drafts(
                 for number in range(1, len(values.poses))
             )
             draft = replace(draft, others=tuple(other for other in made if other != draft.value))
-        found += _in_turn(draft, lacking.location)
+        found += _in_turn(draft, lacking.location, interfaces)
     once: dict[tuple[str, str], Draft] = {}
     for each in found:
         once.setdefault((each.section, each.key), each)
@@ -213,7 +214,7 @@ def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
         yield Draft(**{**each, "need": need, "location": place, "others": others})
 
 
-def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
+def _in_turn(draft: Draft, place: Location | None, interfaces: Any) -> Iterator[Draft]:
     """Yield a draft; of a call with a field for which the code knows several values, each."""
     if draft.need.type_name in PICTURES and draft.value is not None:
         yield from _seen_in_turn(draft, place)
@@ -226,7 +227,8 @@ def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
         return
     content = {"call": "request", "goal": "goal"}.get(draft.need.kind)
     sent = {} if content is None or draft.value is None else draft.value.get(content, {})
-    for (name, *deeper), literals in compared_in_callback(place).values.items() if sent else ():
+    compared = _compared_in_sent(draft.need, place, interfaces) if sent else Compared()
+    for (name, *deeper), literals in compared.values.items():
         now = sent.get(name)
         # A switch that would stop or only pretend stays off.
         if deeper or isinstance(now, list | dict) or now is None or now is False:
@@ -241,6 +243,15 @@ def _in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
             )
         if others:
             return
+
+
+def _compared_in_sent(need: Need, place: Location | None, interfaces: Any) -> Compared:
+    """Return the literals with which the code compares the fields of a request or a goal."""
+    if need.kind == "goal":
+        sent = goal_class(interfaces, need.type_name)
+    else:
+        sent = service_parts(interfaces, need.type_name)[0]
+    return compared_in_callback(place, constants=known_constants(sent))
 
 
 def _seen_in_turn(draft: Draft, place: Location | None) -> Iterator[Draft]:
@@ -324,7 +335,7 @@ def _topic(lack: _Lack) -> _Made:
     if _ALARM.search(need.name) and not need.type_name.startswith("std_msgs/"):
         return None, "an alarm, which no draft gives"
     made, values = lack.interfaces.message(need.type_name), lack.values
-    compared = compared_in_callback(lack.place)
+    compared = compared_in_callback(lack.place, constants=known_constants(made))
     said, comments = said_in_callback(lack.place), _comments(lack, "msg")
     message = values.fields(made, compared, need.name, said, comments)
     entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
@@ -347,10 +358,7 @@ def _topic(lack: _Lack) -> _Made:
         return entry, "the sticks moved, without a button and then with each"
     field, in_turn = ("data", several) if several else _values_in_turn(need, message, compared)
     if len(in_turn) > 1:
-        commands = [{**message, field: each} for each in in_turn]
-        rate = 1 / (_EACH_S if len(commands) <= _FEW_WORDS else _SHORT_S)
-        timing = {"at": 1.0, "rate": rate, "count": len(commands)}
-        entry = {**entry, "messages": commands, **timing}
+        entry = sent_in_turn(entry, [{**message, field: each} for each in in_turn])
         return entry, "the values that the code knows, in turn"
     if _SENSOR.match(need.type_name):
         words = _typed_text(need.type_name, compared.values, values)
@@ -365,6 +373,13 @@ def _topic(lack: _Lack) -> _Made:
     if texts:
         return entry, "JSON with what the code looks up"
     return entry, _typed_text(need.type_name, compared.values, values)
+
+
+def sent_in_turn(entry: Mapping[str, Any], commands: Sequence[Any]) -> dict[str, Any]:
+    """Return the entry of a topic with several commands, each with time to be carried out."""
+    rate = 1 / (_EACH_S if len(commands) <= _FEW_WORDS else _SHORT_S)
+    kept = {key: entry[key] for key in ("topic", "type")}
+    return {**kept, "messages": list(commands), "at": 1.0, "rate": rate, "count": len(commands)}
 
 
 def _values_in_turn(
@@ -489,7 +504,8 @@ def _call(lack: _Lack) -> _Made:
         entry |= {"request": {"transition": _BROUGHT_UP[0]}, "wait": True}
         return entry, "as who brings up a lifecycle node: configured, then activated"
     request = service_parts(lack.interfaces, need.type_name)[0]
-    compared, said = compared_in_callback(lack.place), said_in_callback(lack.place)
+    compared = _compared_in_sent(need, lack.place, lack.interfaces)
+    said = said_in_callback(lack.place)
     sent = lack.values.fields(request, compared, need.name, said, _comments(lack, "srv"))
     return {**entry, "request": sent, "wait": True}, "one call, in its turn"
 
@@ -497,7 +513,8 @@ def _call(lack: _Lack) -> _Made:
 def _sent_goal(lack: _Lack) -> _Made:
     need = lack.need
     goal = goal_class(lack.interfaces, need.type_name)
-    compared, said = compared_in_callback(lack.place), said_in_callback(lack.place)
+    compared = _compared_in_sent(need, lack.place, lack.interfaces)
+    said = said_in_callback(lack.place)
     sent = lack.values.fields(goal, compared, need.name, said, _comments(lack, "action"))
     entry = {"action": need.name, "type": need.type_name, "goal": sent, "wait": True}
     return entry, "one goal, in its turn"

@@ -93,10 +93,12 @@ class Compared:
         return self.values.get(path[-1:], ())
 
 
-def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
+def compared_in_callback(
+    place: Location | None, argument: int = 0, constants: Mapping[str, Any] | None = None
+) -> Compared:
     """Return the literals of the callback that a call at `place` names, else of the whole file.
 
-    `argument` counts the callback's parameters behind `self`.
+    `argument` counts the callback's parameters behind `self`, `constants` are those of the message.
     """
     tree = source_tree(place)
     if tree is None or place is None:
@@ -113,8 +115,9 @@ def compared_in_callback(place: Location | None, argument: int = 0) -> Compared:
                 name = None if function is None else parameter_name(function, argument)
                 if function is not None and name is not None:
                     found = _flow(function, {name: ()}, functions, tree)
-                    return Compared(_frozen({**_words_of_fields(tree, found), **found}))
-    return Compared(_frozen(_by_field(tree)))
+                    found = {**_words_of_fields(tree, found), **found}
+                    return Compared(_frozen(found, constants))
+    return Compared(_frozen(_by_field(tree), constants))
 
 
 def _made_before(tree: ast.AST, calls: Iterable[ast.Call]) -> Iterator[ast.Call]:
@@ -178,8 +181,30 @@ def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
         return None
 
 
-def _frozen(found: _Found) -> dict[tuple[str, ...], tuple[Any, ...]]:
-    return {path: tuple(dict.fromkeys(values)) for path, values in found.items()}
+@dataclass(frozen=True, slots=True)
+class _Constant:
+    """A constant by its name, `GRASP` of `Task.GRASP`, whose value a message's text says."""
+
+    name: str
+    """The name of the constant."""
+
+
+def _frozen(
+    found: _Found, constants: Mapping[str, Any] | None = None
+) -> dict[tuple[str, ...], tuple[Any, ...]]:
+    """Return what was found, each once; of constants the values, unless these are not known."""
+    known = constants or {}
+    frozen = {
+        path: tuple(
+            dict.fromkeys(
+                known[each.name] if isinstance(each, _Constant) else each
+                for each in values
+                if not isinstance(each, _Constant) or each.name in known
+            )
+        )
+        for path, values in found.items()
+    }
+    return {path: values for path, values in frozen.items() if values}
 
 
 def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
@@ -427,20 +452,17 @@ def comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
     if isinstance(node, ast.Match):
         for case in node.cases:
             for pattern in ast.walk(case.pattern):
-                if isinstance(pattern, ast.MatchValue) and isinstance(pattern.value, ast.Constant):
-                    yield node.subject, pattern.value.value
+                if isinstance(pattern, ast.MatchValue):
+                    yield from ((node.subject, each) for each in _literals(pattern.value))
         return
     if isinstance(node, ast.If | ast.IfExp) and (node.orelse or _returns_late(node)):
         yield from ((asserted(node.test), each) for each in (True, False))
         return
     if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Dict):
-        for key in node.value.keys:
-            if isinstance(key, ast.Constant):
-                yield node.slice, key.value
+        yield from ((node.slice, each) for each in _keys(node.value))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
         if node.func.attr == "get" and isinstance(node.func.value, ast.Dict):
-            keys = (each for each in node.func.value.keys if isinstance(each, ast.Constant))
-            yield from ((node.args[0], each.value) for each in keys)
+            yield from ((node.args[0], each) for each in _keys(node.func.value))
         if node.func.attr in ("startswith", "endswith"):
             yield from ((node.func.value, each) for each in _literals(node.args[0]))
         return
@@ -476,7 +498,20 @@ def _beyond(value: float, side: int) -> float:
     return value + side * max(abs(value) / 10, 1 if isinstance(value, int) else 0.1)
 
 
+def _keys(mapping: ast.Dict) -> Iterator[Any]:
+    """Yield the keys of a mapping that are literals or constants."""
+    yield from (each for key in mapping.keys if key is not None for each in _literals(key))
+
+
 def _literals(node: ast.expr) -> Iterator[Any]:
+    if isinstance(node, ast.List | ast.Tuple | ast.Set):
+        named = [each for each in node.elts if _is_constant(each)]
+        if named:
+            yield from (each for item in node.elts for each in _literals(item))
+            return
+    if _is_constant(node):
+        yield _Constant(last_name(node))
+        return
     try:
         value = ast.literal_eval(node)
     except (ValueError, TypeError, SyntaxError, RecursionError):
@@ -490,16 +525,27 @@ def _literals(node: ast.expr) -> Iterator[Any]:
             yield each
 
 
+def _is_constant(node: ast.expr) -> bool:
+    return isinstance(node, ast.Attribute) and node.attr.isupper()
+
+
 def bare_value(node: ast.expr) -> ast.expr:
     """Return an expression without the conversions around it: `str(a.b).lower()` is `a.b`."""
     while isinstance(node, ast.Call):
         if isinstance(node.func, ast.Attribute) and node.func.attr in _METHODS:
             node = node.func.value
-        elif last_name(node.func) in _CASTS and len(node.args) == 1:
+        elif _is_cast(node) and len(node.args) == 1:
             node = node.args[0]
         else:
             break
     return node
+
+
+def _is_cast(call: ast.Call) -> bool:
+    """Return whether a call keeps what a value says: `int(a)`, and `Task(a)` of an Enum."""
+    return last_name(call.func) in _CASTS or (
+        isinstance(call.func, ast.Name) and call.func.id[:1].isupper() and not call.keywords
+    )
 
 
 def _path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:

@@ -122,7 +122,7 @@ class _Inlined(ast.NodeTransformer):
             named = node.func.value if node.func.attr == "keys" else node
         found = self._found(named) or node
         if isinstance(found, ast.Dict):
-            parts = [each for each in self._keys(found) if isinstance(each, ast.Constant)]
+            parts = [e for e in self._keys(found) if isinstance(e, ast.Constant | ast.Attribute)]
             return ast.List(list(parts), ast.Load())
         if isinstance(found, ast.List | ast.Tuple | ast.Set):
             return ast.List([self._value(each) for each in found.elts], ast.Load())
