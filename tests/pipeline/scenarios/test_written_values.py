@@ -74,6 +74,32 @@ def test_messages_of_commands(written):
     assert of(written, "call", "/place", "cell/Place") == ({"x": 0.2, "y": -0.1}, "README.md:12")
 
 
+SHOWN = {
+    "numbers": ("Task", "command", [3, 1, 2], [3, 1, 2]),
+    "one twice": ("Task", "command", [1, 2, 1], [1, 2]),
+    "words": ("String", "data", ["stop", "home", "pick"], ["home", "pick", "stop"]),
+    "an emergency": ("String", "data", ["estop", "home", "pick"], ["home", "pick"]),
+    "one alone": ("Task", "command", [1], []),
+}
+
+
+@pytest.mark.parametrize("kind", SHOWN)
+def test_all_messages_that_one_file_shows_come_in_turn(tmp_path, kind):
+    short, field, shown, wanted = SHOWN[kind]
+    lines = [
+        f'ros2 topic pub --once /task cell/msg/{short} "{{{field}: {each}}}"' for each in shown
+    ]
+    (tmp_path / "README.md").write_text("\n".join(lines))
+    (tmp_path / "TESTS.md").write_text(lines[0].replace(str(shown[0]), "9"))
+    script = tmp_path / "pick.py"
+    script.write_text("")
+    written = WrittenValues(tmp_path, Program(script, "cell", frozenset({"pick.py"})))
+    found = written.of(Need("topic", "/task", f"cell/{short}"))
+    assert found is not None
+    assert found.place == "README.md:1"
+    assert [each[field] for each in found.in_turn] == wanted
+
+
 def test_a_command_of_another_type_or_in_what_was_built_says_nothing(written):
     assert of(written, "topic", "/wrong", "std_msgs/String") is None
     assert of(written, "topic", "/built", "std_msgs/String") is None

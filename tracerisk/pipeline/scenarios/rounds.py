@@ -48,7 +48,7 @@ from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.trace.run_files import IDLE_S
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.drafts.draft import Draft, move_aside, stands_free
+from tracerisk.ros.drafts.draft import Draft, move_aside, sent_in_turn, stands_free
 from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import shifted
 from tracerisk.ros.scenario.lines import entry_lines
@@ -531,9 +531,13 @@ class Rounds:
                 if not value or content not in draft.value:
                     return self._as_published(draft)
                 value = merged(draft.value[content], value)
-            value = {**draft.value, content: value}
-            value.pop("messages", None)
-            if "rate" in value and "messages" in draft.value:
+            is_stream = "rate" in draft.value and "messages" not in draft.value
+            if written.in_turn and not is_stream:
+                value = sent_in_turn(draft.value, written.in_turn)
+            else:
+                value = {**draft.value, content: value}
+                value.pop("messages", None)
+            if "messages" not in value and "messages" in draft.value:
                 for key in ("rate", "count", "at"):
                     value.pop(key, None)
         words = f"as in {written.place}"

@@ -11,12 +11,13 @@ import re
 import shlex
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from tracerisk.common.text.yaml_reader import plain_yaml
+from tracerisk.instrument.source.literals.compared_values import ordered_answers, without_emergency
 from tracerisk.instrument.source.literals.filled_messages import filled_fields, plain_value
 from tracerisk.pipeline.launch.program import Program
 from tracerisk.pipeline.scenarios.written_frames import (
@@ -32,6 +33,7 @@ from tracerisk.ros.controller.needs import Need
 
 _MOST_FILES = 4000
 _MOST_BYTES = 512 * 1024
+_MOST_IN_TURN = 16  # messages that one file shows
 _MOST_LINES = 60  # of one command, with the message that it holds
 _TEXTS = (".md", ".rst", ".txt", ".sh", ".bash", ".py", ".yml", ".yaml", ".launch", ".xml")
 _NAMED = 1  # words before those that may be numbers: the verb and the name
@@ -59,6 +61,8 @@ class Written:
     """The file and line, `README.md:12`."""
     is_whole: bool = True
     """Whether it is complete; false where a program computes further fields."""
+    in_turn: tuple[Any, ...] = ()
+    """Of messages on a topic all that the same file shows, in turn; empty for one alone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +115,15 @@ class WrittenValues:
     # Commands
 
     def _sent(self, need: Need) -> Written | None:
+        found = list(self._sent_all(need))
+        if not found:
+            return None
+        file = found[0].place.rpartition(":")[0]
+        beside = [each.value for each in found if each.place.rpartition(":")[0] == file]
+        several = _in_turn(beside) if need.kind == "topic" else ()
+        return replace(found[0], in_turn=several if len(several) > 1 else ())
+
+    def _sent_all(self, need: Need) -> Iterator[Written]:
         kinds = {"topic": ("pub",), "call": ("call",), "goal": ("send_goal",)}[need.kind]
         for command in self._commands(_PUBLISHES):
             words = _positional(command.words)
@@ -123,8 +136,7 @@ class WrittenValues:
                 rest = rest[1:]
             value = _yaml(" ".join(rest)) if rest else None
             if isinstance(value, dict) and value and _is_message(value):
-                return Written(value, command.place)
-        return None
+                yield Written(value, command.place)
 
     def _set_parameter(self, need: Need) -> Written | None:
         for command in self._commands(_PUBLISHES):
@@ -291,6 +303,15 @@ class WrittenValues:
 
 
 _NAME_START = r"[~/]?(?:[\w/]*/)?"
+
+
+def _in_turn(messages: Sequence[dict[str, Any]]) -> tuple[dict[str, Any], ...]:
+    """Return written messages, each once; of words what ends the program last."""
+    once = [each for at, each in enumerate(messages) if each not in messages[:at]]
+    if all(each.keys() == {"data"} and isinstance(each["data"], str) for each in once):
+        words = without_emergency(ordered_answers(each["data"] for each in once))
+        once = [{"data": each} for each in words]
+    return tuple(once[:_MOST_IN_TURN])
 
 
 def _apart(one: Path, other: Path) -> int:
