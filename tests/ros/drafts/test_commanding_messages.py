@@ -39,6 +39,8 @@ COMMANDS = [
     ("/arm_controller/command", "trajectory_msgs/JointTrajectory"),
     ("/jaws", "control_msgs/GripperCommand"),
     ("/gripper_state_cmd", "std_msgs/Bool"),
+    ("/cell/mani_ctrl", "sensor_msgs/JointState"),
+    ("/ctrl/axis", "std_msgs/Float64"),
     ("/x", "cell_msgs/ArmPose"),
     ("/x", "cell_msgs/Preset"),
     ("/x", "cell_msgs/Six"),

@@ -35,7 +35,7 @@ _SAYS = re.compile(
     r"|estimated|predicted|name|led|lights?|lamp|sound|voice|speech|speak|say|screen)(_|$)"
 )
 _COMMANDS = re.compile(
-    r"(^|_)(cmd|commands?|goals?|targets?|set_?points?|desired|references?|equilibrium|jog|servo"
+    r"(^|_)(cmd|ctrl|commands?|goals?|targets?|set_?points?|desired|references?|equilibrium|jog|servo"
     r"|script)(_|$)"
 )
 _GRIPS = re.compile(

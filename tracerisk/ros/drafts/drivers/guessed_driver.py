@@ -24,7 +24,7 @@ from tracerisk.ros.messages.fields import FLOATS, snake_case, type_of
 
 _MOVES = re.compile(
     r"move|motion|traj|manipulat"
-    r"|(^|_)(go|goto|ptp|p2p|lin|line(ar)?|circ|servo|jog|cmd|command|execute|reach|pick|place|grasp"
+    r"|(^|_)(go|goto|ptp|p2p|lin|line(ar)?|circ|servo|jog|ctrl|cmd|command|execute|reach|pick|place|grasp"
     r"|approach|target|goal|drive|control|cart(esian)?"
     r"|set_((arm|robot|ee|eef|end_effector|tcp|tool|target|goal|desired)_)?"
     r"(pos\w*|joint\w*|pose|angle\w*|axes))(_|$)"
