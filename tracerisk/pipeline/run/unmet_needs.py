@@ -15,7 +15,7 @@ from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
 from tracerisk.pipeline.workspace.needs_in_source import reads_command_line
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.commanding_messages import commands_something
-from tracerisk.ros.drafts.draft import COMMANDING, drafts, drafts_instead
+from tracerisk.ros.drafts.draft import COMMANDING, drafts, drafts_instead, names_command
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions
@@ -29,6 +29,7 @@ _LISTED = 3
 _DONE = frozenset({"no_motion", "ended", "duration"})
 _OF_ENTER = re.compile(r"""(''|"")(?![\w])|could not convert string|EOF""")
 # What the twin publishes once somebody listens.
+_SEEN = re.compile(r"sensor_msgs/(\w*Image|PointCloud2?|LaserScan)$")
 _OF_THE_TWIN = re.compile(
     r"sensor_msgs/|geometry_msgs/Wrench|control_msgs/|tf2_msgs/|rosgraph_msgs/"
 )
@@ -296,15 +297,36 @@ class UnmetNeeds:
     def _may_be_obeyed(self, *, shows_risk: bool) -> Iterator[Missed]:
         """Yield what is published to nobody, and by its fields may move the robot.
 
-        What has moved it otherwise may publish a pose for a display.
+        What has moved it otherwise may publish a pose for a display. A message of which nothing but
+        its fields says that it is a command is one where it is the only one.
         """
+        by_fields: list[Missed] = []
+        is_other = shows_risk or self._sees()
         for missed in self.runtime.graph.unheard():
             if shows_risk and missed.need.type_name in COMMANDING:
                 continue
             obeyed = replace(missed, need=replace(missed.need, kind="command"))
             (draft,) = drafts([obeyed], self.interfaces, self.values)
-            if draft.value is not None:
+            if draft.value is None:
+                continue
+            heard = draft.value["subscribed_topics"].values()
+            is_motion = any("move" in topic for topic in heard)
+            if is_motion and not names_command(obeyed.need, self.interfaces):
+                by_fields.append(obeyed)
+            else:
+                is_other = True
                 yield obeyed
+        if len(by_fields) == 1 and not is_other:
+            yield by_fields[0]
+
+    def _sees(self) -> bool:
+        """Return whether the controller listens to a camera or the like: it says what it sees."""
+        graph = self.runtime.graph
+        return any(
+            subscription.by_controller and _SEEN.match(subscription.type_name)
+            for topic in graph.topic_names()
+            for subscription in graph.subscriptions(topic)
+        )
 
     def _beside(self) -> Iterator[Missed]:
         """Yield the services that a function asks for which waits for one: it waits for each."""

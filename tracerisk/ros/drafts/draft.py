@@ -29,8 +29,8 @@ from tracerisk.ros.drafts.drafted_parameter import (
     parameter_key,
 )
 from tracerisk.ros.drafts.drafted_pictures import DEPTHS, PICTURES, picture, with_seen
-from tracerisk.ros.drafts.drivers.asked import Asked
-from tracerisk.ros.drafts.drivers.guessed_driver import Guess, guessed_driver
+from tracerisk.ros.drafts.drivers.asked import Asked, parts_of
+from tracerisk.ros.drafts.drivers.guessed_driver import Guess, guessed_driver, names_motion
 from tracerisk.ros.drafts.json_texts import json_texts
 from tracerisk.ros.drafts.known_answers import known_answers
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
@@ -457,6 +457,13 @@ def _command(lack: _Lack) -> _Made:
     if guess is None:
         return None, "nobody receives it"
     return guess.entry, guess.words
+
+
+def names_command(need: Need, interfaces: Any) -> bool:
+    """Return whether the name of a topic, or of a field of its messages, says that it moves."""
+    message = interfaces.message(need.type_name)
+    asked = Asked("subscribed_topics", need.name, need.type_name, message)
+    return names_motion(asked, tuple(parts_of(message, {})))
 
 
 def _guess(asked: Asked, reply: Mapping[str, Any], lack: _Lack) -> Guess | None:

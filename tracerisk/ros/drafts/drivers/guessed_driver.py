@@ -11,11 +11,13 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tracerisk.ros.drafts.commanding_messages import commands_something
 from tracerisk.ros.drafts.drivers.asked import (
     Asked,
     Found,
     Part,
     is_of_others,
+    is_of_ros,
     is_percent,
     parts_of,
 )
@@ -54,6 +56,9 @@ _IN_SPACE = re.compile(
 _RELATIVE = re.compile(r"(^|_)(rel|relative|delta|increment(al)?|jog)(_|$)")
 
 _RELATIVE_FIELD = re.compile(r"^(is_)?(rel|relative|incremental)$")
+_SHOWN = re.compile(
+    r"(^|_)(markers?|debug\w*|vis\w*|viz|rviz|paths?|display\w*|overlay\w*|ghost)(_|$)"
+)
 _DURATION = re.compile(r"(^|_)duration$|^(move|motion|travel|execution)_time(_s|_sec)?$")
 
 _JOINT_LIST = re.compile(
@@ -181,7 +186,8 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
     called = asked.called
     if is_of_others(called) or _OF_A_BASE.search(called):
         return None
-    if not _MOVES.search(called) and not any(_TARGETS.search(part.name) for part in parts):
+    is_named = names_motion(asked, parts)
+    if not is_named and not _may_be_heard(asked):
         return None
     in_space = bool(_IN_SPACE.search(called))
     found = _of_whole(asked.request) or _of_messages(parts)
@@ -197,6 +203,8 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
     if found is None:
         return None
     roles, what = found
+    if not is_named and what.endswith("in turn"):
+        return None
     if _GRASPS.search(called):
         what += "; nothing is gripped or let go"
     frame = next((part.path for part in parts if _is_frame(part)), None)
@@ -214,6 +222,23 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
             if part.is_number and part.field.base in FLOATS and _DURATION.search(part.name):
                 roles.setdefault("duration", part.path)
     return "move", roles, what
+
+
+def names_motion(asked: Asked, parts: tuple[Part, ...]) -> bool:
+    """Return whether a name says that it moves something, or a field that it is a target."""
+    is_called = _MOVES.search(asked.called) is not None
+    return is_called or any(_TARGETS.search(part.name) for part in parts)
+
+
+def _may_be_heard(asked: Asked) -> bool:
+    """Return whether the message of a topic may move an arm by its fields alone.
+
+    A message of the author's own that says something, or is to be seen, moves nothing.
+    """
+    if asked.kind != "subscribed_topics" or is_of_ros(asked.request):
+        return False
+    is_shown = _SHOWN.search(asked.called) is not None
+    return not is_shown and commands_something(asked.name, asked.type_name, asked.request)
 
 
 def _of_whole(message: Any) -> tuple[dict[str, Any], str] | None:
