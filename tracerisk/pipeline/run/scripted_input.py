@@ -17,6 +17,8 @@ from tracerisk.ros.time.scheduler import Scheduler
 
 _ASKED_IN_VAIN = 200
 _TAKES_NO_ENTER = 3
+_SEEN_NS = 100_000_000
+_LOOKS = 3  # a subscription that is not connected yet gets its message a little later
 
 
 @contextlib.contextmanager
@@ -65,6 +67,8 @@ class Answers(io.TextIOBase):
     """Returns the answers that the code takes at the place that asks, to be given in turn."""
     progress: Callable[[], object]
     """Returns a value that changes whenever the controller has made progress."""
+    firsts_come_ns: Callable[[], int] = lambda: 0
+    """Returns when what the controller listens to has said something: answers come after that."""
     prompt: str = field(default="", init=False)
     """The text of the last question; empty for none."""
     _assumed: dict[str, list[str]] = field(default_factory=dict, init=False)
@@ -131,6 +135,10 @@ class Answers(io.TextIOBase):
         return answer
 
     def _next_answer(self) -> None:
+        for _ in range(_LOOKS if self._left else 0):
+            # Who answers has seen what came; the callbacks for it have run.
+            if (due_ns := self.firsts_come_ns()) > self.scheduler.now_ns:
+                self.scheduler.pass_until(due_ns + _SEEN_NS)
         answer = self._given()
         if answer is not None:
             self._answered.add(self._asked)

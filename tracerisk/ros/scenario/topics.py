@@ -34,6 +34,7 @@ class ScenarioTopic:
         self._schedule = schedule
         self._messages = [MessageTemplate(message_class, message) for message in entry.messages]
         self._sent = 0
+        self._first_ns: int | None = None
         self._is_heard = False
         self._publication: Publication = runtime.graph.advertise(
             entry.topic,
@@ -49,6 +50,8 @@ class ScenarioTopic:
             runtime.client(SensorReading).reports(
                 self._publication, reporting_sensors(robot, entry), entry.rate
             )
+        if entry.at or entry.rate is not None:
+            self._first_ns = round(min(entry.at, default=0.0) * 1e9)
         if entry.rate is not None:
             self._begin_rate(entry.rate, entry.at[0] if entry.at else 0.0)
         else:
@@ -62,6 +65,17 @@ class ScenarioTopic:
             return None
         return f"nobody subscribed to topic {self._entry.topic}", self._entry.type_location
 
+    @property
+    def first_ns(self) -> int | None:
+        """When the first message comes to a controller that listens; None where it has come."""
+        known = self._publication.graph.subscriptions(self._publication.topic)
+        if self._sent or not any(each.by_controller for each in known):
+            return None
+        if self._first_ns is None:
+            # The subscription is about to be connected.
+            return self._schedule.now_ns + round(self._entry.after * 1e9)
+        return self._first_ns
+
     def _has_listener(self) -> bool:
         known = self._publication.subscriptions
         return any(
@@ -73,6 +87,8 @@ class ScenarioTopic:
         if not subscription.by_controller:
             return
         due_ns = self._schedule.now_ns + round(self._entry.after * 1e9)
+        if self._first_ns is None:
+            self._first_ns = due_ns
         self._schedule.at(due_ns, lambda: self._publish(subscription))
 
     def _begin_rate(self, rate: float, begin_s: float) -> None:

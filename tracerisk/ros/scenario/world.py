@@ -19,6 +19,8 @@ from tracerisk.ros.scenario.schedule import Schedule
 from tracerisk.ros.scenario.servers import ScenarioAction, ScenarioService
 from tracerisk.ros.scenario.topics import ScenarioTopic
 
+_SOON_NS = 3_000_000_000
+
 
 class ScenarioWorld:
     """Publishes, answers and broadcasts what a scenario says.
@@ -58,6 +60,15 @@ class ScenarioWorld:
     def unanswered(self) -> tuple[tuple[str, Location, bool], ...]:
         """Return the goals that it sent and that have no result, as `ScenarioCall.unanswered`."""
         return tuple(row for call in self._calls for row in call.unanswered)
+
+    def firsts_come_ns(self) -> int:
+        """Return when all first messages have come that the controller listens to; 0 for none.
+
+        Those that come much later are for what it does by then.
+        """
+        until_ns = self.schedule.now_ns + _SOON_NS
+        due = (each.first_ns for each in self._topics)
+        return max((each for each in due if each is not None and each <= until_ns), default=0)
 
     def unused(self) -> tuple[tuple[str, Location, str], ...]:
         """Return what nobody made use of, in words and with its place: a name may be mistaken.

@@ -76,7 +76,7 @@ def controller_surroundings(
         removed_python_names(request.distro.name),
         served_opencv_names(),
         virtual_time(world.scheduler, seed=request.seed, note=not_simulated),
-        scripted_input(_answers(request, world, watches)),
+        scripted_input(_answers(request, world, graph, watches)),
         prepared_controller(
             script,
             world.tracer,
@@ -90,7 +90,9 @@ def controller_surroundings(
         yield PreparedController(run, entry, overlay)
 
 
-def _answers(request: RunRequest, world: SimulatedWorld, watches: Watches) -> Answers:
+def _answers(
+    request: RunRequest, world: SimulatedWorld, graph: ServedGraph, watches: Watches
+) -> Answers:
     """Return what the controller reads on its standard input."""
     return Answers(
         (*request.answers, *world.scenario.answers),
@@ -99,6 +101,7 @@ def _answers(request: RunRequest, world: SimulatedWorld, watches: Watches) -> An
         request.controller,
         assume=lambda: known_answers(asking_place(), watches.values),
         progress=lambda: watches.run.last_command_ns,
+        firsts_come_ns=graph.scenario.firsts_come_ns,
     )
 
 
