@@ -68,6 +68,7 @@ _FAILED = re.compile(r"fail|err|abort|reject|refus|invalid|timeout|cancel")
 _FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORECASE)
 _NUMBERS = re.compile(r"(^|_)ids?$", re.IGNORECASE)
 _SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK", "ADD")
+_GOAL = re.compile(r"(^|[/_])(goals?|targets?|desired|cmd|ctrl|commands?)([/_]|$)")
 _SOME = 0.5  # what stands for a number of a list in which others are compared
 _LONGEST = 64  # as long as a list is drafted
 BOX = (0.04, 0.04, 0.1)
@@ -346,8 +347,13 @@ class UsableValues:
             return {"type": constants_of(message_class)["BOX"], "dimensions": list(BOX)}
         if kind == "sensor_msgs/JointState":
             # Those of the gripper too, as the robot itself reports them.
-            names = [joint.name for joint in self.robot.joints]
-            posture = [self._in_units(joint, place.units) for joint in self.robot.joints]
+            joints: Sequence[Joint] = self.robot.joints
+            least = place.compared.least((*place.path, "position"))
+            if _GOAL.search(f"{place.name}/{'/'.join(place.path)}") and least <= len(self.joints):
+                # Who moves the arm there has no other joints.
+                joints = self.joints or joints
+            names = [joint.name for joint in joints]
+            posture = [self._in_units(joint, place.units) for joint in joints]
             zeros = [0.0 for _ in names]
             return {
                 "header": {**header, "frame_id": ""},
