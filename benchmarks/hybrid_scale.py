@@ -95,7 +95,7 @@ def component(name: str, probability: float, quantity: int, redundancy: str) -> 
 def measure(case: Case) -> dict[str, float]:
     """Return what one case takes; run in a process of its own."""
     from tracerisk.prm import build_model, solve
-    from tracerisk.prm.hybrid.mission import solve_mission
+    from tracerisk.prm.hybrid.chain_solver import solve_mission
     from tracerisk.prm.hybrid.solve import solve_figures
     from tracerisk.prm.numbers.distributions import Lognormal
     from tracerisk.prm.questions.uncertainty import propagate

@@ -35,7 +35,7 @@ from tracerisk.common.outcome.kept import kept_outcome
 from tracerisk.common.outcome.outcome import Outcome
 from tracerisk.common.verdict import Verdict
 from tracerisk.pipeline.trace.kept_verdict import verdict_of_data
-from tracerisk.prm.review.risk_change import RunVerdicts
+from tracerisk.prm.review.change_records import RunVerdicts
 
 SETS = Path(__file__).parent / "missions"
 RANKS = ("complete", "partial", "faulted", "stuck")

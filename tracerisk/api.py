@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.review.risk_change import RiskDiff
+    from tracerisk.prm.review.change_records import RiskDiff
     from tracerisk.report.mutants import MutantRuns
     from tracerisk.trace import Trace
     from tracerisk.twin.robots.robot import Robot

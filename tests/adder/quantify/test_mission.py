@@ -13,7 +13,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tracerisk.adder.quantify.mission import component_use, mission_time, visits_of_mission
+from tracerisk.adder.quantify.component_activity import (
+    component_use,
+    mission_time,
+    visits_of_mission,
+)
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, FailureMode, LoadLaw

@@ -7,8 +7,8 @@ import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.adder.quantify import evidence_shares
+from tracerisk.adder.quantify.component_activity import component_use
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
-from tracerisk.adder.quantify.mission import component_use
 from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.common.evidence.share_interval import clopper_pearson
 from tracerisk.common.function_ref import FunctionRef

@@ -8,7 +8,7 @@ import pytest
 
 from tracerisk.prm import build_model, solve
 from tracerisk.prm.formats.model_json import dumps, loads
-from tracerisk.prm.review.compare import compare
+from tracerisk.prm.review.risk_change import compare
 
 P = 1e-3
 

@@ -12,8 +12,8 @@ from tests.prm.hybrid.test_brute_force import model_of  # noqa: F401 - a fixture
 from tracerisk.errors import ModelError
 from tracerisk.prm import build_model, solve
 from tracerisk.prm.hybrid.assessment import FIXED, GEOMETRIC
+from tracerisk.prm.hybrid.chain_solver import held_bound, mission_figures, solve_mission
 from tracerisk.prm.hybrid.groups.bounds import Moments, any_group
-from tracerisk.prm.hybrid.mission import held_bound, mission_figures, solve_mission
 from tracerisk.prm.questions.pair_importance import pair_importances
 from tracerisk.prm.questions.sampled_mission import failure_samples
 from tracerisk.prm.questions.set_values import with_values

@@ -5,8 +5,8 @@ from fractions import Fraction
 import pytest
 
 from tracerisk.adder.blocks.block import Field
-from tracerisk.prm.review.compare import compare
 from tracerisk.prm.review.model_parts import RiskVersion
+from tracerisk.prm.review.risk_change import compare
 
 
 def code(_):

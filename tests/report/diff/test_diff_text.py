@@ -5,7 +5,7 @@ import pytest
 import tracerisk
 from tracerisk.common.verdict import Coverage, Reason, Verdict
 from tracerisk.prm import FIGURE_STATEMENT
-from tracerisk.prm.review.risk_change import RunVerdicts
+from tracerisk.prm.review.change_records import RunVerdicts
 from tracerisk.report.diff.markdown import render_diff_markdown
 from tracerisk.report.diff.text import render_diff
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from tracerisk.adder.quantify.mission import ComponentUse
+from tracerisk.adder.quantify.component_activity import ComponentUse
 from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.hardware.model import Basis, Component
 

@@ -20,11 +20,7 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.figures.assumptions import assumptions_of
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
-from tracerisk.adder.quantify.evidence_shares import EvidenceShares
-from tracerisk.adder.quantify.figure_shares import ending_share, figure_shares
-from tracerisk.adder.quantify.function_use import FunctionUse
-from tracerisk.adder.quantify.groups import group_unit_probabilities
-from tracerisk.adder.quantify.mission import (
+from tracerisk.adder.quantify.component_activity import (
     ComponentUse,
     FunctionVisits,
     component_use,
@@ -32,6 +28,10 @@ from tracerisk.adder.quantify.mission import (
     visits_by_function,
     visits_of_mission,
 )
+from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+from tracerisk.adder.quantify.figure_shares import ending_share, figure_shares
+from tracerisk.adder.quantify.function_use import FunctionUse
+from tracerisk.adder.quantify.groups import group_unit_probabilities
 from tracerisk.adder.quantify.probability import failure_probability
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.function_ref import FunctionRef

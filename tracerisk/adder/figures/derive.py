@@ -26,14 +26,14 @@ from tracerisk.adder.figures.derivation import (
     UnitDerivation,
     VisitOfFunction,
 )
-from tracerisk.adder.quantify.evidence_shares import EvidenceShares
-from tracerisk.adder.quantify.function_use import FunctionUse, mission_probability
-from tracerisk.adder.quantify.mission import (
+from tracerisk.adder.quantify.component_activity import (
     ComponentUse,
     FunctionVisits,
     UnitUse,
     visits_by_function,
 )
+from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+from tracerisk.adder.quantify.function_use import FunctionUse, mission_probability
 from tracerisk.adder.quantify.outcome import Outcome, at_least
 from tracerisk.adder.quantify.probability import Term, failure_probability, hazard_of, survival_log
 from tracerisk.common.function_ref import FunctionRef

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from tracerisk.adder.figures.instance_values import are_alike
+from tracerisk.adder.quantify.component_activity import ComponentUse
 from tracerisk.adder.quantify.figure_shares import EndingShare
 from tracerisk.adder.quantify.function_use import FunctionUse, mean_probability, mission_probability
 from tracerisk.adder.quantify.instance_shares import InstanceShare, instance_shares
-from tracerisk.adder.quantify.mission import ComponentUse
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.model import Component
 

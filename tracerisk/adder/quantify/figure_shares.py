@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from tracerisk.adder.quantify.mission import ComponentUse
+from tracerisk.adder.quantify.component_activity import ComponentUse
 
 
 def figure_shares(used: ComponentUse, times: Mapping[int, float]) -> tuple[float, ...]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tracerisk.errors import InputError
 
 if TYPE_CHECKING:
-    from tracerisk.prm.review.risk_change import Review
+    from tracerisk.prm.review.change_records import Review
 
 
 def add_against(parser: argparse.ArgumentParser) -> None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.review.risk_change import Review
+    from tracerisk.prm.review.change_records import Review
     from tracerisk.report.html.report_input import SourceBlock, SourceFile
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace

@@ -15,7 +15,7 @@ from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import ExitCode, InputError
 
 if TYPE_CHECKING:
-    from tracerisk.prm.review.risk_change import Review, RiskDiff
+    from tracerisk.prm.review.change_records import Review, RiskDiff
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -185,7 +185,7 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -
     A newer run that went wrong fails the limit on the increase; a base that went wrong is no
     measure, so that its repair passes.
     """
-    from tracerisk.prm.review.risk_change import RunVerdicts
+    from tracerisk.prm.review.change_records import RunVerdicts
 
     if diff.after is None:
         return []

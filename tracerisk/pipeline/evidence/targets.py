@@ -7,8 +7,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.figures.computed import use_of
+from tracerisk.adder.quantify.component_activity import UnitUse, times_in_mission
 from tracerisk.adder.quantify.evidence_shares import twin_units
-from tracerisk.adder.quantify.mission import UnitUse, times_in_mission
 from tracerisk.common.hardware.binding import BoundComponent, bind
 from tracerisk.common.hardware.model import FAULTS, FaultMode
 from tracerisk.common.hardware.use import STATES, UnknownUseError

@@ -30,8 +30,8 @@ from tracerisk.pipeline.trace.last_run import (
 )
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
+from tracerisk.prm.review.change_records import Review
 from tracerisk.prm.review.model_parts import single_points
-from tracerisk.prm.review.risk_change import Review
 from tracerisk.report.diff.sentences import some
 from tracerisk.report.sarif import Alert, alert_at
 from tracerisk.trace import Trace

@@ -14,7 +14,7 @@ from tracerisk.instrument.source.language import is_c, is_c_like
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.review.renamed_functions import FunctionSource
-from tracerisk.prm.review.risk_change import Cause, ChangedField
+from tracerisk.prm.review.change_records import Cause, ChangedField
 
 _OF_HARDWARE = frozenset({"hardware", "active"})
 

@@ -15,7 +15,7 @@ from tracerisk.adder.blocks.values import component_fields
 from tracerisk.adder.sources.python_lines import parse_python
 from tracerisk.instrument.source.function_definitions import definitions
 from tracerisk.instrument.source.language import is_c_like
-from tracerisk.prm.review.risk_change import is_noise
+from tracerisk.prm.review.change_records import is_noise
 
 
 class FunctionSource(NamedTuple):

@@ -31,9 +31,9 @@ from tracerisk.pipeline.review.renamed_functions import FunctionSource, renamed_
 from tracerisk.pipeline.review.run_changes import run_changes, unrun_files
 from tracerisk.pipeline.review.run_verdicts import version_verdict
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
-from tracerisk.prm.review.compare import compare
+from tracerisk.prm.review.change_records import Review, RiskDiff, RunVerdicts
 from tracerisk.prm.review.model_parts import RiskVersion
-from tracerisk.prm.review.risk_change import Review, RiskDiff, RunVerdicts
+from tracerisk.prm.review.risk_change import compare
 
 
 def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:

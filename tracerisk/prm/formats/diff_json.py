@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from tracerisk.common.verdict import verdict_line
-from tracerisk.prm.review.risk_change import Review, RiskDiff
+from tracerisk.prm.review.change_records import Review, RiskDiff
 
 
 def review_to_json(review: Review) -> dict[str, Any]:

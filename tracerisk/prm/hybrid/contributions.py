@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from tracerisk.prm.hybrid.chain_solver import SolvedMission
 from tracerisk.prm.hybrid.hidden.hidden_chain import Flow, HiddenChain
 from tracerisk.prm.hybrid.hidden.hidden_states import Part
 from tracerisk.prm.hybrid.hidden.rest_trees import tree_probability
-from tracerisk.prm.hybrid.mission import SolvedMission
 from tracerisk.prm.numbers.binomial import failure_counts
 from tracerisk.prm.numbers.probability import Probability
 

@@ -18,11 +18,11 @@ from typing import NamedTuple
 
 from tracerisk.prm.hybrid.adjoint import Adjoint, Slopes
 from tracerisk.prm.hybrid.assessment import ComponentImportance, ImportanceShare
+from tracerisk.prm.hybrid.chain_solver import SolvedMission
 from tracerisk.prm.hybrid.elements import Parameter
 from tracerisk.prm.hybrid.fixed_cycles import failure_of
 from tracerisk.prm.hybrid.hidden.hidden_chain import Flow, HiddenChain
 from tracerisk.prm.hybrid.hybrid import HybridModel
-from tracerisk.prm.hybrid.mission import SolvedMission
 from tracerisk.prm.numbers.probability import worth
 
 

@@ -19,6 +19,12 @@ from tracerisk.prm.hybrid.assessment import (
     bounded,
     grouped,
 )
+from tracerisk.prm.hybrid.chain_solver import (
+    SolvedMission,
+    held_bound,
+    mission_figures,
+    solve_mission,
+)
 from tracerisk.prm.hybrid.contributions import mean_drops
 from tracerisk.prm.hybrid.elements import FunctionState
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit, is_spare_group
@@ -26,7 +32,6 @@ from tracerisk.prm.hybrid.hidden.hidden_states import MOST_STATES
 from tracerisk.prm.hybrid.hidden.rest_trees import tree_probability
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.importance import importances
-from tracerisk.prm.hybrid.mission import SolvedMission, held_bound, mission_figures, solve_mission
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate

@@ -19,13 +19,13 @@ from typing import cast
 
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.hybrid.adjoint import Adjoint, Slopes, share_of
+from tracerisk.prm.hybrid.chain_solver import solve_mission
 from tracerisk.prm.hybrid.elements import Parameter
 from tracerisk.prm.hybrid.hidden.hidden_chain import HiddenChain
 from tracerisk.prm.hybrid.hidden.hidden_states import HiddenStates
 from tracerisk.prm.hybrid.hidden.rest_trees import RestTrees
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.importance import held_failure
-from tracerisk.prm.hybrid.mission import solve_mission
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.events import BasicEvent
 from tracerisk.prm.trees.fault_tree import FaultTree

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.values import PROBABILITY, QUANTITY, FieldKind, component_fields
+from tracerisk.prm.review.change_records import NOISE, ChangedField, ChangeKind, is_noise, ratio_of
 from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, counted_components
-from tracerisk.prm.review.risk_change import NOISE, ChangedField, ChangeKind, is_noise, ratio_of
 
 
 class ComponentItem(NamedTuple):

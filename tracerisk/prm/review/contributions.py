@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from tracerisk.errors import InputError
-from tracerisk.prm.hybrid.mission import held_reading, solve_mission
+from tracerisk.prm.hybrid.chain_solver import held_reading, solve_mission
 from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion
 

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 from tracerisk.adder.blocks.block import Field
 from tracerisk.common.strong_components import joined_parts
 from tracerisk.prm.hybrid.elements import DONE
+from tracerisk.prm.review.change_records import ENTRY, ChangedField, Mark, is_noise
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, Steps
-from tracerisk.prm.review.risk_change import ENTRY, ChangedField, Mark, is_noise
 
 Edit = Callable[[ModelParts], None]
 

@@ -14,7 +14,7 @@ from tracerisk.adder.blocks.values import (
     component_fields,
 )
 from tracerisk.errors import Location
-from tracerisk.prm.review.risk_change import PinChange, is_noise
+from tracerisk.prm.review.change_records import PinChange, is_noise
 
 
 class _Pin(NamedTuple):

@@ -1,460 +1,328 @@
-"""What a change of the blocks does to the risk: the difference of two models, as data."""
+"""Compare two versions of a controller's risk model: what changed, and what each change does."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
-from tracerisk.adder.blocks.values import CALL_SEQUENCE
-from tracerisk.common.outcome.changes import OutcomeChanges
-from tracerisk.common.verdict import GAPS, NEVER_RAN, Acceptance, Reason, Verdict
-from tracerisk.errors import Location
-from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, MissionFigures
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.values import NEXT, block_fields
+from tracerisk.prm.review.change_records import (
+    ENTRY,
+    KIND_OF_CAUSE,
+    Cause,
+    CauseKind,
+    CauseShare,
+    ChangedField,
+    FunctionChange,
+    FunctionFigures,
+    Mark,
+    RiskChange,
+    RiskDiff,
+    SinglePoint,
+)
+from tracerisk.prm.review.component_changes import ComponentItem, alike, component_items
+from tracerisk.prm.review.contributions import contribution
+from tracerisk.prm.review.flow_changes import Edit, FlowItem, flow_items, joined
+from tracerisk.prm.review.model_parts import (
+    RiskVersion,
+    single_points,
+    tolerated_failures,
+)
+from tracerisk.prm.review.pin_changes import pin_changes
 
-ChangeKind = Literal[
-    "structure",
-    "probability",
-    "quantity",
-    "redundancy",
-    "component_added",
-    "component_removed",
-    "component_omitted",
-    "component_restored",
-]
-"""What changed: states and their `next`; a figure of a component; whether it counts at all."""
-
-Cause = Literal["pin", "edit", "code", "hardware", "settings", "files"]
-"""Why a value changed: a user's `:=`; a user's change of a `=` value; the controller's own
-sources; the hardware description; settings or the version of tracerisk; other files of the run
-(a robot, a scene, parameters)."""
-
-Mark = Literal["new_state", "lost_state", "new_next", "lost_redundancy", "single_point_of_failure"]
-"""What a reviewer should see of a change, whatever it does to the figure."""
-
-
-ENTRY = "entry"
-"""The key of the function that runs first, which no line of a block states."""
-
-
-@dataclass(frozen=True, slots=True)
-class ChangedField:
-    """One thing that differs between the versions: a value of a block, a block, the entry."""
-
-    path: str
-    """Dotted: `place.gripper.probability`, `place.next`, `place` for a whole block, `entry`."""
-    function: str
-    """The function of the block; of the entry, the one that runs first in the later version."""
-    component: str | None
-    """Name of the component; `None` for the function's own values and for the entry."""
-    key: str | None
-    """The key of the value in its block, or `ENTRY`; `None` for a whole block or component."""
-    before: str | None
-    """What to print for the earlier version; `None` where it has no such value."""
-    after: str | None
-    """What to print for the later version; `None` where it has no such value."""
-    location: Location | None
-    """The place in the later version; in the earlier one if `is_gone`."""
-    is_gone: bool = False
-    """Whether only the earlier version has it."""
-    causes: tuple[Cause, ...] = ()
-    """Why the value changed, in order; empty until known."""
-
-    @property
-    def stated(self) -> tuple[tuple[str, str | None], ...]:
-        """The values of blocks that make the change: the function and the key of each.
-
-        Two make the entry: the ranks of the function that runs first now, and of the one that did.
-        """
-        if self.key != ENTRY:
-            return ((self.function, self.key),)
-        names = dict.fromkeys(name for name in (self.after, self.before) if name is not None)
-        return tuple((name, CALL_SEQUENCE.key) for name in names)
+CauseOf = Callable[[ChangedField], tuple[Cause, ...]]
+"""Returns why a value that no user pinned is another one now."""
 
 
-@dataclass(frozen=True, slots=True)
-class RiskChange:
-    """One change of the model, and its effect on the mission's failure probability F."""
+def compare(
+    before: RiskVersion | None,
+    after: RiskVersion | None,
+    *,
+    name: str,
+    was: str | None = None,
+    renamed: Mapping[str, str] | None = None,
+    cause_of: CauseOf,
+    inputs: tuple[str, ...] = (),
+) -> RiskDiff:
+    """Return the difference in risk between two versions of one controller.
 
-    kind: ChangeKind
-    """What changed."""
-    summary: str
-    """The change in words, without cause and figure."""
-    component: str | None
-    """Name of the component; `None` for a change of the chain."""
-    functions: tuple[str, ...]
-    """Functions in which it was made."""
-    fields: tuple[ChangedField, ...]
-    """Values that differ, at least one."""
-    marks: tuple[Mark, ...]
-    """What a reviewer should see of it, whatever its contribution."""
-    contribution: float | None = None
-    """F(before with only this change) - F(before); `None` where that model has no solution."""
-
-    @property
-    def causes(self) -> tuple[Cause, ...]:
-        """The causes of its fields, each once, sorted."""
-        return tuple(sorted({cause for field in self.fields for cause in field.causes}))
-
-
-CauseKind = Literal["code", "hardware data", "pin", "edited by hand", "run"]
-"""What lies behind a change, for the one sentence: "run" are its settings and other files."""
-
-KIND_OF_CAUSE: Mapping[Cause, CauseKind] = {
-    "pin": "pin",
-    "edit": "edited by hand",
-    "code": "code",
-    "hardware": "hardware data",
-    "settings": "run",
-    "files": "run",
-}
-
-
-@dataclass(frozen=True, slots=True)
-class CauseShare:
-    """What all changes of one component by one kind of cause do together, over the functions."""
-
-    component: str | None
-    """`None` for a change of the chain."""
-    kinds: tuple[CauseKind, ...]
-    """Several where the versions differ in several things that may have changed a value."""
-    functions: tuple[str, ...]
-    """Where the changes are, sorted."""
-    summary: str
-    """What it is in words, without cause and figure."""
-    contribution: float | None
-    """F(before with only these changes) - F(before); `None` where they alone make no model."""
-
-
-@dataclass(frozen=True, slots=True)
-class FunctionFigures:
-    """The figures of a function in one version."""
-
-    top_event: float
-    """Probability that one visit fails."""
-    expected_visits: float
-    """Mean number of visits in a mission."""
-
-
-@dataclass(frozen=True, slots=True)
-class FunctionChange:
-    """A function in both versions."""
-
-    name: str
-    """Qualified name, in the later version where that has the function."""
-    was: str | None
-    """Earlier name of a renamed function; `None` where it was not renamed."""
-    before: FunctionFigures | None
-    """Figures of the earlier version; `None` where it lacks the function."""
-    after: FunctionFigures | None
-    """Figures of the later version; `None` where it lacks the function."""
-
-    @property
-    def status(self) -> Literal["added", "removed", "renamed", "changed", "unchanged"]:
-        """What became of it; figures within the noise are unchanged."""
-        if self.before is None:
-            return "added"
-        if self.after is None:
-            return "removed"
-        if self.was is not None:
-            return "renamed"
-        same = is_noise(self.before.top_event, self.after.top_event) and is_noise(
-            self.before.expected_visits, self.after.expected_visits
-        )
-        return "unchanged" if same else "changed"
-
-
-@dataclass(frozen=True, slots=True)
-class PinChange:
-    """What became of a value, a component or a block that a user set."""
-
-    kind: Literal["new", "removed", "changed", "drifted"]
-    """Kind of change; "drifted" where the user's value stands and the computed value changed."""
-    path: str
-    """Dotted path of the value, such as `place.gripper.probability`."""
-    before: str | None
-    """Text of the earlier pin; `None` where there was none."""
-    after: str | None
-    """Text of the later pin; `None` where there is none."""
-    computed_before: str | None
-    """Computed value beside the earlier pin; `None` where none is stated."""
-    computed_after: str | None
-    """Computed value beside the later pin; `None` where none is stated."""
-    reason: str | None
-    """The user's reason, the later one if both have one; `None` where none is given."""
-    location: Location | None
-    """Line of the pin, in the earlier version where the later has none."""
-
-
-@dataclass(frozen=True, slots=True)
-class SinglePoint:
-    """A component one unit of which newly fails the mission alone."""
-
-    component: str
-    """Name of the component."""
-    functions: tuple[str, ...]
-    """Functions in which it does, in the later version."""
-    is_new: bool
-    """Whether the earlier version does not use the component at all."""
-
-
-@dataclass(frozen=True, slots=True)
-class RunVerdicts:
-    """The verdicts of the runs behind two versions."""
-
-    before: Verdict | None
-    """Verdict of the earlier run; `None` where unknown."""
-    after: Verdict | None
-    """Verdict of the later run; `None` where unknown."""
-    in_before: bool = True
-    """Whether the earlier version has blocks."""
-    in_after: bool = True
-    """Whether the later version has blocks."""
-    renamed: Mapping[str, str] = field(default_factory=dict)
-    """The later name of functions that were renamed, by their earlier one."""
-
-    @property
-    def is_comparable(self) -> bool:
-        """Whether the figures of the two runs say anything of each other."""
-        return _is_whole(self.before, self.in_before) and _is_whole(self.after, self.in_after)
-
-    @property
-    def broke(self) -> tuple[Reason, ...]:
-        """What went wrong in the later run and not in the earlier one."""
-        return _only_in(self.after, self.before, {new: old for old, new in self.renamed.items()})
-
-    @property
-    def does_less(self) -> bool:
-        """Whether the later run lacks what the earlier had, beside functions that never ran."""
-        return self.in_before and any(reason.code not in GAPS for reason in self.broke)
-
-    @property
-    def repaired(self) -> tuple[Reason, ...]:
-        """What went wrong in the earlier run and does not in the later one.
-
-        Nothing where only the later run was cut short: it may not have come so far.
-        """
-        is_cut_short = not _is_whole(self.after, self.in_after)
-        if is_cut_short and _is_whole(self.before, self.in_before):
-            return ()
-        return _only_in(self.before, self.after, self.renamed)
-
-    @property
-    def new_acceptances(self) -> tuple[Acceptance, ...]:
-        """What the later version accepts and the earlier one did not."""
-        if self.after is None:
-            return ()
-        known = {acceptance.key for acceptance in self.before.acceptances} if self.before else set()
-        return tuple(
-            acceptance for acceptance in self.after.acceptances if acceptance.key not in known
-        )
-
-
-def _is_news(verdicts: RunVerdicts) -> bool:
-    """Return whether a run went wrong, or lost its verdict or got its first."""
-    is_unknown = verdicts.before is None and verdicts.after is None
-    return not verdicts.is_comparable and not is_unknown
-
-
-def _is_whole(verdict: Verdict | None, is_there: bool) -> bool:
-    return not is_there or (verdict is not None and verdict.kind in ("complete", "partial"))
-
-
-def _only_in(
-    verdict: Verdict | None, other: Verdict | None, renamed: Mapping[str, str]
-) -> tuple[Reason, ...]:
-    """Return the reasons that only the first verdict has, functions that never ran left aside.
-
-    `renamed` gives the other verdict's name of a function by its own. Of calls that were left out,
-    whose object is a call as written, only their number counts: whoever renames changes it. What
-    was said of the same thing in another function has moved with the code.
+    `renamed` gives the later name of functions by their earlier one; `name` and `was` are those
+    of the controller. `inputs` lists what the runs behind the blocks depended on that differs.
+    A version is `None` where it has no blocks.
+    The contribution of a change is F(before with only that change) - F(before), with F the
+    mission's failure probability; `interaction` is what the contributions leave of
+    F(after) - F(before).
     """
-    left = Counter(_key(reason, {}) for reason in _open(other))
-    alone = []
-    for reason in _open(verdict):
-        key = _key(reason, renamed)
-        if reason.code == NEVER_RAN or left[key] > 0:
-            left[key] -= 1
-        else:
-            alone.append(reason)
-    moved = Counter(_thing(key) for key in left.elements())
-    reasons = []
-    for reason in alone:
-        thing = _thing(_key(reason, renamed))
-        if thing[1] and moved[thing] > 0:
-            moved[thing] -= 1
-        else:
-            reasons.append(reason)
-    return tuple(reasons)
-
-
-def _thing(key: tuple[str, str, str]) -> tuple[str, str]:
-    code, _, thing = key
-    return code, thing
-
-
-def _open(verdict: Verdict | None) -> tuple[Reason, ...]:
-    return () if verdict is None else verdict.open_reasons
-
-
-def _key(reason: Reason, renamed: Mapping[str, str]) -> tuple[str, str, str]:
-    if reason.code in GAPS:
-        return reason.code, "", ""
-    return reason.code, renamed.get(reason.function, reason.function), reason.object
-
-
-@dataclass(frozen=True, slots=True)
-class RiskDiff:
-    """The difference in risk between two versions of one controller."""
-
-    name: str
-    """Path of the controller, in the later version where that has it."""
-    was: str | None
-    """Earlier path of a moved controller; `None` where it was not moved."""
-    before: MissionFigures | None
-    """Figures of the earlier version; `None` where it has no blocks."""
-    after: MissionFigures | None
-    """Figures of the later version; `None` where it has no blocks."""
-    changes: tuple[RiskChange, ...]
-    """Changes of the model, the greatest contribution first."""
-    interaction: float | None
-    """Change of the mission's figure beyond the sum of the contributions, noise included;
-    `None` where a version has no blocks."""
-    functions: tuple[FunctionChange, ...]
-    """Functions of either version, the later version's first."""
-    pins: tuple[PinChange, ...]
-    """Changes of values that users set, by path."""
-    single_points: tuple[SinglePoint, ...]
-    """Components that newly fail the mission alone, by name."""
-    within_noise: int
-    """Number of values that changed by less than 1 % and count as unchanged."""
-    inputs: tuple[str, ...] = ()
-    """Inputs of the runs behind the blocks that differ, one sentence each."""
-    of_run: tuple[str, ...] = ()
-    """What only the later run showed, such as unexpected contacts and motions without risk
-    data; one sentence each."""
-    verdicts: RunVerdicts | None = None
-    """Verdicts of both runs; `None` where neither version has a run in its lock."""
+    names = dict(renamed or {})
+    earlier = None if before is None else before.renamed(names)
+    changes: tuple[RiskChange, ...] = ()
     causes: tuple[CauseShare, ...] = ()
-    """The changes by component and kind of cause, the greatest contribution first."""
-    unrun: tuple[str, ...] = ()
-    """Files of the later version whose code is not the code that ran."""
-    outcome: OutcomeChanges | None = None
-    """How what the later run brought about differs; `None` where it is unknown of one of them."""
-
-    @property
-    def is_comparable(self) -> bool:
-        """Whether the runs behind the two versions can be compared; models alone always can.
-
-        A run that broke does less, so that a figure which falls with it says nothing.
-        """
-        if self.verdicts is None:
-            return self.is_same_mission
-        falls = self._falls and self.verdicts.does_less
-        return self.verdicts.is_comparable and not falls and self.is_same_mission
-
-    @property
-    def is_same_mission(self) -> bool:
-        """Whether the later figure may be said to rise or fall, by what the runs brought about.
-
-        A mission with another result is another one. One that lacks some of the way does less, so
-        that it must not look safer.
-        """
-        if self.outcome is None:
-            return True
-        return not self.outcome.result and not (self._falls and self.outcome.lost)
-
-    @property
-    def _falls(self) -> bool:
-        return self.increase < 0.0 and not self.is_unchanged
-
-    @property
-    def increase(self) -> float:
-        """How much the mission's figure rose; a version without blocks counts as none."""
-        return _figure(self.after) - _figure(self.before)
-
-    @property
-    def ratio(self) -> float | None:
-        """The later figure over the earlier; `None` where there is none to compare with."""
-        if self.before is None or self.after is None:
-            return None
-        return ratio_of(self.before.failure_probability, self.after.failure_probability)
-
-    @property
-    def is_unchanged(self) -> bool:
-        """Whether the mission's figure is the same, noise left aside."""
-        if self.before is None or self.after is None:
-            return False
-        return is_noise(self.before.failure_probability, self.after.failure_probability)
-
-    def is_worth_telling(self, threshold: float) -> bool:
-        """Return what `Review.is_worth_telling` says, for one controller."""
-        if self.before is None or self.after is None or self.pins or self.of_run:
-            return True
-        runs = self.verdicts
-        if runs is not None and (runs.new_acceptances or runs.does_less or _is_news(runs)):
-            return True
-        if self.unrun or (self.outcome is not None and self.outcome.of_mission):
-            return True
-        marks = {mark for change in self.changes for mark in change.marks}
-        if marks & {"lost_redundancy", "single_point_of_failure"}:
-            return True
-        before, after = self.before.failure_probability, self.after.failure_probability
-        return abs(after - before) > threshold * before
+    interaction = None
+    noisy = 0
+    points: tuple[SinglePoint, ...] = ()
+    if earlier is not None and after is not None:
+        if earlier.figures.mission.reading != after.figures.mission.reading:
+            # That cycles are counted now, or no longer, is no change of risk.
+            earlier, after = earlier.read_as_geometric(), after.read_as_geometric()
+        points = _new_single_points(earlier, after)
+        changes, causes, noisy = _changes(earlier, after, points, cause_of)
+        total = _mission(after) - _mission(earlier)
+        interaction = total - math.fsum(change.contribution or 0.0 for change in changes)
+    return RiskDiff(
+        name=name,
+        was=was,
+        before=None if earlier is None else earlier.figures.mission,
+        after=None if after is None else after.figures.mission,
+        changes=changes,
+        interaction=interaction,
+        functions=tuple(_functions(earlier, after, names)),
+        pins=pin_changes(
+            {} if earlier is None else earlier.blocks, {} if after is None else after.blocks
+        ),
+        single_points=points,
+        within_noise=noisy,
+        inputs=inputs,
+        causes=causes,
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class Review:
-    """What changed in risk between two versions of a repository."""
+class _Part(NamedTuple):
+    """A change with the edits that make it."""
 
-    before: str
-    """The earlier version as the user named it."""
-    after: str
-    """The later version as the user named it."""
-    controllers: tuple[RiskDiff, ...]
-    """Differences by controller, the greatest change first."""
-    notes: tuple[str, ...] = ()
-    """Remarks on the comparison, one sentence each."""
-    prefixes: tuple[str, str] = ("", "")
-    """Text before file names of the earlier and the later version, as git writes it (`HEAD:`)."""
-    statement: str = FIGURE_STATEMENT
-    """What the figures are and are not, for every output."""
-
-    def is_worth_telling(self, threshold: float) -> bool:
-        """Return whether a reviewer should hear of it: a figure changed by more, or a mark.
-
-        `threshold` is a relative change of a mission's failure probability, up or down. Whatever
-        the figure does, controllers that come or go, redundancy that is lost, new single points
-        of failure, values set by hand and what a run newly showed are reported.
-        """
-        return any(controller.is_worth_telling(threshold) for controller in self.controllers)
-
-    def place(self, location: Location | None, *, is_gone: bool = False) -> str:
-        """Return a place as the user finds it: `place.py:12`, `HEAD:place.py:12` if it is gone."""
-        if location is None:
-            return ""
-        return f"{self.prefixes[0 if is_gone else 1]}{location}"
+    change: RiskChange
+    """The change; its contribution is `None` until solved."""
+    edits: tuple[Edit, ...]
+    """Functions that make the change in a model taken apart."""
 
 
-WORKING_TREE = "working tree"
-"""What a version is called that is no commit."""
+def _changes(
+    before: RiskVersion, after: RiskVersion, points: Sequence[SinglePoint], cause_of: CauseOf
+) -> tuple[tuple[RiskChange, ...], tuple[CauseShare, ...], int]:
+    def explained(field: ChangedField) -> ChangedField:
+        """Return a change with its cause: a user's pin, else what the caller knows."""
+        pinned = any(
+            function in blocks and _is_pinned(blocks[function], field.component, key)
+            for blocks in (before.blocks, after.blocks)
+            for function, key in field.stated
+        )
+        return replace(field, causes=("pin",) if pinned else cause_of(field))
 
-NOISE = 0.01
-"""The relative change of a figure that counts as no change."""
+    flows, quiet_flows = flow_items(before, after)
+    items, quiet = component_items(before, after)
+    flows = [item._replace(field=explained(item.field)) for item in flows]
+    items = [item._replace(fields=tuple(map(explained, item.fields))) for item in items]
+    marks = _Marks(before, after, points)
+    parts = _solved([_component_part(group, marks) for group in alike(items)], before)
+    of_flow = _solved([_flow_part(group, marks) for group in joined(flows)], before)
+    if any(entry.change.contribution is None for entry in of_flow):
+        # One of them alone leads nowhere: they are one change.
+        of_flow = _solved([_flow_part(flows, marks)], before)
+    parts += of_flow
+    ordered = sorted((part.change for part in parts), key=_order)
+    return tuple(ordered), _causes(parts, before), quiet + quiet_flows
 
 
-def is_noise(before: float, after: float) -> bool:
-    """Return whether two figures differ by no more than the noise."""
-    return abs(after - before) <= NOISE * abs(before)
+def _solved(parts: Sequence[_Part], before: RiskVersion) -> list[_Part]:
+    return [
+        part._replace(change=replace(part.change, contribution=contribution(before, part.edits)))
+        for part in parts
+    ]
 
 
-def ratio_of(before: float, after: float) -> float | None:
-    """Return `after / before`: 1 for two zeros, `None` where only the first is zero."""
-    if before > 0.0:
-        return after / before
-    return 1.0 if after == 0.0 else None
+def _causes(parts: Sequence[_Part], before: RiskVersion) -> tuple[CauseShare, ...]:
+    """Put changes together by component and kind of cause; each of the chain stays alone."""
+    groups: dict[tuple[object, ...], list[_Part]] = {}
+    for number, part in enumerate(parts):
+        change = part.change
+        key: object = number if change.component is None else change.component
+        groups.setdefault((key, *_kinds(change)), []).append(part)
+    cause_shares = []
+    for group in groups.values():
+        first = group[0].change
+        functions = tuple(sorted({name for part in group for name in part.change.functions}))
+        together, summary = first.contribution, first.summary
+        if len(group) > 1:
+            edits = (edit for part in group for edit in part.edits)
+            together = contribution(before, edits)
+            where = functions[0] if len(functions) == 1 else f"{len(functions)} functions"
+            summary = f"{first.component} in {where}"
+        cause_shares.append(
+            CauseShare(first.component, _kinds(first), functions, summary, together)
+        )
+    return tuple(sorted(cause_shares, key=_order_of_cause))
 
 
-def _figure(mission: MissionFigures | None) -> float:
-    return 0.0 if mission is None else mission.failure_probability
+def _kinds(change: RiskChange) -> tuple[CauseKind, ...]:
+    return tuple(dict.fromkeys(KIND_OF_CAUSE[cause] for cause in change.causes))
+
+
+def _order_of_cause(cause: CauseShare) -> tuple[float, str, tuple[CauseKind, ...]]:
+    return (-float(f"{abs(cause.contribution or 0.0):.9g}"), cause.summary, cause.kinds)
+
+
+def _order(change: RiskChange) -> tuple[float, str, str]:
+    # To nine digits: what differs by rounding alone is ordered the same on every machine.
+    size = float(f"{abs(change.contribution or 0.0):.9g}")
+    return (-size, change.kind, change.fields[0].path)
+
+
+def _component_part(group: Sequence[ComponentItem], marks: _Marks) -> _Part:
+    first = group[0]
+    ordered = sorted(group, key=lambda item: item.field.path)
+    change = RiskChange(
+        kind=first.kind,
+        summary=_component_summary(ordered),
+        component=first.field.component,
+        functions=tuple(item.field.function for item in ordered),
+        fields=tuple(field for item in ordered for field in item.fields),
+        marks=marks.of_components(group),
+    )
+    return _Part(change, tuple(item.edit for item in group))
+
+
+def _component_summary(group: Sequence[ComponentItem]) -> str:
+    first = group[0]
+    one = first.field
+    where = one.function if len(group) == 1 else f"{len(group)} functions"
+    lead = f"{one.component} in {where}"
+    match first.kind:
+        case "component_added":
+            return f"{lead}: now counted"
+        case "component_removed":
+            return f"{lead}: no longer counted"
+        case "component_omitted":
+            return f"{lead}: left out by hand"
+        case "component_restored":
+            return f"{lead}: no longer left out"
+    text = f"{lead}: {', '.join(map(_values, first.fields))}"
+    if first.kind != "probability":
+        return text
+    if first.ratio is None or first.ratio in (0.0, float("inf")):
+        return text if len(group) == 1 else f"{lead}: {one.key}, to or from 0"
+    if len(group) == 1:
+        return f"{text} (x{first.ratio:.4g})"
+    return f"{lead}: {one.key} x{first.ratio:.4g}"
+
+
+def _values(field: ChangedField) -> str:
+    return f"{field.key} {field.before or 'not given'} -> {field.after or 'not given'}"
+
+
+def _flow_part(group: Sequence[FlowItem], marks: _Marks) -> _Part:
+    # A state must be there before a `next` leads to it, and is dropped when none does.
+    ordered = sorted(group, key=lambda item: item.field.path)
+    change = RiskChange(
+        kind="structure",
+        summary="; ".join(_flow_summaries(ordered)),
+        component=None,
+        functions=tuple(dict.fromkeys(item.field.function for item in ordered)),
+        fields=tuple(item.field for item in ordered),
+        marks=marks.of_flow(ordered),
+    )
+    return _Part(change, tuple(item.edit for item in ordered))
+
+
+def _flow_summaries(group: Sequence[FlowItem]) -> Iterator[str]:
+    for mark, words in (("new_state", "new state"), ("lost_state", "removed state:")):
+        names = [item.field.function for item in group if item.mark == mark]
+        if names:
+            yield f"{words}{'s' if len(names) > 1 and mark == 'new_state' else ''} {_listed(names)}"
+    following = [item.field for item in group if item.field.key == NEXT.key]
+    if len(following) == 1:
+        one = following[0]
+        yield f"{one.function}: next {one.before} -> {one.after}"
+    elif following:
+        yield f"next of {_listed([field.function for field in following])}"
+    for item in group:
+        if item.field.key == ENTRY:
+            yield f"the mission starts with {item.field.after}, no longer {item.field.before}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:3])
+    return shown if len(names) <= 3 else f"{shown} and {len(names) - 3} more"
+
+
+class _Marks:
+    """What a reviewer should see of a change beside its figure."""
+
+    def __init__(
+        self, before: RiskVersion, after: RiskVersion, points: Sequence[SinglePoint]
+    ) -> None:
+        self._before = before.states
+        self._after = after.states
+        self._points = {point.component: point.functions for point in points}
+
+    def of_components(self, group: Sequence[ComponentItem]) -> tuple[Mark, ...]:
+        marks: list[Mark] = []
+        kind, component = group[0].kind, str(group[0].field.component)
+        functions = [item.field.function for item in group]
+        if kind in ("quantity", "redundancy") and any(
+            self._lost(name, component) for name in functions
+        ):
+            marks.append("lost_redundancy")
+        if kind in ("quantity", "redundancy", "component_added", "component_restored") and set(
+            functions
+        ) & set(self._points.get(component, ())):
+            marks.append("single_point_of_failure")
+        return tuple(marks)
+
+    def of_flow(self, group: Sequence[FlowItem]) -> tuple[Mark, ...]:
+        marks = {item.mark for item in group if item.mark is not None}
+        added = {item.field.function for item in group if item.mark == "new_state"}
+        if any(added & set(functions) for functions in self._points.values()):
+            marks.add("single_point_of_failure")
+        return tuple(sorted(marks))
+
+    def _lost(self, function: str, component: str) -> bool:
+        before = tolerated_failures(self._before[function].tree)
+        after = tolerated_failures(self._after[function].tree)
+        return after.get(component, 0) < before.get(component, 0)
+
+
+def _new_single_points(before: RiskVersion, after: RiskVersion) -> tuple[SinglePoint, ...]:
+    old, new = single_points(before.model), single_points(after.model)
+    known = {parameter.component for parameter in before.model.parameters}
+    return tuple(
+        SinglePoint(name, tuple(new[name]), name not in known)
+        for name in sorted(set(new) - set(old))
+    )
+
+
+def _is_pinned(block: RiskBlock, component: str | None, key: str | None) -> bool:
+    if key is not None:
+        fields = block_fields(block, component)
+        return key in fields and fields[key][1].pinned
+    if component is None:
+        return block.added
+    return any(
+        entry.name == component and (entry.added or entry.omitted) for entry in block.components
+    )
+
+
+def _functions(
+    before: RiskVersion | None, after: RiskVersion | None, renamed: Mapping[str, str]
+) -> Iterable[FunctionChange]:
+    was = {new: old for old, new in renamed.items()}
+    old = {} if before is None else before.states
+    new = {} if after is None else after.states
+    for name in [*new, *(name for name in old if name not in new)]:
+        yield FunctionChange(
+            name, was.get(name), _figures(before, name, old), _figures(after, name, new)
+        )
+
+
+def _figures(
+    version: RiskVersion | None, name: str, states: Mapping[str, object]
+) -> FunctionFigures | None:
+    if version is None or name not in states:
+        return None
+    figures = version.figures
+    return FunctionFigures(figures.top_events[name], figures.expected_visits[name])
+
+
+def _mission(version: RiskVersion) -> float:
+    return version.figures.mission.failure_probability

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from tracerisk.prm.review.risk_change import FunctionFigures, Review, RiskDiff
+from tracerisk.prm.review.change_records import FunctionFigures, Review, RiskDiff
 from tracerisk.report.diff import sentences
 
 TAG = "<!-- tracerisk-diff -->"

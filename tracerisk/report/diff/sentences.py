@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.common.verdict import UNKNOWN_VERDICT, Verdict, verdict_line
 from tracerisk.instrument.source.language import is_c
-from tracerisk.prm.review.risk_change import (
+from tracerisk.prm.review.change_records import (
     NOISE,
     CauseShare,
     FunctionChange,

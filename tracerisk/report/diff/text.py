@@ -5,7 +5,13 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Sequence
 
-from tracerisk.prm.review.risk_change import FunctionChange, Review, RiskChange, RiskDiff, is_noise
+from tracerisk.prm.review.change_records import (
+    FunctionChange,
+    Review,
+    RiskChange,
+    RiskDiff,
+    is_noise,
+)
 from tracerisk.report.diff import sentences
 
 _FIGURES = (10, 10, 9)  # the widths of before, after and ratio

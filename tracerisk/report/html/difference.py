@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tracerisk.prm.hybrid.assessment import MissionFigures
-from tracerisk.prm.review.risk_change import FunctionFigures, Review, RiskDiff
+from tracerisk.prm.review.change_records import FunctionFigures, Review, RiskDiff
 from tracerisk.report.diff import sentences
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput

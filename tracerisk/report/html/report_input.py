@@ -10,7 +10,7 @@ from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
-from tracerisk.prm.review.risk_change import Review
+from tracerisk.prm.review.change_records import Review
 from tracerisk.report.html.section import Section
 from tracerisk.report.run_figures import RunFigures
 from tracerisk.trace import Trace

@@ -18,7 +18,7 @@ from tracerisk.errors import RobotError, one_of
 from tracerisk.ros.moveit.goal_regions import LinkRegion
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.moveit.path_constraints import PathRule, message_pose
-from tracerisk.ros.moveit.plans import Plan, PoseGoal, places
+from tracerisk.ros.moveit.plan_records import Plan, PoseGoal, places
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import ORIGIN, unit_quaternion

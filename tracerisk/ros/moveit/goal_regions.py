@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tracerisk.ros.moveit.path_constraints import BOX, CYLINDER, SPHERE, is_within, message_pose
-from tracerisk.ros.moveit.plans import PoseGoal
+from tracerisk.ros.moveit.plan_records import PoseGoal
 from tracerisk.ros.transforms.poses import (
     ORIGIN,
     Quaternion,

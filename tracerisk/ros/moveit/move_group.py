@@ -16,7 +16,7 @@ from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.moveit.path_constraints import PathRule
-from tracerisk.ros.moveit.plans import (
+from tracerisk.ros.moveit.plan_records import (
     CODE_OF,
     RATED,
     WHOLE_PATH,

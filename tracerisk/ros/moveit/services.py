@@ -23,7 +23,7 @@ from tracerisk.ros.moveit.messages import (
 )
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.moveit.path_constraints import message_pose
-from tracerisk.ros.moveit.plans import RATED, Plan, PoseGoal, valid_fraction
+from tracerisk.ros.moveit.plan_records import RATED, Plan, PoseGoal, valid_fraction
 from tracerisk.ros.moveit.scene.topics import MONITORED, SceneTopics
 from tracerisk.ros.moveit.trajectory_execution import NOTHING, Asker, ErrorCode, Execution
 from tracerisk.ros.readings.read_poses import ReadPoses

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift, Vector, reachable_shift
-from tracerisk.ros.moveit.plans import PoseGoal
+from tracerisk.ros.moveit.plan_records import PoseGoal
 from tracerisk.ros.transforms.poses import compose, inverse
 from tracerisk.twin.physics.motion import PlanningError, Pose
 

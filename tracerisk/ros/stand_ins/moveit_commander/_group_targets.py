@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState
 
 from tracerisk.errors import one_of
 from tracerisk.ros.graph.runtime import current
-from tracerisk.ros.moveit.plans import GoalKind, PoseGoal
+from tracerisk.ros.moveit.plan_records import GoalKind, PoseGoal
 from tracerisk.ros.readings.euler_angles import look_at_euler
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import (

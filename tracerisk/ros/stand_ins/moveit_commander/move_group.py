@@ -19,7 +19,7 @@ from moveit_msgs.msg import (
 from tracerisk.errors import one_of
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit import messages
-from tracerisk.ros.moveit.plans import Plan, PoseGoal
+from tracerisk.ros.moveit.plan_records import Plan, PoseGoal
 from tracerisk.ros.moveit.trajectory_execution import Asker, ErrorCode
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.twin.robots.robot import Scaling

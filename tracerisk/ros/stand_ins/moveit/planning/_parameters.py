@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.ros.moveit.plans import valid_fraction
+from tracerisk.ros.moveit.plan_records import valid_fraction
 from tracerisk.twin.robots.robot import Scaling
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from moveit_msgs.msg import Constraints
 from tracerisk.errors import one_of
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError
-from tracerisk.ros.moveit.plans import Plan
+from tracerisk.ros.moveit.plan_records import Plan
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.twin.motion.plausible_units import floored_percent
