@@ -327,3 +327,17 @@ def test_a_nudge_of_a_new_limb_reaches_nobody(tmp_path):
     path.write_text(f"{NUDGE}limb.move_to_joint_positions(BENCH, timeout=0.0)\nrospy.sleep(1.0)\n")
     trace = api.trace_controller(api.load_controller(path), Settings(robot="baxter"))
     assert [reason.code for reason in trace.verdict.reasons] == ["sent-early", "no-command"]
+
+
+def test_a_library_whose_import_makes_all_its_clients_is_connected_by_the_first_call(tmp_path):
+    (tmp_path / "pyproject.toml").touch()
+    path = tmp_path / "moves.py"
+    path.write_text(
+        'import rclpy\nimport DR_init\n\nDR_init.__dsr__id, DR_init.__dsr__model = "d", "m0609"\n'
+        'rclpy.init()\nDR_init.__dsr__node = rclpy.create_node("moves", namespace="d")\n'
+        "from DSR_ROBOT2 import movej, set_velj\n\n"
+        "set_velj(30)\nassert movej([0, 0, 90, 0, 90, 10], vel=30, acc=60) == 0\n"
+    )
+    trace = api.trace_controller(api.load_controller(path), Settings(robot="m0609"))
+    assert "sent-early" not in {reason.code for reason in trace.verdict.reasons}
+    assert [command.end for command in trace.commands] == ["arrived"]

@@ -12,6 +12,8 @@ from DR_common2 import DR_ERROR_TYPE, DR_ERROR_VALUE, DR_Error, is_number
 from dsr_msgs2 import srv
 from std_msgs.msg import Float64MultiArray
 
+from tracerisk.ros.graph.runtime import current
+
 # As in the library: without a node it cannot be imported.
 g_node: Any = DR_init.__dsr__node
 
@@ -35,7 +37,10 @@ DEFAULTS = Defaults()
 
 @cache
 def _client(kind: str, name: str) -> Any:
-    return g_node.create_client(getattr(srv, kind), name)
+    client = g_node.create_client(getattr(srv, kind), name)
+    # The library makes all its clients, some two hundred, when it is imported, which takes longer.
+    current().graph.carrier.pass_connections()
+    return client
 
 
 def asked(kind: str, service: str, /, **fields: Any) -> Any:
