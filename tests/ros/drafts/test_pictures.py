@@ -6,6 +6,7 @@ from types import ModuleType
 import pytest
 
 from tracerisk.errors import ScenarioError
+from tracerisk.ros.drafts import drafted_pictures
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import read_scenario
@@ -93,3 +94,18 @@ def test_markers_need_opencv(image, monkeypatch):
     monkeypatch.setitem(sys.modules, "cv2", None)
     with pytest.raises(ScenarioError, match="pip install opencv-contrib-python-headless"):
         image("{picture: {markers: [{dictionary: DICT_4X4_50}]}}")
+
+
+@pytest.mark.parametrize(
+    ("topic", "encoding"),
+    [
+        ("/overhead/depth_sensor/image_raw", "bgr8"),
+        ("/depth_camera/image_raw", "bgr8"),
+        ("/depthcam/depth/image_raw", "16UC1"),
+        ("/camera/aligned_depth_to_color/image_raw", "16UC1"),
+        ("/depth_image", "16UC1"),
+    ],
+)
+def test_a_depth_camera_sends_colours_too(topic, encoding):
+    drafted = drafted_pictures.picture("sensor_msgs/Image", ["header"], "camera", topic)
+    assert drafted["picture"]["encoding"] == encoding

@@ -19,7 +19,8 @@ _FOCAL = 1.25  # of the width
 _PLACES = ((0.25, 0.25), (0.5, 0.5), (0.75, 0.75))
 """Where it is seen in turn, as shares of the width and the height."""
 _SIDE, _STEP_M = 5, 0.03  # points along a side of a patch, and from one to the next [m]
-_DEPTH = re.compile(r"depth", re.IGNORECASE)
+# A camera that is called a depth camera or sensor sends colours on its `image_raw`, too.
+_DEPTH = re.compile(r"depth(?!_?(camera|cam|sensor)\b)", re.IGNORECASE)
 _MONO = re.compile(r"mono|gr[ae]y|infra|(^|[/_])ir([/_]|$)", re.IGNORECASE)
 
 
