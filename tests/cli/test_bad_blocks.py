@@ -142,7 +142,7 @@ BAD = {
         "    # | @Component {\n",
         "\n    # | @Component {\n",
         9,
-        "stands outside a risk block, which begins with `# | RiskAnnotation`",
+        "is outside a risk block; a block begins with `# | RiskAnnotation`",
     ),
     "a reason for a computed value": (
         "quantity = 7",

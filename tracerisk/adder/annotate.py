@@ -33,7 +33,7 @@ class SourceBlocks:
     file: str
     """The path from the lock's folder, with slashes."""
     source: bytes
-    """The content, in which blocks have the names of their functions."""
+    """The content, with the `name` in each block brought up to date with renamed functions."""
     computed: Mapping[QualifiedName, RiskBlock]
     """The block computed for each function."""
     lines: Mapping[QualifiedName, int] = field(default_factory=dict)
@@ -137,10 +137,10 @@ def annotate_sources(
 ) -> Annotation:
     """Return what becomes of a controller's sources and of the lock.
 
-    `controller` is the path of the controller relative to the lock's folder. A block of a
-    function that is not computed any more goes, unless a user set something in it.
-    `evidence` takes the name of a file in `sources` and returns what git and the inputs of the
-    last run say about who wrote it; without it the lock alone decides.
+    `controller` is the path of the controller relative to the lock's folder. The block of a
+    function for which nothing is computed any more is removed, unless a user set something in it.
+    `evidence` takes the name of a file in `sources` and returns what git and the inputs of the last
+    run say about who wrote it; without it the lock alone decides.
 
     Raises:
         BlockError, SourceError: if a source or a block in it cannot be read, or a redundancy is
@@ -160,7 +160,7 @@ def annotate_sources(
         edits = _in_the_way(merged, policy)
     if edits:
         return EditsInTheWay(edits)
-    merged = _with_digests(_left_blocks_last(sources, merged))
+    merged = _with_digests(_leftover_blocks_last(sources, merged))
     names = model_names(_by_function(merged)).values()
     for one in merged.values():
         check_targets(
@@ -218,9 +218,9 @@ def _by_function(merged: Mapping[str, _MergedSource]) -> dict[FunctionRef, RiskB
 def _with_free_ranks(
     sources: Sequence[SourceBlocks], found: Mapping[FunctionRef, RiskBlock] | None = None
 ) -> list[SourceBlocks]:
-    """Replace computed ranks by those that a user set in the blocks `found`.
+    """Move computed ranks out of the way of those that a user set in the blocks `found`.
 
-    Those are what the sources hold where nothing else is given.
+    By default `found` are the blocks that stand in the sources.
     """
     if found is None:
         found = {
@@ -282,10 +282,10 @@ def _with_digests(merged: Mapping[str, _MergedSource]) -> dict[str, _MergedSourc
     }
 
 
-def _left_blocks_last(
+def _leftover_blocks_last(
     sources: Sequence[SourceBlocks], merged: Mapping[str, _MergedSource]
 ) -> dict[str, _MergedSource]:
-    """Put the blocks that stay only for a manual edit behind those of the run.
+    """Rank the blocks that remain only because of a manual edit after those of the run.
 
     Nothing is computed for them, so what the tool once wrote may contradict the run's blocks:
     their rank may be another's by now, and their `next` may name a function without a block.
@@ -293,16 +293,16 @@ def _left_blocks_last(
     computed = {source.file: source.computed for source in sources}
     by_function = _by_function(merged)
     placed = [(ref.file, ref.name, block) for ref, block in by_function.items()]
-    left = [
+    leftover = [
         row
         for row in placed
         if row[1] not in computed[row[0]] and not row[2].added and not row[2].call_sequence.pinned
     ]
     names = {*model_names(by_function).values(), DONE}
-    ranks = [row[2].call_sequence.value for row in placed if row not in left]
+    ranks = [row[2].call_sequence.value for row in placed if row not in leftover]
     result = dict(merged)
-    left.sort(key=lambda row: (row[2].call_sequence.value, row[0], row[1]))
-    for rank, (file, name, block) in enumerate(left, start=max(ranks, default=0) + 1):
+    leftover.sort(key=lambda row: (row[2].call_sequence.value, row[0], row[1]))
+    for rank, (file, name, block) in enumerate(leftover, start=max(ranks, default=0) + 1):
         following = block.next
         if following is not None and not following.pinned:
             leads_on = all(transition.target in names for transition in following.value)

@@ -287,5 +287,5 @@ def test_what_is_no_digest_begins_no_block(text: str) -> None:
     bad = SOURCE.decode().replace(
         "    go()", f"    # | RiskAnnotation {text}\n    # | @Function {{\n    # | }}\n    go()"
     )
-    with pytest.raises(BlockError, match="stands outside a risk block"):
+    with pytest.raises(BlockError, match="is outside a risk block"):
         read_blocks(bad.encode(), "c.py")

@@ -332,7 +332,7 @@ BAD_BLOCKS = {
     "reason behind a semicolon": (
         f"RiskAnnotation\n{FUNCTION}{COMPONENT.replace('= 1e-8', ':= 1e-8 ; a new gear')}",
         8,
-        "not behind `;`; write `probability := 1e-8  ! a new gear`",
+        "not after `;`; write `probability := 1e-8  ! a new gear`",
     ),
     "quantity of zero": (
         f"RiskAnnotation\n{FUNCTION}{COMPONENT.replace('quantity = 1', 'quantity = 0')}",
@@ -422,9 +422,12 @@ def test_a_bad_block_is_an_error_with_file_and_line(case: str, read_block) -> No
         ("false, common_cause 0.1", "true, false, required K"),
         ("required 0", "required K with K from 1 up"),
         ("true, common_cause 1.5", "the share of failures that hit every unit, from 0 to 1"),
-        ("true, spare warm 2", "the rate of a waiting spare by that of a working one, from 0 to 1"),
+        (
+            "true, spare warm 2",
+            "the failure rate of a waiting spare divided by that of a working one",
+        ),
         ("true, switch 3", "the probability that a spare fails to take over, from 0 to 1"),
-        ("true, detected hourly", "detected mission_start, the first failures of a group stay"),
+        ("true, detected hourly", "the first failures of a group stay"),
     ],
 )
 def test_a_redundancy_that_cannot_be_is_reported_with_what_can(read_block, text, message):

@@ -219,7 +219,8 @@ def test_a_load_law_without_a_speed_says_whose_speed_it_takes(compute):
     (line,) = compute(MOVE, RATE, f"{law}}}", JOINTS).assumptions
     assert line == (
         "part: the figures are taken to hold at the mean speed of the mission itself, since the "
-        "load law states no reference_speed: what moves faster throughout wears no more by that"
+        "load law states no reference_speed, so a component that always moves faster does not "
+        "count as wearing more"
     )
     assert compute(MOVE, RATE, f"{law}, reference_speed: 0.3}}", JOINTS).assumptions == ()
 

@@ -95,7 +95,7 @@ def test_a_test_rarer_than_missions_says_the_mean_of_those_between_two(power, mi
     )
     assert entry.redundancy.text == "true"
     (line,) = assumptions
-    assert line.startswith(f"power: of {missions:.4g} missions between two tests")
+    assert line.startswith(f"power: figures are means over the {missions:.4g} missions between")
 
 
 def test_where_missions_are_cut_changes_nothing_of_what_lasts_beyond_them(power):
@@ -124,4 +124,6 @@ def test_spares_tested_more_rarely_than_missions_come_say_the_mean_as_well(power
     p, found = alone.probability.value, entry.probability.value
     assert hazard(found, 1) == pytest.approx(hazard(p, missions) / missions, rel=2e-3)
     assert entry.redundancy.text == "true, spare cold"
-    assert assumptions[0].startswith(f"power: of {missions:.4g} missions between two tests")
+    assert assumptions[0].startswith(
+        f"power: figures are means over the {missions:.4g} missions between"
+    )

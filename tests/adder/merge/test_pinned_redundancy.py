@@ -50,9 +50,9 @@ def test_a_redundancy_over_units_that_differ_is_an_error_that_says_what_to_do():
     with pytest.raises(BlockError) as caught:
         annotated(by_hand(source, *PINNED), lock)
     assert str(caught.value) == (
-        "place.py:12: function 'place', component 'motor': 'redundancy := true' stands over "
-        "units that differ (joint2 3.4e-08, joint1 1.2e-09 a visit), for which the value of the "
-        "block holds as 'redundancy = false' only; state the redundancy in the hardware "
+        "place.py:12: function 'place', component 'motor': 'redundancy := true' is set for "
+        "units that differ (joint2 3.4e-08, joint1 1.2e-09 per visit); the block's probability "
+        "holds only with 'redundancy = false'; state the redundancy in the hardware "
         "description, or set the probability of a unit by hand too (probability := ...)"
     )
 
@@ -60,7 +60,7 @@ def test_a_redundancy_over_units_that_differ_is_an_error_that_says_what_to_do():
 def test_an_accepted_edit_is_no_way_around_it():
     source, lock = annotated(SOURCE)
     edited = by_hand(source, b"redundancy = false", b"redundancy = true")
-    with pytest.raises(BlockError, match="stands over units that differ"):
+    with pytest.raises(BlockError, match="is set for units that differ"):
         annotated(edited, lock, policy=MergePolicy(edits="accept"))
 
 
@@ -92,7 +92,7 @@ def test_more_units_than_a_line_holds_are_counted():
     source, lock = annotated(SOURCE)
     many = {"motor": {f"joint{number}": number * 1e-9 for number in range(1, 13)}}
     with pytest.raises(
-        BlockError, match=r"\(joint12 1.2e-08, .*, joint5 5e-09, and 4 more a visit"
+        BlockError, match=r"\(joint12 1.2e-08, .*, joint5 5e-09, and 4 more per visit"
     ):
         annotated(by_hand(source, *PINNED), lock, many)
 

@@ -133,7 +133,7 @@ def test_a_pinned_reason_that_would_end_the_comment_is_refused():
 
 
 def test_a_function_behind_other_code_on_its_line_is_refused_where_its_body_is_too():
-    with pytest.raises(UnsafeRewriteError, match="no line is free"):
+    with pytest.raises(UnsafeRewriteError, match="no place for the risk block"):
         insert_blocks(b"int x; int f() { return x; }\n", blocks(["f"]), "a.cpp")
 
 
@@ -216,7 +216,7 @@ def test_a_function_that_cannot_be_read_is_reported_with_the_place():
 @pytest.mark.parametrize(
     ("source", "file", "message"),
     [
-        (b"int f() {\n}\n", "a.java", "no C or C"),
+        (b"int f() {\n}\n", "a.java", "not a C or C"),
         (b"int f() {\n\0}\n", "a.cpp", "zero byte"),
     ],
 )

@@ -100,7 +100,7 @@ REFUSED = {
     "a comment between two parts": (
         f"def f():\n{block('f')}    # a word\n    # | @Component {{\n    # | }}\n    pass\n",
         BlockError,
-        "c.py:8: `# | @Component {` stands outside a risk block, which begins with",
+        "c.py:8: `# | @Component {` is outside a risk block; a block begins with",
     ),
     "two blocks in one function": (
         f"def f():\n{block('f')}{block('f')}    pass\n",

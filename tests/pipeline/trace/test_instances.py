@@ -69,7 +69,7 @@ def test_a_redundancy_by_hand_over_motors_that_differ_stops_annotate_and_check(a
     outcome = example.run("annotate", *options)
     assert outcome.code == 2
     assert f"pick_and_place.py:{line}: function 'init', component 'electric_motor'" in outcome.err
-    assert "'redundancy := required 6' stands over units that differ (panda_joint" in outcome.err
+    assert "'redundancy := required 6' is set for units that differ (panda_joint" in outcome.err
     assert example.read("pick_and_place.py").decode() == pinned
     checked = example.run("check", "pick_and_place.py", "--json")
     kinds = [each["kind"] for each in json.loads(checked.out)["findings"]]

@@ -24,8 +24,8 @@ class Field(Generic[T]):
     pinned: bool = False
     """Whether a user set the value (`:=`); else it is the tool's (`=`)."""
     computed: str | None = None
-    """What the tool would write for a pinned value, as text, or `none` where it computes nothing;
-    `None` where not written."""
+    """The text that the tool would write for a pinned value: `"none"` if it computes nothing there.
+    `None` if the block does not say."""
     reason: str | None = None
     """The user's reason for a pinned value, in single spaces; `None` where not given."""
     location: Location | None = field(default=None, compare=False)
@@ -89,7 +89,7 @@ class RiskBlock:
     reason: str | None = None
     """The user's reason for giving the block; `None` where not given."""
     digest: str | None = field(default=None, compare=False)
-    """The digest of the values that the tool wrote (see `block_digest.py`); `None` for a block of
+    """The digest of the values that the tool wrote (`adder/lock/digest.py`); `None` for a block of
     an earlier version or in the published form. It is not compared."""
     has_evidence: bool = False
     """Whether the computed values count only failures that ended the mission on the twin."""

@@ -1,7 +1,7 @@
-"""The text of a risk annotation block: parse it, with a place for every mistake, and print it.
+"""The text of a risk annotation block: parse it, report each mistake with its line, and print it.
 
-A block is comment lines behind the gutter `# | `, which no linter takes for dead code.
-Here a line is what stands behind the gutter; where blocks stand in a file is `read.py`'s.
+A block is comment lines after the gutter `# | `, which no linter takes for dead code.
+Here a line is what follows the gutter; finding blocks in a file is the job of `sources/read.py`.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from tracerisk.errors import BlockError, Location, one_of
 GUTTER = "# | "
 HEADER = "RiskAnnotation"
 DIGEST = "[0-9A-Za-z]{6}(?:-[0-9A-Za-z]{6})*"
-"""What may stand behind the header: see `block_digest.py`."""
+"""What may follow the header: see `adder/lock/digest.py`."""
 
 DEFAULT_WIDTH = 79
 """The width that printed lines keep to, the indentation included, where words allow it."""
 _NARROWEST, _TAB_COLUMNS = 40, 8
 
 WITH_EVIDENCE = "with evidence"
-"""What stands behind the header of a block whose values take evidence."""
+"""What follows the header of a block whose values take evidence into account."""
 
 HEADER_LINE = rf"{HEADER}(?:[ \t]+(?P<digest>{DIGEST}))?(?P<evidence>[ \t]+{WITH_EVIDENCE})?"
 """The line with which a block begins, as a regular expression."""
@@ -43,7 +43,7 @@ HEADER_LINE = rf"{HEADER}(?:[ \t]+(?P<digest>{DIGEST}))?(?P<evidence>[ \t]+{WITH
 _HEADER = re.compile(HEADER_LINE)
 _SECTION = re.compile(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<rest>.*)")
 _ASSIGNMENT = re.compile(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
-_IS_WORDS = r"[^\W\d]"
+_LETTER = r"[^\W\d]"
 _FUNCTION_KEYS = ("name", "callSequence", "next")
 _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
 
@@ -54,7 +54,7 @@ class BlockLine(NamedTuple):
     number: int
     """The number of the line in the file, from 1."""
     text: str
-    """The text behind the gutter."""
+    """The text after the gutter."""
 
 
 class _Assignment(NamedTuple):
@@ -331,7 +331,7 @@ class _Parser:
         joined = _joined(comment)
         computed, reason = _split_comment(joined)
         if computed is not None and computed != NOTHING_COMPUTED:
-            if re.match(_IS_WORDS, computed) and not _is_readable(kind, computed):
+            if re.match(_LETTER, computed) and not _is_readable(kind, computed):
                 # A reason that begins with this word.
                 computed, reason = None, joined
             else:
@@ -354,7 +354,7 @@ class _Parser:
                 value, _, reason = text.partition(mark)
                 if reason and _is_readable(kind, value.strip()):
                     words = f"{kind.key} := {value.strip()}  ! {reason.strip()}"
-                    message = f"a reason stands behind `!` and not behind `{mark}`; write `{words}`"
+                    message = f"put a reason after `!`, not after `{mark}`; write `{words}`"
             raise self._error(at.line, message) from error
 
 
@@ -395,7 +395,7 @@ def _lines_of(keys: Iterable[str]) -> list[str]:
 
 
 def width_behind(indent: bytes) -> int:
-    """Return how wide the lines of a block may be behind an indentation."""
+    """Return how wide the lines of a block may be after an indentation."""
     return max(_NARROWEST, DEFAULT_WIDTH - len(indent.expandtabs(_TAB_COLUMNS)))
 
 

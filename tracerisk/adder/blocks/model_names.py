@@ -1,8 +1,8 @@
-"""The names of functions in a model that several files make.
+"""The names of functions in a model that is built from several files.
 
 A block's `name` is the qualified name within its module. Where blocks of two files have one name,
-the model and every `next` put the module before it: `left_arm.open`, `right_arm.open`. So they
-do where a function has the name of the mission's end: `arm.done`.
+the model and every `next` put the module before it: `left_arm.open`, `right_arm.open`. They do the
+same where a function has the name of the mission's end: `arm.done`.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ _INIT = "__init__"
 def model_names(functions: Collection[FunctionRef]) -> dict[FunctionRef, str]:
     """Return each function's name in the model: its own, or with its module where that is taken.
 
-    The module is the file's stem; where that is shared as well, as many folders are put before
-    it as distinguish the files.
+    The module is the file's stem; where that is shared as well, it is prefixed by as many folders
+    as it takes to distinguish the files.
     """
     files_of: dict[str, set[str]] = {}
     for ref in functions:
@@ -36,7 +36,7 @@ def model_names(functions: Collection[FunctionRef]) -> dict[FunctionRef, str]:
 
 
 def _modules(files: Collection[str]) -> dict[str, str]:
-    """Return a dotted name for each of several files, as short as keeps them apart.
+    """Return a dotted name for each of several files: distinct and as short as possible.
 
     What all have in common is left out, so that it does not matter where a path begins.
     """

@@ -24,7 +24,7 @@ DONE = "done"
 
 Transitions: TypeAlias = tuple[Transition, ...]
 
-_KEPT = 4096  # texts whose value is kept: blocks and lock state most values several times
+_CACHE_SIZE = 4096  # texts whose value is kept: blocks and lock state most values several times
 _DECIMAL = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _SHARE = r"(?:\d{1,9}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][+-]?\d{1,3})?"
 _REDUNDANCY = (
@@ -40,7 +40,7 @@ _TARGET = re.compile(r"[^\s!{},;/]+(?: \([^\s!{}(),;:=/]+(?: [^\s!{}(),;:=/]+)*\
 _COMPONENT_NAME = re.compile(r"[^\s!{}]+( [^\s!{}]+)*")
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHE_SIZE)
 def read_probability(text: str) -> float:
     """Return the probability that `text` states.
 
@@ -53,7 +53,7 @@ def read_probability(text: str) -> float:
     return value
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHE_SIZE)
 def read_count(text: str) -> int:
     """Return the whole number from 1 up that `text` states.
 
@@ -66,7 +66,7 @@ def read_count(text: str) -> int:
     return value
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHE_SIZE)
 def read_redundancy(text: str) -> Redundancy:
     """Return the redundancy that `text` states, such as `required 2, common_cause 0.1`.
 
@@ -78,8 +78,8 @@ def read_redundancy(text: str) -> Redundancy:
     matched = re.fullmatch(_REDUNDANCY, text, re.ASCII)
     if matched is None or (text.startswith("false") and text != "false"):
         raise ValueError(
-            "true, false, required K (as many must work); behind true or required K, in this "
-            "order: `, spare cold`, `, spare warm D` or `, spare hot`, `, switch S`, "
+            "true, false, required K (at least K units must work); after true or required K, in "
+            "this order: `, spare cold`, `, spare warm D` or `, spare hot`, `, switch S`, "
             "`, common_cause B`, `, detected mission_start` or `, detected each_visit`"
         )
     detected: Detection = "mission_start"
@@ -87,15 +87,17 @@ def read_redundancy(text: str) -> Redundancy:
         detected = "each_visit"
     elif matched["detected"] not in (None, detected):
         raise ValueError(
-            "detected mission_start, the first failures of a group stay hidden until the mission "
-            "ends, or detected each_visit, the group is whole again at each visit"
+            "detected mission_start (the first failures of a group stay hidden until the mission "
+            "ends) or detected each_visit (the group is whole again at each visit)"
         )
     required = int(matched["required"] or 1)
     if required < 1:
         raise ValueError("required K with K from 1 up")
     dormancy = {"cold": 0.0, "hot": 1.0}.get(matched["spare"], 1.0)
     shares = {
-        "spare warm D, the rate of a waiting spare by that of a working one": matched["dormancy"],
+        "spare warm D, the failure rate of a waiting spare divided by that of a working one": (
+            matched["dormancy"]
+        ),
         "switch S, the probability that a spare fails to take over": matched["switch"],
         "common_cause B, the share of failures that hit every unit": matched["beta"],
     }
@@ -129,7 +131,7 @@ def read_transition(text: str) -> Transition:
     raise ValueError("a function (or done) and its share, above 0 and up to 1, such as init 9/10")
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHE_SIZE)
 def read_transitions(text: str) -> Transitions:
     """Return all transitions of a `next` field, written with commas: `init 9/10, done 1/10`.
 
@@ -220,12 +222,12 @@ def has_pins(block: RiskBlock) -> bool:
 
 
 def is_component_name(text: str) -> bool:
-    """Return whether a block can hold a component of this name and give it back."""
+    """Return whether a component name survives being written to a block and read back."""
     return text.isprintable() and _COMPONENT_NAME.fullmatch(text) is not None
 
 
 def is_function_name(text: str) -> bool:
-    """Return whether a block can hold this qualified name and give it back."""
+    """Return whether a qualified name survives being written to a block and read back."""
     return text.isprintable() and _TARGET.fullmatch(text) is not None
 
 
@@ -263,7 +265,7 @@ def computed_redundancy(value: Redundancy) -> Field[Redundancy]:
 
 
 def computed_next(counts: Mapping[str, int]) -> Field[Transitions]:
-    """Return the `next` field for how many visits each target followed, in the given order."""
+    """Return the `next` field from how many visits came before each target, in the given order."""
     total = sum(counts.values())
     text = ", ".join(
         f"{target} 1" if count == total else f"{target} {count}/{total}"

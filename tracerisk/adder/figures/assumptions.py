@@ -27,8 +27,8 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
                 component.load_law is not None and component.load_law.reference_speed is None
             ),
             "the figures are taken to hold at the mean speed of the mission itself, since the "
-            "load law states no reference_speed: what moves faster throughout wears no more by "
-            "that",
+            "load law states no reference_speed, so a component that always moves faster does not "
+            "count as wearing more",
         ),
         *_ageing(bound),
         *_harmless(bound),
@@ -47,7 +47,7 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
 def _named(
     bound: Sequence[BoundComponent], is_so: Callable[[Component], bool], words: str
 ) -> tuple[str, ...]:
-    """Return words behind the names of the components that are so; nothing where none is."""
+    """Return `words` after the names of the components for which `is_so` holds, if any."""
     names = sorted(
         bound_component.component.name
         for bound_component in bound
@@ -72,10 +72,10 @@ def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
         "stay hidden until the mission ends, which overstates the risk"
     ]
     rarer = [
-        f"{component_use.component.name}: of {component_use.missions_between_tests:.4g} "
-        "missions between two tests, "
-        "one after the other, the mean: a failure hidden in one is there in the next, and the "
-        "block's probability is that with which a mission fails as in this mean"
+        f"{component_use.component.name}: figures are means over the "
+        f"{component_use.missions_between_tests:.4g} missions between two tests: a failure that "
+        "stays hidden in one mission is still there in the next, and the block holds the "
+        "probability that gives the mean mission"
         for component_use in tested
         if component_use.missions_between_tests > 1.0
     ]

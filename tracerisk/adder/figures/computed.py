@@ -82,11 +82,11 @@ def compute_blocks(
 ) -> ComputedBlocks:
     """Return the block of each relevant function of the trace.
 
-    A profile pins the `next` of the functions it names. With `evidence` the values count what
-    ends the mission, and the blocks say so.
-    Raises HardwareError where the description does not fit the robot or describes nothing that
-    it has, or a figure needs an exposure that the trace does not hold; InputError where the
-    profile names a function that the trace does not.
+    A profile pins the `next` of the functions it names. With `evidence` the values count only
+    failures that end the mission, and the blocks say so.
+    Raises HardwareError where the description does not fit the robot or describes nothing that it
+    has, or a figure needs an exposure that the trace does not hold; InputError where the profile
+    names a function that the trace does not.
     """
     bound = bind(hardware, trace.elements)
     if hardware.components and not bound:
@@ -185,13 +185,13 @@ def _with_shares(
     visits: Sequence[Sequence[int]],
     times: Sequence[float],
 ) -> ComponentInstances:
-    comes = {number: times[number] for here in visits for number in here}
-    if not comes:
+    times_of_visit = {number: times[number] for here in visits for number in here}
+    if not times_of_visit:
         return instances
     return replace(
         instances,
-        figure_shares=figure_shares(used, comes),
-        ending=ending_share(used, comes),
+        figure_shares=figure_shares(used, times_of_visit),
+        ending=ending_share(used, times_of_visit),
     )
 
 
@@ -227,10 +227,10 @@ def function_uses(
 def _weighted(
     rows: list[list[float]], weights: Sequence[int], component: Component
 ) -> list[list[float]]:
-    """Return rows of hazards each of which comes as often in a mission as any other.
+    """Return rows of hazards that all occur equally often in a mission.
 
-    Visits that come before a cycle, and in it, do not; where only the sums over visits matter,
-    their mean stands for all.
+    Visits before a cycle and visits in it do not: each row is repeated by its weight or, where only
+    the sum over visits matters, one mean row stands for all.
     """
     if all(weight == 1 for weight in weights):
         return rows

@@ -58,7 +58,7 @@ class TermOfUnit:
     amounts: tuple[float, ...]
     """What the term counts: seconds, demands or visits."""
     counted: tuple[float, ...]
-    """The amounts as the load law counts them."""
+    """The amounts after the load law has weighted them; the amounts themselves without one."""
     hazards: tuple[float, ...]
     """The hazard of the term in each visit [1]."""
     load: LoadOfUnit | None = None
@@ -107,8 +107,8 @@ class UnitDerivation:
 class HiddenGroup:
     """A group of unlike units whose failures stay hidden until the mission ends.
 
-    With the mean hazard of one mission between tests fails a group of which each unit fails with
-    `like`. The function has a share of what survives that: 1 - p = (1 - like)^(share / times).
+    A group of units that each fail with `like` fails with the mean hazard of one mission between
+    tests. The function carries `share` of the hazard: 1 - p = (1 - like)^(share / times).
     """
 
     units: tuple[float, ...]
@@ -117,7 +117,8 @@ class HiddenGroup:
     """The failure probability of the group between two tests; `None` where a common cause or
     spares are in it."""
     like: float
-    """The failure probability of each of like units with which the group fails as often."""
+    """The failure probability that each unit would have if all were alike and the group failed as
+    often."""
     share: float
     """The share of the hazard over a mission that the function has, from 0 to 1."""
     times: int
@@ -149,7 +150,7 @@ class GroupDerivation:
     """The group whose failures stay hidden; `None` for another kind."""
     renewed: tuple[float, ...] = ()
     """The failure probability of a renewed group in each visit, (n_visits,); empty for another
-    kind, and where spares or a common cause make it more than so many units out of so many."""
+    kind, and where spares or a common cause make it more than a plain K-out-of-N group."""
 
 
 @dataclass(frozen=True, slots=True)

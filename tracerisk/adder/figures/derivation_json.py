@@ -15,7 +15,7 @@ VERSION = 1
 def derivation_data(derivation: FunctionDerivation) -> dict[str, Any]:
     """Return the derivation as plain JSON values, keys as the fields are named.
 
-    A number that is infinite (of what surely fails) is `None`, JSON's null.
+    An infinite number (the hazard of what is certain to fail) is `None`, JSON's null.
     """
     plain: dict[str, Any] = finite(asdict(derivation))
     return {"schema": SCHEMA, "version": VERSION, **plain}

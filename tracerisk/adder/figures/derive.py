@@ -1,7 +1,7 @@
 """Derive the figures of one function's block, step by step.
 
-What is here is computed only where it is asked for, by the very terms from which the blocks are:
-rate, time or count, load, hazard, probability, and the rule by which a group has one value.
+Nothing here is computed unless asked for. It goes through the same terms as the computation of the
+blocks: rate, time or count, load, hazard, probability, and the rule by which a group has one value.
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def _group(
     if not is_mean and redundancy.detected == "mission_start":
         hidden = _hidden(used, function, uses, values)
     elif not is_mean and not redundancy.has_spares and not redundancy.common_cause:
-        renewed = tuple(_fails(list(map(failure_probability, row)), used) for row in rows)
+        renewed = tuple(_p_group_fails(list(map(failure_probability, row)), used) for row in rows)
     return GroupDerivation(redundancy, count, quantity, hazard, is_mean, value, hidden, renewed)
 
 
@@ -178,7 +178,7 @@ def _hidden(
     group = used.component.redundancy
     return HiddenGroup(
         units=units,
-        group=None if group.common_cause or group.has_spares else _fails(units, used),
+        group=None if group.common_cause or group.has_spares else _p_group_fails(units, used),
         like=failure_probability(whole),
         share=hazards[function] / whole if whole else 0.0,
         times=round(uses[function].times),
@@ -186,7 +186,7 @@ def _hidden(
     )
 
 
-def _fails(units: Sequence[float], used: ComponentUse) -> float:
+def _p_group_fails(units: Sequence[float], used: ComponentUse) -> float:
     """Return the probability that too few of independent units are left."""
     threshold = used.bound.quantity - used.component.redundancy.required + 1
     outcomes = [Outcome(Decimal(p), 1 - Decimal(p)) for p in units]

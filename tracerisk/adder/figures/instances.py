@@ -27,7 +27,7 @@ class Instance:
     p_failure: float
     """The failure probability of one unit over the mission."""
     fussell_vesely: float
-    """The share of the component's failures that go with the instance, from 0 to 1."""
+    """The share of the component's failures in which the instance has failed, from 0 to 1."""
     share: float
     """The same share, scaled so that all instances sum to 1."""
 

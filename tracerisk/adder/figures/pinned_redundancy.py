@@ -14,10 +14,10 @@ _MOST_SHOWN = 8
 
 
 def check_redundancies(block: RiskBlock, instances: InstanceValues) -> None:
-    """Raise BlockError where a redundancy set by hand stands over units that differ.
+    """Raise BlockError where a redundancy is set by hand for units that differ.
 
-    The block's one value stands for unlike units by the gate of the hardware description: under
-    another gate it is the value of nothing. A user who sets it too says what it is.
+    The block's one probability stands for unlike units only under the gate of the hardware
+    description; under another gate it means nothing, unless the user sets the probability too.
     """
     for redundancy in unfounded_redundancies(block, instances):
         raise BlockError(redundancy.message, redundancy.location or block.location)
@@ -46,9 +46,9 @@ def unfounded_redundancies(block: RiskBlock, instances: InstanceValues) -> Itera
                 f"{block.name}.{entry.name}.redundancy",
                 entry.redundancy.location or entry.location,
                 f"function '{block.name}', component '{entry.name}': 'redundancy := "
-                f"{entry.redundancy.text}' stands over units that differ ({_shown(values)} a "
-                f"visit), for which the value of the block holds as 'redundancy = "
-                f"{entry.redundancy.computed}' only; state the redundancy in the hardware "
+                f"{entry.redundancy.text}' is set for units that differ ({_shown(values)} per "
+                f"visit); the block's probability holds only with 'redundancy = "
+                f"{entry.redundancy.computed}'; state the redundancy in the hardware "
                 "description, or set the probability of a unit by hand too (probability := ...)",
             )
 

@@ -3,8 +3,8 @@
     # | RiskAnnotation 4kQ9xa-b7QxZ1
 
 One group of six characters for the function, one for each component that the tool computed.
-A group holds a short checksum of each value, so that each can be checked alone to be as the tool
-wrote it: also where a merge has put lines of two branches into one block, or the lock is gone.
+A group holds a short checksum of each value, so that each value can be checked by itself, even
+where a merge has put lines of two branches into one block, or the lock is gone.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent, written_block
 
 _SIGNS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-# How many characters of a group are the checksum of what: of the function, of a component.
+# The number of checksum characters for each value in a group: of the function, of a component.
 _FUNCTION_WIDTHS = {CALL_SEQUENCE.key: 2, NEXT.key: 2}
 _WHOLE_WIDTH = 2
 _NAME_WIDTH = 2
@@ -136,7 +136,8 @@ class DigestReading:
         self._first, self._groups = groups[0], {group[:_NAME_WIDTH]: group for group in groups[1:]}
         own = (_digest_now(block, self._names) or "").split("-")
         shorter = len(self._first) - _WHOLE_WIDTH
-        # All values fit, but not all together: one of them fits by chance, and none is believed.
+        # Each value matches its checksum but the checksum of the whole does not: one matches by
+        # chance, so none is believed.
         self._is_believed = bool(self._first) and not (
             sorted(own[1:]) == sorted(groups[1:])
             and own[0][:shorter] == self._first[:shorter]

@@ -101,7 +101,7 @@ def as_written(name: str, written: WrittenBlock) -> RiskBlock:
         components=tuple(
             _component_as_written(text, component)
             for text, component in written.components.items()
-            # Where a user's value outlives its component, nothing was computed there.
+            # A component kept only for a user's value has no computed values, so it is left out.
             if component.omitted or COMPONENT_KEYS.keys() <= component.values.keys()
         ),
     )
@@ -229,11 +229,11 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
 def data_digest(data: Mapping[str, Any]) -> str:
     """Return the digest of an entry's values and of what they depended on.
 
-    Where a merge mixes lines of two branches, it does not fit.
+    After a merge that mixes lines of two branches, the stored digest no longer matches.
     """
     inputs = data.get("inputs")
     depended_on = dict(inputs) if isinstance(inputs, Mapping) else {}
-    depended_on.pop("given", None)  # says how it was asked for what `settings` hold
+    depended_on.pop("given", None)  # only says how the `settings` were passed
     kept = [data.get("blocks"), data.get("fingerprint"), depended_on]
     text = json.dumps(kept, sort_keys=True, ensure_ascii=False)
     return str(blake2b(text.encode(errors="surrogatepass"), digest_size=8).hexdigest())

@@ -47,8 +47,8 @@ def read_lock(path: Path) -> Lock:
 def loads(data: bytes, file: str) -> Lock:
     """Return the lock that `data` states; `file` is its name in messages.
 
-    Where git left a conflict, each side is a lock, or lines of several: the sources hold what one
-    branch or the other has written, and the next write heals the file.
+    If git left a conflict, each side is read as a lock of its own (it may mix lines of several
+    entries). The sources hold what either branch wrote; the next write repairs the file.
 
     Raises:
         LockError: as `read_lock`.
@@ -154,7 +154,7 @@ class _Reader:
         previous = entry.get("previous")
         others = entry.get("others", [])
         if not isinstance(others, list):
-            raise self._error(f"{path}: others is not JSON list; restore the file")
+            raise self._error(f"{path}: others is not a JSON list; restore the file")
         digest = entry.get("digest")
         try:
             check_relative(path)

@@ -53,12 +53,12 @@ class KnownBlock:
         evidence: Callable[[], Evidence] = Evidence,
         names: Mapping[str, str] | None = None,
     ) -> None:
-        """`bases` are what the lock holds, the last first; `names` earlier names, by new ones."""
+        """`bases` is what the lock holds, latest first; `names` maps new names to earlier ones."""
         self._current = current
         self._bases = bases
         self._digest = DigestReading(current, names)
         self._evidence = evidence
-        # What git keeps has the name of now, or that of before a renaming.
+        # In git's versions the block has its current name, or the one it had before a renaming.
         self._names = frozenset({current.name, (names or {}).get(current.name, current.name)})
 
     @property
@@ -69,9 +69,10 @@ class KnownBlock:
     def last(
         self, component: str | None, kind: FieldKind, current: Field[Any]
     ) -> tuple[str | None, bool]:
-        """Return the text that the tool last wrote for a value, and whether it stands there.
+        """Return the text that the tool last wrote for a value, and whether the block holds it now.
 
-        It is that which stands there, where the tool is known to have written it on any branch.
+        If the tool is known to have written what the block holds now, on any branch, that text is
+        returned.
         """
         texts = [text for base in self._bases if (text := _value(base, component, kind))]
         standing = current.computed if current.pinned else current.text
@@ -121,7 +122,8 @@ class KnownBlock:
         ):
             # A figure of four digits is no coincidence; a small number may be.
             return "tool" if kind is PROBABILITY else "unknown"
-        # Nor is the figure of another function one: a merge may have put its lines here.
+        # The same figure in another function is no coincidence either: a merge may have moved its
+        # lines here.
         names = self._all_names() if kind is PROBABILITY else self._possible_names()
         if any(
             is_it(_value(written_component, component, kind))
@@ -133,7 +135,7 @@ class KnownBlock:
             for block in self._standing(names)
             for field in (_field(block, component, kind),)
         )
-        return self._person_or_unknown(stood)
+        return self._user_or_unknown(stood)
 
     def author_of_component(self, component: str, value: float) -> Author:
         """Return who put in a component that neither the digest nor the lock knows."""
@@ -153,7 +155,7 @@ class KnownBlock:
             for block in self._standing(names)
             for component_entry in block.components
         )
-        return self._person_or_unknown(stood)
+        return self._user_or_unknown(stood)
 
     def author_of_removal(self, component: str) -> Author:
         """Return who took out a component that the tool had written."""
@@ -174,13 +176,13 @@ class KnownBlock:
             all(component_entry.name != component for component_entry in block.components)
             for block in self._standing(names)
         )
-        return self._person_or_unknown(was_without)
+        return self._user_or_unknown(was_without)
 
     def author_of_block(self) -> Author:
         """Return who put in a block of which neither a digest nor the lock knows."""
         if self._written():
             return "tool"
-        return self._person_or_unknown(bool(self._standing()))
+        return self._user_or_unknown(bool(self._standing()))
 
     def _written(self, names: Collection[str] = ()) -> list[WrittenBlock]:
         kept = self._evidence().written
@@ -196,22 +198,22 @@ class KnownBlock:
     def _possible_names(self) -> frozenset[str]:
         """Return the names that the function may have on some branch: one may have renamed it.
 
-        A function that ever had a block beside it is another one.
+        A function that had a block in the same version as this one is a different function.
         """
         beside = (names for names in self._evidence().versions if names & self._names)
         return (self._all_names() - frozenset().union(*beside)) | self._names
 
-    def _person_or_unknown(self, stood_before: bool) -> Author:
-        """Decide on what no version is known to have had from the tool in this block.
+    def _user_or_unknown(self, stood_before: bool) -> Author:
+        """Decide who wrote something that no version shows the tool writing into this block.
 
-        What was committed may have come with a merge whose other branch is gone.
+        Even committed text may come from a merge whose other branch is gone.
         """
         evidence = self._evidence()
         if evidence.is_complete and not stood_before and self._written():
             return "user"
-        return "user" if evidence.is_fresh and self._lock_is_that_of_the_block() else "unknown"
+        return "user" if evidence.is_fresh and self._lock_matches_block() else "unknown"
 
-    def _lock_is_that_of_the_block(self) -> bool:
+    def _lock_matches_block(self) -> bool:
         if self._current.digest is None:
             return len(self._bases) < 2
         return len(self._bases) == 1 and digest_of(self._bases[0]) == self._current.digest

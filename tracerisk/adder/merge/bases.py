@@ -1,4 +1,4 @@
-"""The block of one function held against what was last written, where nothing is to be written."""
+"""Merge the block of one function with what was last written, without writing anything."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def merge_with_bases(
     evidence: Callable[[], Evidence],
     renamed: Mapping[QualifiedName, QualifiedName],
 ) -> Merged:
-    """Merge the block of one function; `bases` are of its file, under the names of now."""
+    """Merge the block of one function; `bases` are those of its file, under the current names."""
     from tracerisk.adder.merge.merge import merge
 
     base, *others = [fields.get(name) for fields in bases]

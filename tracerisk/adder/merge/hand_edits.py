@@ -43,7 +43,8 @@ def ranks_by_hand(blocks: Blocks) -> dict[FunctionRef, Field[int]]:
 def give_way(computed: Blocks, by_hand: Mapping[FunctionRef, Field[int]]) -> Blocks:
     """Return the computed blocks with ranks that no user took, in their order.
 
-    A block whose own rank is set by hand keeps the computed one, to stand beside it.
+    A block whose own rank is set by hand keeps its computed rank, which is written beside the
+    user's.
     """
     taken = {rank.value for rank in by_hand.values()}
     free = sorted(
@@ -82,8 +83,8 @@ def check_targets(blocks: Iterable[RiskBlock], names: Collection[str]) -> None:
 def is_next_by_hand(block: RiskBlock, base: Written | None) -> bool:
     """Return whether a user changed the `next` of a block since it was last written.
 
-    Where the function that the tool's own leads to has gone since, a run mends that. Without a
-    `base`, what is not pinned is taken for the tool's.
+    If the tool's own `next` leads to a function that has since been removed, the next run repairs
+    it. Without a `base`, what is not pinned is taken for the tool's.
     """
     if block.next is None:
         return False

@@ -113,7 +113,8 @@ def _edit_order(edit: HandEdit) -> tuple[str, int, str]:
 def in_the_way(edits: Iterable[HandEdit], policy: MergePolicy) -> tuple[HandEdit, ...]:
     """Return the edits for which nothing may be written.
 
-    To accept edits is to accept a user's: not what a user may never have typed.
+    `accept` covers only edits that a user certainly made, not values that may come from another
+    branch.
     """
     if policy.edits == "discard":
         return ()
@@ -135,8 +136,9 @@ def merge(
     `base` is what the lock says was last written, `None` where it knows of nothing, `others` what
     else it says that the tool may have written there; `evidence` is asked only where these and
     the block's own digest do not suffice. `names` are earlier names of functions renamed since.
-    `computed` is `None` for a function that is not relevant any more; a pinned field in it is
-    set by the user in another way (an operational profile), its tool value in `computed`.
+    `computed` is `None` for a function that is not relevant any more; if one of its own fields is
+    pinned, the user set it elsewhere (in an operational profile), and the tool's value is in that
+    field's `computed`.
     """
     if current is None:
         return Merged(computed, ())
@@ -210,8 +212,8 @@ class _Merger:
         current = self.current.next
         computed = self.computed.next if self.computed else None
         if current is None:
-            # The published form, which has none; or lines taken away, with nothing of a user
-            # in them that could be kept.
+            # Either the published form, which has no `next`, or the lines were deleted; nothing of
+            # the user's is left to keep.
             return computed
         if self.computed is None or computed is not None or current.pinned:
             return self._field(None, NEXT, current, computed)
@@ -279,7 +281,7 @@ class _Merger:
         tool = None if computed is None else self._tool_field(kind, written, computed)
         edited = (
             not is_there
-            and self._may_be_edited(kind, written, current, tool)
+            and self._looks_edited(kind, written, current, tool)
             and self._changed(component, kind, written, current, tool)
         )
         if edited and self.policy.edits != "discard":
@@ -312,10 +314,10 @@ class _Merger:
                 return Field(before, written)
         return Field(value, text)
 
-    def _may_be_edited(
+    def _looks_edited(
         self, kind: FieldKind, written: str | None, current: Field[Any], tool: Field[Any] | None
     ) -> bool:
-        """Return whether a `=` value that the tool is not known to have written says another."""
+        """Return whether a `=` value, not known to be the tool's, differs from the tool's."""
         if current.pinned or not current.is_stated:
             return False
         if tool is None:
@@ -361,7 +363,7 @@ def _pinned(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:
 
 
 def _tool_text(computed: Field[Any]) -> str | None:
-    """Return the tool's text; `None` where it has none, as for an omitted component by name."""
+    """Return the tool's text; `None` where it has none, as for an omitted component only named."""
     return (computed.computed if computed.pinned else computed.text) or None
 
 

@@ -38,7 +38,7 @@ class UnitUse:
     element: str | None
     """The element in which the twin sees it; `None` for a component that is always active."""
     mission: UnitMission
-    """What of the unit's mission its hazards depend on."""
+    """What the unit's hazards depend on besides the single visit."""
     terms: tuple[Term, ...]
     """The summands of its hazard."""
     uses: tuple[Use, ...]
@@ -119,7 +119,7 @@ class FunctionVisits:
 
     @property
     def weights(self) -> tuple[int, ...]:
-        """The times in the smallest whole numbers: ones where a mission has all alike often."""
+        """The times in the smallest whole numbers: all 1 if each visit occurs equally often."""
         common = math.lcm(*(time.denominator for time in self.times))
         whole = [int(time * common) for time in self.times]
         divisor = math.gcd(*whole)
@@ -129,8 +129,8 @@ class FunctionVisits:
 def times_in_mission(trace: Trace) -> tuple[Fraction, ...]:
     """Return how often each visit of the run comes in a mission.
 
-    Once, but of a cycle: each of those that were seen stands for its share of the cycles that
-    the mission is declared to have.
+    Once, except in a cycle: there each visit seen stands for its share of the cycles that the
+    mission is declared to have.
     """
     cycle = trace.cycle
     if cycle is None:
@@ -274,7 +274,7 @@ def _unit_load(law: LoadLaw, uses: Sequence[Use], times: Sequence[float]) -> Uni
     travel_s = moving_s = 0.0
     for use, comes in zip(uses, times, strict=True):
         exposure = use.known_exposure
-        wear_s(law, exposure)  # where it is not known, no speed makes up for it
+        wear_s(law, exposure)  # called only to raise where the exposure is unknown
         travel_s += comes * exposure.travel_s
         moving_s += comes * exposure.moving_s
     return UnitLoad(law, mean_speed(travel_s, moving_s))
@@ -299,9 +299,9 @@ def _with_standby(
 ) -> tuple[Use, ...]:
     """Return the uses with the time on standby of each visit.
 
-    A unit may be in use for longer than its visit is the current one, for what it still does by
-    a command of the visit counts there. So that the times on standby add up to that of the
-    mission, what such visits lack is taken from the others, each in proportion.
+    A unit can be in use for longer than its visit lasts, because what it does by a command of the
+    visit counts in that visit. Its standby time would then be negative; the deficit is taken from
+    the other visits in proportion, so that the sum is that of the mission.
     """
     idle = []
     for use, visit in zip(uses, visits, strict=True):

@@ -1,9 +1,9 @@
 """How much of a unit's hazard ends the mission, visit by visit, as evidence shows it.
 
-The share c of an instant is that of the drawn failure nearest to it, in the time that the unit
-was in use (or idle): each stands for the stretch around it. What of the mission's hazard ends it
-is summed over these stretches, and so does not hang on how visits are cut; a visit has of it by
-how much of its time lies near failures that ended the mission.
+Each drawn failure stands for the stretch of the unit's time in use (or idle) that is nearest to it,
+and decides whether a failure in that stretch ends the mission. The hazard that ends the mission is
+the sum over these stretches, so it does not depend on how the run is divided into visits. A visit's
+share c is the part of its time near failures that ended the mission.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from tracerisk.common.hardware.model import CONTROL, POWER
 from tracerisk.common.hardware.use import STATES, Use
 
 LEAST_OF_UNIT = 10
-"""A unit and mode has shares of its own from this many drawn cells on."""
+"""With fewer drawn cells than this, a mode of a unit takes its shares from all like units."""
 
 Shares = tuple[float, ...]
 """The share c of each visit of the trace; empty where all of the hazard counts."""
@@ -45,15 +45,15 @@ def twin_units(bound: BoundComponent) -> tuple[str, ...]:
 class EvidenceShares:
     """The evidence of one controller, applied to the visits of its trace.
 
-    Nothing is lowered of redundant units, of a mode that names no fault, while the campaign is
-    not complete, or where no scenario declares what the mission is.
+    No hazard is lowered for redundant units, for a mode that names no fault, while the campaign is
+    incomplete, or where no scenario declares what the mission is.
     """
 
     evidence: Evidence
     """The evidence, complete or not."""
 
     @functools.cached_property
-    def _taken(self) -> dict[Stratum, float]:
+    def _shares_in_use(self) -> dict[Stratum, float]:
         return self.evidence.shares()
 
     def applied(
@@ -75,7 +75,7 @@ class EvidenceShares:
             return self._of_fault(bound, unit, fault, term, uses) if fault is not None else term
         if bound.component.modes and (is_idle or not bound.component.modes_by_use):
             return self._of_modes(bound, unit, term, uses)
-        # Without modes the fault counts that ends the mission most often.
+        # Without modes, take the fault that ends the mission most often.
         tried = sorted({cell.mode for cell in self._cells(unit, is_idle)})
         of_faults = [self._of_fault(bound, unit, fault, term, uses) for fault in tried]
         if not of_faults or not all(item.ends for item in of_faults):
@@ -143,9 +143,9 @@ class EvidenceShares:
         return replace(described, ends=_scaled(shares, hazards, self._kept(cells, ending / total)))
 
     def _kept(self, cells: Sequence[Cell], share: float) -> float:
-        """Return the share of a stratum's hazard, as it is with the share that figures keep."""
+        """Scale a stratum's share by the ratio of the share in figures to the share counted."""
         counted = sum(1 for cell in cells if cell.fails) / len(cells)
-        kept = self._taken[cells[0].stratum]
+        kept = self._shares_in_use[cells[0].stratum]
         if kept == counted:
             return share
         return min(1.0, share * kept / counted) if counted else kept
@@ -159,7 +159,7 @@ def _hazard(term: Term, cell: Cell) -> float:
 
 
 def _pooled(cells: Sequence[Cell], term: Term) -> float:
-    """Return one share for cells of several units; of few cells the pessimistic end."""
+    """Return one share for cells of several units; for few cells, the upper confidence limit."""
     failed = sum(1 for cell in cells if cell.fails)
     if len(cells) < LEAST_OF_UNIT:
         return clopper_pearson(failed, len(cells))[1]
@@ -171,10 +171,10 @@ def _pooled(cells: Sequence[Cell], term: Term) -> float:
 
 
 def _scaled(shares: Shares, hazards: Sequence[float], share: float) -> Shares:
-    """Return the shares of the visits, scaled so that over all of them `share` is what ends.
+    """Return the visits' shares, scaled so that `share` of the whole hazard ends the mission.
 
-    Load and demands are not spread evenly over a visit, so that the sum would hang on how visits
-    are cut; `share` is that of the stretches themselves. None exceeds 1.
+    Load and demands are not spread evenly over a visit, so that the sum would depend on how the run
+    is divided into visits; `share` is that of the stretches themselves. None exceeds 1.
     """
     wanted = share * sum(hazards)
     free = [index for index, hazard in enumerate(hazards) if hazard > 0.0]
@@ -186,7 +186,8 @@ def _scaled(shares: Shares, hazards: Sequence[float], share: float) -> Shares:
         if not free or left <= 0.0:
             break
         if now <= 0.0:
-            # Nothing of these visits lies near a failing cell, and yet some of it ends.
+            # None of these visits lies near a failing cell, yet part of their hazard must end the
+            # mission: spread it evenly.
             whole = sum(hazards[i] for i in free)
             for i in free:
                 values[i] = min(1.0, left / whole)

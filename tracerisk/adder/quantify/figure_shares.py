@@ -13,7 +13,7 @@ def figure_shares(used: ComponentUse, times: Mapping[int, float]) -> tuple[float
     """Return the share of each figure in the hazard of the units over a mission.
 
     `times` says how often each visit comes in a mission, by its number in the trace; visits
-    that it leaves out do not count. In the order of the component's figures, summing to one but
+    that it leaves out do not count. In the order of the component's figures, summing to one, except
     where nothing can fail.
     Raises UnknownUseError where the trace does not hold what a figure counts.
     """
@@ -49,7 +49,7 @@ class EndingShare:
 
 
 def ending_share(used: ComponentUse, times: Mapping[int, float]) -> EndingShare | None:
-    """Return what of a component's hazard over a mission ends it; `None` without evidence.
+    """Return which share of a component's hazard ends the mission; `None` without evidence.
 
     `times` as in `figure_shares`. Raises UnknownUseError as well.
     """

@@ -43,8 +43,8 @@ def unlike_visit(
 ) -> Outcome:
     """Return the outcome of one visit of a group that is whole at its start.
 
-    The common cause is that of a unit with the mean of their probabilities, which adds up over
-    visits and units as no other mean does. It goes with no single unit: `without` one, the others
+    The common cause is computed for a unit with the mean of the units' probabilities, the only mean
+    that is additive over visits and units. It belongs to no single unit: with `without`, the others
     share it.
     """
     beta = common_share(redundancy)
@@ -62,10 +62,10 @@ def like_visit(unit: Outcome, redundancy: Redundancy, quantity: int) -> Outcome:
 
 
 def unlike_apart(own: Sequence[Outcome], redundancy: Redundancy) -> Outcome:
-    """Return the outcome of a group by its units' own failures, whole at first.
+    """Return the outcome of a group, whole at first, by its units' own failures (no common cause).
 
-    The hazards of units with spares run in proportion. One that fails with its whole `SURE`
-    hazard fails as soon as it works.
+    The hazards of units with spares run in proportion. A unit with a hazard of `SURE` or more is
+    taken to fail as soon as it works.
     """
     if not redundancy.has_spares or needs_all(redundancy, len(own)):
         return at_least(threshold_of(redundancy, len(own)), own)
@@ -81,7 +81,7 @@ def like_apart(own: Outcome, redundancy: Redundancy, quantity: int) -> Outcome:
 
 
 def common_share(redundancy: Redundancy) -> Decimal:
-    """Return the share of the common cause, which units that are all needed have not."""
+    """Return the share of the common cause; 0 if all units are needed."""
     return Decimal(redundancy.common_cause if redundancy.is_redundant else 0.0)
 
 

@@ -1,7 +1,7 @@
 """The one unit probability that a block holds for units that differ, over several visits.
 
-Own derivation: docs/theory.md#groups. A gate's failures over visits, as the model computes them
-for like units at the block's value, are those that the unlike units give.
+Own derivation: docs/theory.md#groups. The value is chosen so that like units at that value give the
+same group failures over the visits as the unlike units do.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ def group_unit_probabilities(
     """Return for each function the one unit probability that stands for unequal units there.
 
     A group that is whole again at each visit, or needs every unit, fails over the visits of each
-    function as its units do. One whose failures stay hidden does so over the mission, and the
-    functions share its hazard by what each contributes: a failure hidden in one is there in the
-    next, so that no function has a figure of its own. They may be found only after so many
+    function as its units do. A group whose failures stay hidden is matched over the whole mission,
+    and the functions share its hazard by what each contributes: a failure hidden in one is there in
+    the next, so that no function has a figure of its own. They may be found only after so many
     `missions`: then the values give the mean over these.
     Units that are alike in all visits give back their probability.
     Raises HardwareError where spares that differ are too many to follow.

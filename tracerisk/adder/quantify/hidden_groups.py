@@ -23,7 +23,7 @@ from tracerisk.adder.quantify.probability import survival_log
 from tracerisk.common.hardware.redundancy import Redundancy
 
 _STEP = Decimal("1e-15")
-"""Of a difference of hazards, relative; they have 40 digits."""
+"""The relative step of the finite difference; hazards have 40 digits."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -57,7 +57,7 @@ def instance_shares(
 def _drops(
     functions: Sequence[FunctionUse], redundancy: Redundancy, quantity: int
 ) -> list[Decimal]:
-    """Return by how much the group's hazard falls with each unit perfect, relative."""
+    """Return the relative drop of the group's hazard when each unit in turn is perfect."""
     if needs_all(redundancy, quantity) and not redundancy.common_cause:
         # The hazards of units that are each needed add up: each takes its own with it.
         own = [mission_hazard(functions, unit) for unit in range(quantity)]

@@ -1,4 +1,4 @@
-"""Failure probabilities with 40 digits, for the roots that a block's one value is.
+"""Failure probabilities with 40 digits, needed to solve for the one value of a block.
 
 Pairs (p, 1-p), and sums of positive terms only, so that 1e-200 keeps its digits.
 """
@@ -43,7 +43,7 @@ class Outcome:
         return sum((self.p**k / k for k in range(1, _TERMS)), ZERO)
 
     def share(self, part: Decimal) -> Outcome:
-        """Return the outcome of which `part` is the failure probability's share."""
+        """Return the outcome that fails with `part` times this failure probability."""
         return Outcome(part * self.p, ONE - part + part * self.q)
 
     def either(self, other: Outcome) -> Outcome:

@@ -43,8 +43,8 @@ def gamma_posterior(
 ) -> Posterior:
     """Return a rate after `failures` in an exposure, in the unit of time that the rate is per.
 
-    Raises ValueError for an exposure or failures below zero, and for none of both where there is
-    no prior.
+    Raises ValueError for an exposure or failures below zero, and for no failures in no exposure
+    without a prior.
     """
     _check(failures, exposure)
     alpha, beta = 0.5, 0.0

@@ -63,7 +63,7 @@ class Term:
     """The share of the hazard that ends the mission, by the visit's number in the trace,
     (n_visits,); empty where all of it does."""
     cells: tuple[str, int] = ("", 0)
-    """The name and number of the failures that show `ends`."""
+    """The name of the set of drawn failures on which `ends` rests, and their number."""
 
     @property
     def share(self) -> float:
@@ -97,7 +97,7 @@ class Term:
         return self.load.wearing_s(use.known_exposure)
 
     def counted(self, amount: float, wearing_s: float) -> float:
-        """Return what counts of an amount, by the load where there is a load law."""
+        """Return the amount as weighted by the load law, or unchanged without one."""
         return amount if self.load is None else self.load.counted_s(amount, wearing_s)
 
     def hazard(self, use: Use) -> float:
@@ -117,7 +117,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class UnitMission:
-    """What of a unit's mission its hazards depend on."""
+    """What a unit's hazards depend on besides the single visit."""
 
     kind: ElementKind | None
     """The kind of the element in which the twin sees it; `None` for a component that is always
@@ -133,8 +133,8 @@ class UnitMission:
 def terms_of(component: Component, mission: UnitMission) -> tuple[Term, ...]:
     """Return the summands of the hazard of one unit of a component, in the order of its figures.
 
-    Where there are failure modes, each counts what it names, and a figure has a term for each
-    mode that names something of what it counts.
+    Where there are failure modes, each mode counts the states and demands that it names, and a
+    figure has one term for each mode that names any of those the figure counts.
     """
     terms: list[Term] = []
     for figure in component.figures:
@@ -162,7 +162,7 @@ def failure_probability(hazard: float) -> float:
 
 
 def hazard_of(rate: float, share: float, counted: float) -> float:
-    """Return rate x share x amount; what is not used does not fail, be the rate infinite."""
+    """Return rate x share x amount; even with an infinite rate, what is not used does not fail."""
     return rate * share * counted if counted and share else 0.0
 
 

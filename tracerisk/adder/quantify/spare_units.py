@@ -135,7 +135,7 @@ def _failed_by_the_end(chain: _Chain, start: Sequence[tuple[int, Decimal]]) -> O
         else:
             now[state] += share
     fastest = max(leaving, default=ZERO)
-    if fastest == ZERO or not any(now) or not _fails(chain, now):
+    if fastest == ZERO or not any(now) or not _can_fail(chain, now):
         return Outcome(lost, sum(now, ZERO))
     weight = (-fastest).exp()
     p, q = weight * lost, weight * sum(now, ZERO)
@@ -164,8 +164,8 @@ def _failed_by_the_end(chain: _Chain, start: Sequence[tuple[int, Decimal]]) -> O
                 return Outcome(p, q)
 
 
-def _fails(chain: _Chain, now: Sequence[Decimal]) -> bool:
-    """Return whether the failed group can be reached: a unit may be one that never fails."""
+def _can_fail(chain: _Chain, now: Sequence[Decimal]) -> bool:
+    """Return whether the group can fail at all: some units never do."""
     begun = [state for state, share in enumerate(now) if share]
     met = reached(begun, lambda state: [to for to, rate in chain[state] if rate and to != _FAILED])
     return any(rate and to == _FAILED for state in met for to, rate in chain[state])

@@ -11,7 +11,7 @@
 
 A block is a comment on lines of its own, in the form of the published method, at the top of the
 function's body; above the function where its body is one line. To the preprocessor it is a space,
-so that nothing else is compiled. Each result is checked before it is handed out.
+so the compiled program stays the same. Each result is checked before it is handed out.
 """
 
 from __future__ import annotations
@@ -111,8 +111,8 @@ def insert_c_at(
             function = _definition(parsed, name, line)
             if function.site is None:
                 raise UnsafeRewriteError(
-                    f"no line is free for the risk block of {name}: what stands before it on its "
-                    "line would be parted from it; begin it on a line of its own",
+                    f"there is no place for the risk block of {name}: something else precedes the "
+                    "function on its line; begin the function on a line of its own",
                     Location(file, line),
                 )
             text = _text(wanted, source, function.site, function.indent_at, file)
@@ -203,7 +203,10 @@ def _without(source: bytes, comments: Sequence[CComment], file: str) -> bytes:
 
 
 def _text(block: RiskBlock, source: bytes, at: int, indent_at: int, file: str) -> bytes:
-    """Return the comment as bytes, indented as one line and ending as the line before `at`."""
+    """Return the comment as bytes.
+
+    It has the indentation of the line at `indent_at`, and the line ending of the line before `at`.
+    """
     line = source[indent_at:].partition(b"\n")[0]
     indent = line[: len(line) - len(line.lstrip(b" \t"))]
     if line.lstrip(b" \t").startswith(b"}"):
@@ -211,9 +214,9 @@ def _text(block: RiskBlock, source: bytes, at: int, indent_at: int, file: str) -
     before = source[at - 2 : at] if at else source[: source.find(b"\n") + 1]
     newline = b"\r\n" if before.endswith(b"\r\n") else b"\n"
     printed = print_block(block, width_behind(indent))
-    lines = [" * " + name.removeprefix(GUTTER) for name in printed]
-    for name in lines:
-        if "*/" in name:
+    lines = [" * " + each.removeprefix(GUTTER) for each in printed]
+    for printed_line in lines:
+        if "*/" in printed_line:
             raise UnsafeRewriteError(
                 f"the risk block of {block.name} holds `*/`, which would end its comment; write "
                 "the reason in other words",

@@ -31,7 +31,7 @@ _SCOPES = frozenset(
 )
 _AROUND = frozenset({"template_declaration"})
 _REACH = 256
-"""How far back it is looked for what continues a line: behind its sign there are spaces alone."""
+"""How many bytes back to look for a line continuation; only spaces may follow its backslash."""
 _CONTINUED = re.compile(rb"(?:\\|\?\?/)[ \t]*\r?\n\Z")
 
 
@@ -107,13 +107,13 @@ def parse_c(source: bytes, file: str) -> CSource:
 
     Raises:
         DependencyError: if the extra `cpp` is not installed.
-        SourceError: if the file's ending is that of another language, or it is not text.
+        SourceError: if the file's suffix is that of another language, or it is not text.
     """
     if not is_c(file):
         allowed = ", ".join(sorted(C_SUFFIXES | CPP_SUFFIXES))
         raise SourceError(
-            f"is no C or C++ by its name, and risk blocks are written in no other language beside "
-            f"Python; allowed: {allowed}",
+            "is not a C or C++ file by its suffix, and besides Python, risk blocks are written in "
+            f"no other language; allowed: {allowed}",
             Location(file),
         )
     if b"\0" in source:
@@ -142,7 +142,7 @@ def _functions(source: bytes, tree: Tree, starts: Sequence[int]) -> Iterator[CFu
     begins = [token.start for token in known]
 
     def is_code(offset: int) -> bool:
-        """Whether a line that begins there begins outside all tokens, and goes on no other."""
+        """Whether a line from there is outside every token and continues no line before."""
         at = bisect.bisect_left(begins, offset) - 1
         is_free = at < 0 or known[at].end <= offset
         return is_free and not _CONTINUED.search(source, max(0, offset - _REACH), offset)
@@ -198,7 +198,7 @@ def _line_after(source: bytes, start: int, end: int, is_code: Callable[[int], bo
 
 
 def _first_code(source: bytes, site: int, end: int) -> int:
-    """Return where the first line begins, from a byte on, that is not blank."""
+    """Return the start of the first non-blank line from a byte on."""
     at = site
     while at < end:
         stop = source.find(b"\n", at)

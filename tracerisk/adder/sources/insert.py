@@ -122,13 +122,16 @@ def insert_at(
 def _order(
     key: tuple[QualifiedName, int], block: RiskBlock | None
 ) -> tuple[int, int, QualifiedName]:
-    """Return what sorts blocks: those of one function, which are of its instances, by rank."""
+    """Return the sort key of a block: its line, and by rank where a function has several."""
     name, line = key
     return (line, 0 if block is None else block.call_sequence.value, name)
 
 
 def _lines_of(block: RiskBlock, source: PythonSource, ends_as: int, indent_line: int) -> bytes:
-    """Return the block's lines as bytes, indented as one line and ending as another."""
+    """Return the block's lines as bytes.
+
+    They have the indentation of `indent_line` and the line ending of the line `ends_as`.
+    """
     line = source.lines[indent_line - 1] if source.lines else b""
     if indent_line == 1:
         line = line.removeprefix(BYTE_ORDER_MARK)
@@ -179,7 +182,7 @@ def _sites(
 
 
 def _own_sites(source: PythonSource) -> dict[tuple[QualifiedName, int], Site]:
-    """Return the sites as Python's own parser reports them, for a source beyond libcst."""
+    """Return the sites as Python's own parser reports them, where libcst cannot read a source."""
     sites = {}
     for definition in definitions(source.tree):
         end = header_end(source, definition)
@@ -194,6 +197,6 @@ def _own_sites(source: PythonSource) -> dict[tuple[QualifiedName, int], Site]:
 def _module_site(source: PythonSource) -> Site:
     """Return the top of the module, after `#!` and encoding and before the docstring.
 
-    After the docstring formatters would part the block from it by a blank line.
+    After the docstring, formatters would put a blank line between docstring and block.
     """
     return Site(preamble_end(source) + 1, module_line(source))

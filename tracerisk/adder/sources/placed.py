@@ -19,7 +19,7 @@ it begins, or at the top of a module's code."""
 class MisplacedBlockError(BlockError):
     """A block stands at another function than its `name` says: `owners` are what it may describe.
 
-    `name` is that of the function which it says it describes.
+    `name` is the function that the block names.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ def targets_of(
     """Return at which definition, by name and line, each block goes.
 
     `found` are the definitions of the source; `lines` says which of several of a name is meant.
-    `hint` goes behind the error.
+    `hint` is appended to the error message.
     Raises InputError for a function that the source does not define.
     """
     defined = {name: places(name, found) for name in blocks}

@@ -30,7 +30,7 @@ def function_sites(source: bytes) -> Mapping[tuple[QualifiedName, int], Site] | 
     except (cst.ParserSyntaxError, RecursionError):
         return None
     except KeyError as error:
-        # Within a function its provider of positions hides what is raised behind a KeyError.
+        # Inside a function, libcst's position provider turns any exception into a KeyError.
         if (ended := interruption(error)) is not None:
             raise ended from None
         return None

@@ -1,7 +1,7 @@
 """A Python source as lines of bytes and a tree, by the standard library alone.
 
-Reading and removing blocks must be fast and needs no libcst; and what libcst's positions put
-in is checked against what this module finds.
+Reading and removing blocks must be fast and needs no libcst; and what was inserted at libcst's
+positions is checked against what this module finds.
 `instrument/source/python_source.py` parses what is to run: it decodes and compiles the source and
 says how to mend it, for which a check of blocks has no time. Here a source stays bytes, and a
 conflict marker is an error of its blocks.
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
-# A header of one line without strings, comments or brackets that could go on over others.
+# A header of one line without strings, comments or brackets that could continue on further lines.
 _PLAIN_HEADER = rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:"
 _CODING = rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+"
 

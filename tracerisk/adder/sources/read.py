@@ -136,8 +136,8 @@ def _forbid_strays(source: PythonSource, strays: Sequence[int]) -> None:
                 location,
             )
         raise BlockError(
-            f"`{source.text(number).strip()}` stands outside a risk block, which begins with "
-            f"`{GUTTER}{HEADER}` and has no other line in between",
+            f"`{source.text(number).strip()}` is outside a risk block; a block begins with "
+            f"`{GUTTER}{HEADER}`, and all its lines follow without a gap",
             location,
         )
 

@@ -46,23 +46,24 @@ def follow_renames(source: bytes, file: str, known: Collection[QualifiedName]) -
         BlockError, SourceError: as `read_blocks`; a block that merely stands under another
             function than it says is such an error, and no renaming.
     """
-    qualified_names: dict[QualifiedName, QualifiedName] = {}
+    renamed: dict[QualifiedName, QualifiedName] = {}
     while True:
-        named = _with_names(source, qualified_names)
+        named = _with_names(source, renamed)
         try:
-            return FollowedBlocks(named, read_blocks(named, file), qualified_names)
+            return FollowedBlocks(named, read_blocks(named, file), renamed)
         except MisplacedBlockError as error:
             new = _new_name(source, file, error, known)
-            if new is None or error.name in qualified_names or new in qualified_names.values():
+            if new is None or error.name in renamed or new in renamed.values():
                 raise
-            qualified_names[error.name] = new
+            renamed[error.name] = new
 
 
 def _new_name(
     source: bytes, file: str, error: MisplacedBlockError, known: Collection[QualifiedName]
 ) -> QualifiedName | None:
     defined = {name for name, _ in functions_in(source, file)}
-    # What is given by hand no lock knows; what has a digest, the tool wrote under that name.
+    # The lock knows no block given by hand; a block with a digest was written by the tool under
+    # that name.
     is_known = error.block.digest is not None or error.block.added or error.name in known
     if not is_known or error.name in defined or len(error.owners) != 1:
         return None

@@ -60,8 +60,8 @@ def atomic_write(path: Path, data: bytes, expected: bytes | None = None) -> None
     """Replace the content of the file at `path` as one step, mode bits and links kept.
 
     The new content is on the disk before it takes the name; a symbolic link stays and the
-    file it leads to is replaced. A file with further hard links is written in place, for another
-    one of its name would part it from them: that alone is not a single step.
+    file it leads to is replaced. A file with further hard links is written in place, because
+    replacing it would break the links; only this case is not atomic.
     What the file holds is compared with `expected` last of all.
 
     Raises:
@@ -102,7 +102,7 @@ def _overwrite(target: Path, data: bytes) -> None:
 class _Temporary:
     """A new file in the folder of its target, without a name where the system can do that.
 
-    Then a kill leaves nothing behind; a name is given only to be exchanged for the target's.
+    Then a kill leaves nothing behind; it gets a name only just before it replaces the target.
     """
 
     def __init__(self, target: Path) -> None:
@@ -145,7 +145,7 @@ class _Temporary:
         raise AssertionError("there is always a further name")
 
     def remove(self) -> None:
-        """Take away what did not come into the place of the target."""
+        """Delete the file unless it has replaced its target."""
         if self._path is not None:
             self._path.unlink(missing_ok=True)
 
