@@ -51,7 +51,7 @@ def source_position(code: CodeType, instruction: int) -> Position:
 
 
 def call_position(call: ast.Call) -> tuple[int, int]:
-    """Return where the code of a call is: that of `source_position` while the call runs.
+    """Return the position that `source_position` reports while the call runs.
 
     Where a name behind a dot is on a later line than what precedes the dot, it is at that name.
     """
@@ -98,7 +98,8 @@ def _annotated(code: CodeType, twin: CodeType, nodes: list[ast.AST], outer: str)
 
 def _numbered(tree: ast.Module) -> tuple[ast.Module, list[ast.AST]]:
     """Return a copy of the tree whose lines are indices into a list of its nodes, and this list."""
-    nodes: list[ast.AST] = [tree, tree]  # code of no node has line 1, or none at all: 0
+    # Instructions of no node have line 1, or no line, which becomes 0.
+    nodes: list[ast.AST] = [tree, tree]
     numbered = copy.deepcopy(tree)
     for node, twin in zip(ast.walk(tree), ast.walk(numbered), strict=True):
         if "lineno" in twin._attributes:
@@ -142,7 +143,7 @@ def _is_plain(call: ast.Call) -> bool:
 
 
 def _found_in(namespace: Mapping[str, Any], code: CodeType) -> str | None:
-    """Return the name of the function of a module, or of a class in it, that runs a code."""
+    """Return the name of the function in a module, or in one of its classes, that has this code."""
     for value in list(namespace.values()):
         for var in (value, *(vars(value).values() if isinstance(value, type) else ())):
             function = getattr(var, "fget", None) or getattr(var, "__func__", var)

@@ -37,7 +37,7 @@ class Command:
     """The id of the command that replaced it; `None` where none did, or one without a stack."""
 
     def with_times(self, changed: Callable[[int], int]) -> Command:
-        """Return it with other times [ns], each by what it was."""
+        """Return it with each time [ns] mapped by `changed`."""
         end_ns = None if self.end_ns is None else changed(self.end_ns)
         return replace(self, issue_ns=changed(self.issue_ns), end_ns=end_ns)
 

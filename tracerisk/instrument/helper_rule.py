@@ -103,15 +103,15 @@ def helper_rule(
     calls = _Calls.of({call_path(stack) for stack in stacks})
     named_states = frozenset(f for f in calls.functions if f.name in states)
     named_helpers = frozenset(f for f in calls.functions if f.name in helpers)
-    function_refs = set(named_helpers)
-    undecided = sorted(calls.functions - function_refs - named_states)
+    found_helpers = set(named_helpers)
+    undecided = sorted(calls.functions - found_helpers - named_states)
     while True:
-        more = {f for f in undecided if calls.is_helper(f, function_refs)}
+        more = {f for f in undecided if calls.is_helper(f, found_helpers)}
         if not more:
             return HelperRule(
-                frozenset(function_refs), named_states, len(entered) > 1, named_helpers
+                frozenset(found_helpers), named_states, len(entered) > 1, named_helpers
             )
-        function_refs |= more
+        found_helpers |= more
         undecided = [f for f in undecided if f not in more]
 
 

@@ -63,9 +63,9 @@ def visible_traceback(entry: TracebackType | None) -> TracebackType | None:
             entries.append(entry)
         entry = entry.tb_next
     visible: TracebackType | None = None
-    for traceback_type in reversed(entries):
+    for visible_entry in reversed(entries):
         visible = TracebackType(
-            visible, traceback_type.tb_frame, traceback_type.tb_lasti, traceback_type.tb_lineno
+            visible, visible_entry.tb_frame, visible_entry.tb_lasti, visible_entry.tb_lineno
         )
     return visible
 
@@ -91,7 +91,7 @@ def hidden_frames() -> AbstractContextManager[None]:
 
 
 def _limited(frames: traceback.StackSummary, limit: int | None, *, last: bool) -> None:
-    """Keep the visible frames, then as many as `limit` says: what `traceback` does with it.
+    """Drop the hidden frames, then apply `limit` as `traceback` does.
 
     `last` says which end counts for a positive limit.
     """

@@ -24,14 +24,15 @@ _INSTALLED = frozenset({"site-packages", "dist-packages"})
 
 
 class ControllerFinder(MetaPathFinder):
-    """Finds what a controller imports of its own.
+    """Finds those modules that a controller imports and that are its own.
 
     A module below `root` is traced. `packages` maps the name of a Python package of the
     workspace to the folder that holds it; those are importable as if they were built, and go
     before what is installed for Python.
-    Top names in `reserved` are another finder's; those in `shared` too, but where the controller
-    has a whole Python package of that name (a script may be called as the messages it uses are).
-    `elsewhere` is asked last: for the folder of a module that is nowhere on the path.
+    Top-level names in `reserved` are left to another finder. So are those in `shared`, unless the
+    controller has a real Python package of that name (a mere script may share its name with the
+    messages it uses). `elsewhere` is asked last: for the folder of a module that is nowhere on the
+    path.
     `is_library` returns whether a file below the root is library code. `replaced` maps files below
     the root to the bytes that are compiled in the place of what they hold.
     """
@@ -88,7 +89,8 @@ class ControllerFinder(MetaPathFinder):
         if FrozenImporter.find_spec(fullname) is not None:
             return None
         if not self.is_own(Path(spec.origin)):
-            # Nobody else would look there: another finder serves the interfaces of this name.
+            # Return it here: the other finder for this name serves only its interfaces and would
+            # not look in this folder.
             return spec if top in self._packages else None
         return spec_from_file_location(
             fullname,
@@ -160,7 +162,7 @@ class _TracedLoader(SourceFileLoader):
         path = Path(self.get_filename(module.__name__))
         on_source = None if self._is_library else self._tracer.on_source
         code, file = compile_file(path, self._root, on_source, self._replaced)
-        # Python names no bytecode that is not there.
+        # There is no bytecode file, and without one Python sets no `__cached__`.
         module.__dict__.pop("__cached__", None)
         self._tracer.run_module(code, module.__dict__, file, is_library=self._is_library)
 

@@ -71,7 +71,7 @@ def decorator_served(tracer: Tracer) -> Iterator[None]:
     module.caught = tracer.caught  # type: ignore[attr-defined]
     module.called = tracer.calls.called  # type: ignore[attr-defined]
     module.made = tracer.calls.made  # type: ignore[attr-defined]
-    with _entry(sys.modules, TRACER_MODULE, module):
+    with _registered(sys.modules, TRACER_MODULE, module):
         yield
 
 
@@ -88,12 +88,12 @@ def prepared_controller(
     """Compile the file at `path`; yield the function that runs it once as `__main__`, traced.
 
     `argv` are the arguments after the script's name; `root` is `controller_root(path)` unless
-    given. `entry` names a function of it that is called then, as an installed command would, with
-    its result as the exit status. `replaced` is as in `compile_file`.
+    given. `entry` names a function of the file that is called afterwards, as the wrapper of an
+    installed command does; its result is the exit status. `replaced` is as in `compile_file`.
     What the controller raises passes through, `SystemExit` too.
     Until closed, `sys.argv`, `sys.path`, `__main__` and the recursion limit are the controller's,
-    and tracerisk's frames are hidden: threads and callbacks that outlive the module-level code
-    need it open. All is put back at the end; modules that were imported stay imported.
+    and tracerisk's frames are hidden: threads and callbacks that outlive the module-level code need
+    it open. All is put back at the end; modules that were imported stay imported.
 
     Raises:
         InputError, SourceError, UnsafeRewriteError: as `compile_file`; nothing has run then.
@@ -151,7 +151,7 @@ def _program(script: Path, tracer: Tracer, argv: Sequence[str]) -> Iterator[Modu
     sys.setrecursionlimit(2 * old_limit)
     try:
         with (
-            _entry(sys.modules, "__main__", module),
+            _registered(sys.modules, "__main__", module),
             decorator_served(tracer),
             suppressed_reported(tracer.note_caught),
         ):
@@ -172,13 +172,13 @@ def package_of(script: Path) -> tuple[str, Path]:
 
 
 @contextlib.contextmanager
-def _entry(table: dict[str, ModuleType], name: str, module: ModuleType) -> Iterator[None]:
-    result = table.get(name)
+def _registered(table: dict[str, ModuleType], name: str, module: ModuleType) -> Iterator[None]:
+    previous = table.get(name)
     table[name] = module
     try:
         yield
     finally:
-        if result is None:
+        if previous is None:
             table.pop(name, None)
         else:
-            table[name] = result
+            table[name] = previous

@@ -22,7 +22,7 @@ MOTION_CALLS = frozenset(
 )
 """Last names of calls that command motion: those of move groups and of action clients."""
 
-# What so many things have that only the same expression says the same.
+# Names so common that calls count as the same only if the whole expression is the same.
 _COMMON = frozenset({"publish", "call", "call_async", "send_request"})
 
 
@@ -33,7 +33,7 @@ _LIKE_COMMANDS = re.compile(
 
 
 def is_like_command(name: str) -> bool:
-    """Return whether a call has a name as functions of drivers have that command."""
+    """Return whether a call's name looks like that of a driver function that commands motion."""
     return _LIKE_COMMANDS.match(name.rpartition(".")[2]) is not None
 
 
@@ -98,23 +98,24 @@ def missed_calls(
     tree = parsed(source)
     if tree is None:
         return ()
-    insources = [_InSource(call, (file, call.site)) for call in marked_calls(tree)]
+    source_calls = [_SourceCall(call, (file, call.site)) for call in marked_calls(tree)]
     own = _commanding_names(tree, file, commanding)
-    known = {call.same for call in insources if call.place in commanding.calls}
+    known = {call.same for call in source_calls if call.place in commanding.calls}
     in_vain = _turned_back(commanding, calls) | {
         call.place
-        for call in insources
+        for call in source_calls
         if call.place in calls.waiting - commanding.calls
         and (call.same in known or last_name(call.marked.node.func) in own)
     }
-    # A call that only asks (a mode, a state) shows that its name does not say what it does.
+    # A call that was executed and moved nothing only asks (for a mode, a state): its name is no
+    # evidence of motion.
     asking = {
         call.same
-        for call in insources
+        for call in source_calls
         if call.place in calls.executed - commanding.calls and call.place not in in_vain
     }
     missed = []
-    for call in insources:
+    for call in source_calls:
         is_missed = call.place in in_vain
         if call.place not in calls.executed | commanding.calls and not call.marked.is_spare:
             is_missed = (call.same in known or call.is_of(own)) and call.same not in asking
@@ -126,8 +127,8 @@ def missed_calls(
 
 
 @dataclass(frozen=True, slots=True)
-class _InSource:
-    """A call that may command, with its place in the controller's files."""
+class _SourceCall:
+    """A call that may issue a command, with its place in the controller's files."""
 
     marked: MarkedCall
     """The call and the scope that it is in."""
@@ -153,7 +154,7 @@ class _InSource:
 
 
 def _commanding_names(tree: ast.Module, file: str, commanding: Commanding) -> set[str]:
-    """Return the names of the functions of a file that led to commands, if there is one of each."""
+    """Return the names of functions that led to commands and that the file defines exactly once."""
     functions = (ast.FunctionDef, ast.AsyncFunctionDef)
     defined = Counter(node.name for node in ast.walk(tree) if isinstance(node, functions))
     names = {ref.name.rpartition(".")[2] for ref in commanding.functions if ref.file == file}
@@ -175,7 +176,7 @@ def _turned_back(commanding: Commanding, calls: Calls) -> frozenset[Place]:
             return False
         inner = turn.executed & commanding.calls
         if not inner:
-            # What did something else in their place had another task.
+            # A function that did something else instead had another task, so it did not turn back.
             return turn.executed <= executed.get(turn.function, set())
         deeper = within | {turn.place}
         return all(

@@ -18,7 +18,7 @@ from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import CommandEnd, Finding, TracedFunction, VisitOutcome
 
 _SECOND_NS = 1_000_000_000
-_MOST_INSTANCES = 50  # of one function that are distinguished: more are named as they are made
+_MOST_INSTANCES = 50  # distinguished of one function; with more, the names are generated
 _OUTCOME_OF: dict[CommandEnd | None, VisitOutcome] = {
     "arrived": "succeeded",
     "aborted": "aborted",
@@ -136,8 +136,8 @@ def attribute(
     """Find the owner of each command by the rules of `helper_rule`, and each owner's visits.
 
     `states` and `helpers` are qualified names that overrule the rules; `end_ns` is the simulated
-    time at which the run ended [ns]. What is a helper is seen in the commands of another run too,
-    `beside` this one: a run that was cut short shows fewer.
+    time at which the run ended [ns]. `beside` is another run whose commands also count for telling
+    helpers, because a run that was cut short shows fewer.
 
     Raises:
         InputError: a name is in both `states` and `helpers`.
@@ -202,7 +202,7 @@ class _OpenVisit:
 
 
 def _named_by_instance(owners: Sequence[Frame]) -> list[Frame]:
-    """Name the owners that are methods of a state which exists several times by the instance."""
+    """Add the instance to names of owners that are methods of a state with several instances."""
     labels: dict[FunctionRef, set[str]] = {}
     methods: dict[tuple[str, str], set[FunctionRef]] = {}
     for owner in owners:
@@ -251,7 +251,7 @@ def _visits(
 def _still_live(visit: _OpenVisit, command: Command, last_on_element: dict[str, int]) -> bool:
     """Return whether a command of the visit was live until `command` was issued.
 
-    One that `command` itself supersedes was.
+    A command that `command` itself supersedes counts as live.
     """
 
     def is_live(each: Command) -> bool:
@@ -302,8 +302,9 @@ def _concurrent_owners(
             message = (
                 f"{visit.function.name} commands {', '.join(live_command.command.elements)} "
                 "while a "
-                f"command of {earlier.name} is still live; each element counts for whoever "
-                "addressed it last, the others for the latest command"
+                f"command of {earlier.name} is still live; an addressed element counts for the "
+                "function that addressed it last, every other element for the function of the "
+                "latest command"
             )
             location = Location(visit.function.file, visit.line)
             findings.append(Finding("concurrent_owners", message, now / _SECOND_NS, location))

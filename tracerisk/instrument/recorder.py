@@ -21,7 +21,7 @@ from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import CommandEnd, EndCause
 
 _FIGURE = re.compile(r"(?<![\w.])-?\d+\.\d+")
-_WAY_DIGITS = 4  # of a fraction: what processors round differently is less
+_WAY_DIGITS = 4  # of a fraction: differences in rounding between processors are smaller
 
 
 class CommandWatch(Protocol):
@@ -101,7 +101,7 @@ class Recorder:
         """Record how a command ends now.
 
         `way_done` is the fraction of its way, `replaced_by` the id of the command that took over,
-        `goal` where it led in the end if that is not where it was issued to [rad or m].
+        `goal` the final goal if it differs from the issued one [rad or m].
         """
         details: dict[str, Any] = {}
         if way_done is not None:
@@ -144,8 +144,8 @@ class Recorder:
     ) -> None:
         """Record what a user should know.
 
-        `object_name` is what it is about, `target` the goal of what failed, `time_ns` when it
-        happened where that was before [ns].
+        `object_name` is what it is about, `target` the goal of what failed, `time_ns` the time of
+        the event if it is in the past [ns].
         """
         self._findings += 1
         earlier = {} if time_ns is None else {"ns": time_ns}
@@ -213,7 +213,7 @@ class Recorder:
             [
                 self._function(frame.function, frame.line),
                 *(frame.activation, *frame.site, frame.root),
-                *_further(frame),
+                *_optional_fields(frame),
             ]
             for frame in stack
         ]
@@ -260,8 +260,8 @@ def _goal(target: Sequence[float]) -> tuple[float, ...]:
     return goal if all(map(math.isfinite, goal)) else ()
 
 
-def _further(frame: Frame) -> tuple[Any, ...]:
-    """Return what few frames have."""
+def _optional_fields(frame: Frame) -> tuple[Any, ...]:
+    """Return the fields that only few frames have."""
     if frame.through:
         return frame.instance, [[file, *site] for file, site in frame.through]
     return () if frame.instance is None else (frame.instance,)

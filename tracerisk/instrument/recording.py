@@ -268,7 +268,7 @@ def _place(file: Any, line: int, column: int) -> tuple[str, tuple[int, int]]:
 
 def _text(value: Any) -> str:
     if not isinstance(value, str):
-        raise ValueError(f"{type(value).__name__} where text is")
+        raise ValueError(f"{type(value).__name__} where text is expected")
     return value
 
 

@@ -33,7 +33,7 @@ class StateEntries:
         self._found.append(None)
 
     def passed(self, inner: FrameType | None, frame: FrameType, name: str) -> None:
-        """Note a function: its frame, and the innermost frame that is not further out."""
+        """Note a function by its frame; `inner` is the innermost frame below it."""
         own = _state_of(frame) if "." in name else None
         if own is None and not self._found:
             # A state of a library's own class commands in the name of the machine's caller.

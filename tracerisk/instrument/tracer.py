@@ -123,11 +123,11 @@ class Tracer:
     """Follows the functions of one run of a controller.
 
     `on_first_run` is called with each function the first time that it runs; `on_iteration` (an
-    attribute) of file and line of an endless loop at the begin of each iteration; `on_source` (an
-    attribute) of each file of the controller and the bytes that were compiled; `on_caught` (an
-    attribute) of each call that a stand-in refused by an exception which the controller caught.
-    `on_behalf` (an attribute) returns the stack of another function for whose sake the running
-    code runs, if any.
+    attribute) gets file and line of an endless loop at the beginning of each iteration; `on_source`
+    (an attribute) gets each file of the controller and the bytes that were compiled; `on_caught`
+    (an attribute) gets each call that a stand-in refused by an exception which the controller
+    caught. `on_behalf` (an attribute) returns the stack of another function for whose sake the
+    running code runs, if any.
     """
 
     def __init__(self, on_first_run: Callable[[FunctionRef, int], None] | None = None) -> None:
@@ -148,7 +148,7 @@ class Tracer:
     # --- what the loader reports
 
     def add_file(self, filename: str, file: str, *, is_library: bool = False) -> None:
-        """Know `filename`, as code objects name it, for the controller's file `file`.
+        """Register `filename`, the name in code objects, as the controller's file `file`.
 
         The first file added is the script that runs. Functions of library code stand on no stack,
         as those of a library that is installed do not.
@@ -226,7 +226,7 @@ class Tracer:
         return tuple(FunctionSite(ref, line) for ref, line in self._ran.items())
 
     def root(self, kind: RootKind) -> _Entered:
-        """Return a context manager in which controller code is called by none of its own."""
+        """Return a context manager in which controller code runs as a root, with no caller."""
         return _Entered(self.top, _Base(kind, self.next_activation()))
 
     def capture(self) -> Captured:
@@ -309,16 +309,16 @@ class Tracer:
         inherited = base.inherited if base is not None else ()
         frames: list[Frame] = []
         entries = StateEntries()
-        python: FrameType | None = _getframe(1)
+        candidate: FrameType | None = _getframe(1)
         for position, (_, record, activation, _, made_at) in enumerate(links):
-            frame, called = _find(python, record.code)
-            through = tuple(self._lambdas(python, frame))
+            frame, called = _find(candidate, record.code)
+            through = tuple(self._lambdas(candidate, frame))
             if made_at:
                 through += (place_of(made_at),)
             if frame is not None:
                 site = _site(called or frame)
-                entries.passed(python, frame, record.ref.name)
-                python = frame.f_back
+                entries.passed(candidate, frame, record.ref.name)
+                candidate = frame.f_back
             else:
                 # It returned, or waits: a context was copied without `capture`.
                 site = (record.line, 0)
@@ -326,7 +326,7 @@ class Tracer:
             is_root = position == len(links) - 1 and not inherited
             root = (base.kind if base is not None else _bare_root()) if is_root else None
             if is_root:
-                through += tuple(self._lambdas(python, None))
+                through += tuple(self._lambdas(candidate, None))
             frames.append(Frame(record.ref, record.line, activation, site, root, through=through))
         known = next((item.instance for item in reversed(inherited) if item.instance), None)
         labels = entries.labels(known)
@@ -336,33 +336,33 @@ class Tracer:
         ]
         return (*inherited, *reversed(frames))
 
-    def _lambdas(self, python: FrameType | None, until: FrameType | None) -> Iterator[Place]:
+    def _lambdas(self, candidate: FrameType | None, until: FrameType | None) -> Iterator[Place]:
         """Yield where the lambdas of the controller stand, up to a frame or another function."""
-        while python is not None and python is not until:
-            file = self._files.get(python.f_code.co_filename)
+        while candidate is not None and candidate is not until:
+            file = self._files.get(candidate.f_code.co_filename)
             if file is not None:
-                if python.f_code.co_name not in _UNNAMED:
+                if candidate.f_code.co_name not in _UNNAMED:
                     return
-                yield file, _site(python)
-            python = python.f_back
+                yield file, _site(candidate)
+            candidate = candidate.f_back
 
 
-def _find(python: FrameType | None, code: CodeType) -> tuple[FrameType | None, FrameType | None]:
+def _find(candidate: FrameType | None, code: CodeType) -> tuple[FrameType | None, FrameType | None]:
     """Find the innermost frame that runs `code`, and the comprehension it runs, if any.
 
     Up to Python 3.11 a comprehension is a frame of its own; it is part of its function.
     """
     inner: FrameType | None = None
-    while python is not None and python.f_code is not code:
-        inner, python = python, python.f_back
+    while candidate is not None and candidate.f_code is not code:
+        inner, candidate = candidate, candidate.f_back
     if (
-        python is not None
+        candidate is not None
         and inner is not None
         and inner.f_code.co_name in _COMPREHENSIONS
         and inner.f_code.co_filename == code.co_filename
     ):
-        return python, inner
-    return python, None
+        return candidate, inner
+    return candidate, None
 
 
 def _site(frame: FrameType) -> Site:

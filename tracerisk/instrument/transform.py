@@ -152,11 +152,11 @@ def _import_line() -> cst.SimpleStatementLine:
 
 def _import_index(tree: ast.Module, body: Sequence[cst.BaseStatement]) -> int:
     """Count the lines of the docstring and the `from __future__` imports, which must stay first."""
-    small, index = begin_of_code(tree), 0
-    while small > 0:
+    remaining, index = begin_of_code(tree), 0
+    while remaining > 0:
         line = body[index]
         assert isinstance(line, cst.SimpleStatementLine)
-        small -= len(line.body)
+        remaining -= len(line.body)
         index += 1
     return index
 

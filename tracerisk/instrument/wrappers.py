@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 # Bound here: the run may show controllers a `sys._getframe` that hides the tracer's own frames.
 _getframe = sys._getframe
 
-# A function that returns more often is called in loops, and its ways through repeat themselves;
-# what computes may be called a million times.
+# A function that returns more often is called in loops, and its paths repeat; a numeric function
+# may be called a million times.
 _MOST_TURNS = 1000
 
 AnyFunction = Callable[..., Any]

@@ -1,1 +1,1 @@
-"""Marks in instrumented code: the begin of loops, calls, and what `except` clauses caught."""
+"""Marks in instrumented code: the beginning of loops, calls, and what `except` clauses caught."""

@@ -1,4 +1,4 @@
-"""Which calls a run executed, and where functions returned before they commanded."""
+"""Which calls a run executed, and where functions returned before they issued a command."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Site = tuple[int, int]
 Place = tuple[str, Site]
 """The file of a call, from the controller's root, and its site there."""
 
-_MOST_WAITING = 100  # what one call made and nobody has begun; more of it says no more
+_MOST_WAITING = 100  # generators or coroutines of one call that have not begun; more say no more
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,8 @@ class CallLog:
     def __init__(self, top: ContextVar[Any]) -> None:
         self._executed: set[str] = set()
         self._raised: set[str] = set()
-        # By numbers, for these are looked up at each return; the values keep what they number.
+        # Keyed by ids because each return looks one up; the values keep the objects alive, so that
+        # ids stay unique.
         self._turns: dict[tuple[int, int, int, frozenset[str]], tuple[CodeType, Any]] = {}
         self._ended: set[tuple[str, FunctionRef, frozenset[str]]] = set()
         self._began: set[str] = set()
@@ -118,21 +119,21 @@ class CallLog:
         return key
 
     def raised(self, place: Location) -> None:
-        """Note that a stand-in refused a call; that it is executed again clears it."""
+        """Note that a stand-in refused a call; executing it again clears the note."""
         key = call_key(place.file, (place.line or 0, place.column or 0))
         if key in self._executed:
             self._executed.remove(key)
             self._raised.add(key)
 
     def returned(self, caller: FrameType, record: Any, executed: set[str]) -> None:
-        """Note what the function of a tracer's record executed that returns to its caller."""
+        """Note what a function, given by its record, executed, as it returns to its caller."""
         code = caller.f_code
         key = (id(code), caller.f_lasti, id(record), frozenset(executed))
         if key not in self._turns:
             self._turns[key] = (code, record)
 
     def ended(self, key: str, function: FunctionRef, executed: set[str]) -> None:
-        """Note what a generator or a coroutine executed that is at its end."""
+        """Note what a generator or a coroutine executed, once it has ended."""
         if key:
             self._ended.add((key, function, frozenset(executed)))
 

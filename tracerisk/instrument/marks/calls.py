@@ -1,8 +1,8 @@
-"""Mark the calls that may command, so that a run notes which of them it executed.
+"""Mark the calls that may issue commands, so that a run notes which of them it executed.
 
-A mark is evaluated first of its call: `(mark(key), self)[1].arm.go()`. So the call keeps its place,
-its value and its line, and no frame comes between. What cannot command has no mark: a
-built-in function, one of Python's own modules, a line of a log.
+A mark is evaluated before everything else in its call: `(mark(key), self)[1].arm.go()`. So the call
+keeps its place, its value and its line, and no frame comes between. What cannot issue a command has
+no mark: a built-in function, one of Python's own modules, a line of a log.
 """
 
 from __future__ import annotations

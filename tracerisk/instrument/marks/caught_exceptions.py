@@ -65,7 +65,7 @@ class CaughtFailure:
 
 
 def mark_handlers(tree: ast.Module, module: str) -> None:
-    """Insert the report, imported from `module`, at the begin of each `except` clause."""
+    """Insert the report, imported from `module`, at the beginning of each `except` clause."""
     handlers = [node for node in ast.walk(tree) if isinstance(node, ast.ExceptHandler)]
     for handler in handlers:
         report = ast.Expr(ast.Call(ast.Name(CAUGHT, ast.Load()), [], []))
@@ -140,10 +140,10 @@ def _entries(entry: TracebackType | None) -> Iterator[TracebackType]:
 def with_settled_refusals(
     findings: Sequence[Finding], calls: Calls | None, end: RunEnd, source_of: Callable[[str], bytes]
 ) -> tuple[Finding, ...]:
-    """Return the findings, those of refused calls as recovered where they need no report.
+    """Return the findings, with those of refused calls that need no report marked as recovered.
 
     That is so where a loop tried a call until it succeeded (`is_tried_until_success`), where an
-    `except` clause called the same with success (another name of the group), and where another
+    `except` clause made the same call with success (with another group name), and where another
     finding or the end of the run has the same line.
     """
     told = {_line(finding.location) for finding in findings if finding.kind != REFUSED}

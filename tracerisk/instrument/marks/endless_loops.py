@@ -1,8 +1,8 @@
 """Find the loops that have no end of their own, and mark where each iteration begins.
 
 A loop is endless if its condition holds as long as the program may run (`True`,
-`not rospy.is_shutdown()`, `rclpy.ok()`) and no `break`, `return` or exit leaves it, but for those
-that only an interruption or a shutdown reaches.
+`not rospy.is_shutdown()`, `rclpy.ok()`) and no `break`, `return` or exit leaves it, not counting
+those that only an interruption or a shutdown reaches.
 """
 
 from __future__ import annotations
@@ -36,9 +36,10 @@ def endless_loops(tree: ast.AST) -> Iterator[ast.While]:
 
 
 def mark_endless_loops(tree: ast.Module, module: str, file: str) -> None:
-    """Insert a call of the marker, imported from `module`, at each begin of an iteration.
+    """Insert a call of the marker, imported from `module`, at the beginning of each iteration.
 
-    It is called with `file` and the loop's line. Positions are those of what follows.
+    It is called with `file` and the loop's line. The inserted nodes have the positions of the
+    statement that follows.
     """
     loops = list(endless_loops(tree))
     for loop in loops:
@@ -54,7 +55,7 @@ def mark_endless_loops(tree: ast.Module, module: str, file: str) -> None:
 
 
 def import_into(tree: ast.Module, module: str, names: Mapping[str, str]) -> None:
-    """Insert the import of what inserted code calls: its names in `module`, and in the tree."""
+    """Import what inserted code calls; `names` maps its name in `module` to that in the tree."""
     if not names:
         return
     place = {"lineno": 1, "col_offset": 0, "end_lineno": 1, "end_col_offset": 0}

@@ -1,4 +1,4 @@
-"""Whether a loop tries a call that fails until it succeeds: what its source says."""
+"""From the source: whether a loop retries a failing call until it succeeds."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ def is_tried_until_success(tree: ast.Module, call: ast.Call) -> bool:
     That is so in a loop that catches them, if each pass tries the same, or if a pass leaves the
     loop once the call has succeeded.
     """
-    return _Way(_parents(tree), call).makes_up()
+    return _SuccessPath(_parents(tree), call).makes_up()
 
 
 def _parents(tree: ast.Module) -> dict[ast.AST, ast.AST]:
     return {child: node for node in ast.walk(tree) for child in ast.iter_child_nodes(node)}
 
 
-class _Way:
-    """The way on from a call that succeeded, outwards through what is around it."""
+class _SuccessPath:
+    """The control flow after a successful call, followed outward through what encloses it."""
 
     def __init__(self, parents: Mapping[ast.AST, ast.AST], call: ast.Call) -> None:
         self._parents = parents
         self._call = call
         self._truth: dict[str, bool] = {}
         """What success assigns, and whether it is then true."""
-        self._is_alone = True
-        """Whether only a call that succeeded comes here."""
+        self._only_on_success = True
+        """Whether this point is reached only after the call has succeeded."""
 
     def makes_up(self) -> bool:
         node: ast.AST = self._call
@@ -57,7 +57,9 @@ class _Way:
                     if not is_left and _differs(self._call, parent):
                         return False
                 if not isinstance(jump, ast.Return):
-                    self._is_alone &= not is_caught or (is_left and _is_left_so_only(parent))
+                    self._only_on_success &= not is_caught or (
+                        is_left and _is_left_by_break(parent)
+                    )
                     jump = None
             elif jump is None:
                 jump = self._jump_out(node, parent)
@@ -65,8 +67,8 @@ class _Way:
         return is_in_loop
 
     def _jump_from(self, node: ast.stmt, parent: ast.AST) -> ast.stmt | None:
-        """Return where the way from a statement jumps to within the list that it is in."""
-        if _has_call_first(node, self._call):
+        """Return the jump that the path from a statement meets in its own block, if any."""
+        if _has_call_itself(node, self._call):
             if isinstance(node, ast.Return):
                 return node
             self._assign(node)
@@ -79,16 +81,19 @@ class _Way:
         return None
 
     def _jump_in(self, block: Sequence[ast.stmt]) -> ast.stmt | None:
-        """Return the jump on the way through a block, `pass` for one that a failure takes too."""
+        """Return the jump that the path through a block meets.
+
+        It is an `ast.Pass` for a jump that is also taken after a failure.
+        """
         for statement in block:
             if isinstance(statement, _JUMPS):
-                return statement if self._is_alone else ast.Pass()
+                return statement if self._only_on_success else ast.Pass()
             jump: ast.stmt | None = None
             if isinstance(statement, _WITH | ast.Try):
                 jump = self._jump_in(statement.body)
             elif isinstance(statement, ast.If):
                 jump = self._jump_in_if(statement)
-            elif self._is_alone:
+            elif self._only_on_success:
                 self._assign(statement)
             if jump is not None:
                 return jump
@@ -101,19 +106,19 @@ class _Way:
         taken, other = statement.body, statement.orelse
         if not is_true:
             taken, other = other, taken
-        before, self._is_alone = self._is_alone, True
+        before, self._only_on_success = self._only_on_success, True
         jump = self._jump_in(taken)
-        self._is_alone = before or _jumps(other)
+        self._only_on_success = before or _jumps(other)
         return jump
 
     def _jump_out(self, node: ast.AST, parent: ast.AST) -> ast.stmt | None:
-        """Return where the way from the end of a block jumps to before what follows `parent`."""
+        """Return the jump met between the end of a block and the statement after `parent`."""
         if isinstance(parent, ast.Try) and node in parent.body:
             if jump := self._jump_in(parent.orelse):
                 return jump
-            self._is_alone &= all(_jumps(handler.body) for handler in parent.handlers)
+            self._only_on_success &= all(_jumps(handler.body) for handler in parent.handlers)
         elif _catches(parent, node):
-            self._is_alone = False
+            self._only_on_success = False
         return None
 
     def _assign(self, statement: ast.stmt) -> None:
@@ -137,7 +142,7 @@ class _Way:
         return isinstance(loop, ast.While) and self._value(loop.test) is False
 
 
-def _has_call_first(statement: ast.stmt, call: ast.Call) -> bool:
+def _has_call_itself(statement: ast.stmt, call: ast.Call) -> bool:
     """Return whether a call is in a statement itself, not in one of its blocks."""
     parts = (part for part in ast.iter_child_nodes(statement) if not isinstance(part, ast.stmt))
     return any(
@@ -166,7 +171,7 @@ def _jumps(block: Sequence[ast.stmt]) -> bool:
     return bool(block) and isinstance(block[-1], _JUMPS)
 
 
-def _is_left_so_only(loop: ast.AST) -> bool:
+def _is_left_by_break(loop: ast.AST) -> bool:
     """Return whether what follows a loop is reached by a `break` alone."""
     if isinstance(loop, ast.While) and isinstance(loop.test, ast.Constant):
         return bool(loop.test.value)

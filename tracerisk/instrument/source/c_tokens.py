@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-# What goes on over lines is only begun here: its end is looked for, which takes no time that
-# grows with the square of a source. A literal that is not closed ends with its line.
+# For tokens that span lines the pattern matches only the start; the end is found by a search, which
+# keeps the time linear. A literal that is not closed ends with its line.
 _TOKEN = re.compile(
     rb'(?<![A-Za-z0-9_])(?:u8|u|U|L)?R"(?P<mark>[^()\\\s"]{0,16})\('
     rb'|(?P<block>""")'

@@ -69,8 +69,9 @@ class CallGraph:
     def joined(cls, graphs: Iterable[CallGraph]) -> CallGraph:
         """Return one graph of several files, calls from one to another among them.
 
-        What a file calls of others' by a name that a file has which it imports, at first hand or
-        not, counts as a call of that; a method called on something unknown as each of that name.
+        A call of a name that a directly or indirectly imported file defines counts as a call of
+        that function; a method called on something unknown counts as a call of every method of that
+        name.
         """
         graphs = tuple(graphs)
         calls = {ref: each for graph in graphs for ref, each in graph.calls.items()}
@@ -127,13 +128,13 @@ def _imported_files(file: str, imports: Mapping[str, frozenset[str]]) -> frozens
         path = PurePosixPath(text)
         name = path.parent.name if path.stem == "__init__" else path.stem
         by_name.setdefault(name, set()).add(text)
-    names: set[str] = set()
+    files: set[str] = set()
     pending = [file]
     while pending:
-        new = {text for name in imports[pending.pop()] for text in by_name.get(name, ())} - names
-        names |= new
+        new = {text for name in imports[pending.pop()] for text in by_name.get(name, ())} - files
+        files |= new
         pending += new
-    return frozenset(names - {file})
+    return frozenset(files - {file})
 
 
 def motion_reaching(graph: CallGraph, motion_names: Collection[str]) -> tuple[FunctionSite, ...]:
@@ -161,30 +162,30 @@ def uncovered(
     graph: CallGraph, motion_names: Collection[str], ran: Collection[FunctionRef]
 ) -> tuple[Uncovered, ...]:
     """Return the functions that can reach a motion command and are not among those that `ran`."""
-    spare = _spare(graph, ran)
+    fallback = _fallback(graph, ran)
     return tuple(
-        Uncovered(site.ref, site.line, is_spare=site.ref in spare)
+        Uncovered(site.ref, site.line, is_spare=site.ref in fallback)
         for site in motion_reaching(graph, motion_names)
         if site.ref not in ran and site.ref.name != MODULE
     )
 
 
-def _spare(graph: CallGraph, ran: Collection[FunctionRef]) -> frozenset[FunctionRef]:
-    """Return the functions to which only `except` clauses of those that `ran` lead."""
+def _fallback(graph: CallGraph, ran: Collection[FunctionRef]) -> frozenset[FunctionRef]:
+    """Return the functions reached only through `except` clauses of functions that `ran`."""
     never = {ref for ref in graph.calls if ref not in ran and ref.name != MODULE}
-    spare: set[FunctionRef] = set()
+    fallback: set[FunctionRef] = set()
     pending = [ref for ref in graph.calls if ref not in never]
     while pending:
-        new = (graph.calls[pending.pop()].functions & never) - spare
-        spare |= new
+        new = (graph.calls[pending.pop()].functions & never) - fallback
+        fallback |= new
         pending += new
-    # What a function that is not spare calls in its regular course is none either.
-    pending = [ref for ref in graph.calls if ref not in spare]
+    # A function called outside `except` clauses by one that is no fallback is not one either.
+    pending = [ref for ref in graph.calls if ref not in fallback]
     while pending:
-        lost = graph.regular[pending.pop()].functions & spare
-        spare -= lost
+        lost = graph.regular[pending.pop()].functions & fallback
+        fallback -= lost
         pending += lost
-    return frozenset(spare)
+    return frozenset(fallback)
 
 
 @dataclass(slots=True)
@@ -325,7 +326,8 @@ class _Reader(cst.CSTVisitor):
     def visit_Call(self, node: cst.Call) -> bool:  # noqa: N802
         self._own.called.append((node.func, self._scope))
         self._own.handed_on += [(argument.value, self._scope) for argument in node.args]
-        # The function's own name is used up; what stands before it (`a.b` of `a.b.c()`) is not.
+        # The function's own name is dealt with; what stands before it (`a.b` of `a.b.c()`) still
+        # has to be visited.
         inner = node.func.value if isinstance(node.func, cst.Attribute) else node.func
         if not isinstance(inner, cst.Name):
             inner.visit(self)

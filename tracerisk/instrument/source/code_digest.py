@@ -32,7 +32,7 @@ _F_STRING = re.compile(rb"[rR]?[fF][rR]?['\"]")
 def code_digest(source: bytes, file: str) -> str:
     """Return the digest of a source; the same for line ends of any kind.
 
-    By the ending of its `file` it is C or C++, else Python.
+    The suffix of `file` says whether it is C or C++; all else is Python.
     """
     if is_c(file):
         from tracerisk.instrument.source.c_tokens import code_of

@@ -39,7 +39,7 @@ def imports_in(tree: ast.AST | None) -> tuple[tuple[int, tuple[str, ...]], ...]:
 
 
 def imported_names(tree: ast.AST, file: Path) -> Iterator[tuple[str, str, Path]]:
-    """Yield what a source imports by name from files near it: its name here and there, the file."""
+    """Yield what a source imports from files near it: (name here, name there, that file)."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module and node.level <= _UPWARDS:
             module_file = _module_file(node.module, node.level, file)

@@ -48,7 +48,7 @@ def first_line(statement: ast.stmt) -> int:
 
 def definitions(tree: ast.Module) -> Iterator[Definition]:
     """Yield every function definition of the module in the order of the source."""
-    # The children that can hold no statement are most of them.
+    # Most children cannot hold a statement, so they are skipped.
     stack: list[tuple[ast.AST, str]] = [(tree, "")]
     while stack:
         node, prefix = stack.pop()

@@ -1,4 +1,4 @@
-"""Which language a source is written in, by the ending of its name."""
+"""Which language a source is written in, by the suffix of its name."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ CPP_SUFFIXES = frozenset({".cc", ".cpp", ".cxx", ".c++", ".hh", ".hpp", ".hxx", 
 
 
 def is_c(file: str) -> bool:
-    """Return whether a file is C or C++ by its ending."""
+    """Return whether a file is C or C++ by its suffix."""
     return PurePath(file).suffix.lower() in C_SUFFIXES | CPP_SUFFIXES
 
 
 def is_c_like(file: str) -> bool:
-    """Return whether a file's ending says that its comments are those of C, C++ and Java."""
+    """Return whether a file's suffix says that its comments are those of C, C++ and Java."""
     return is_c(file) or PurePath(file).suffix.lower() == ".java"

@@ -30,7 +30,7 @@ class Scope:
     parent: Scope | None
     """The enclosing scope; `None` for a module."""
     owner: FunctionRef
-    """The function whose calls the body's calls are; `<module>` outside functions."""
+    """The function to which calls in this body are attributed; `<module>` outside functions."""
     klass: ClassBody | None = None
     """The class of a class body, or of the method that a function is; else `None`."""
     self_name: str | None = None

@@ -63,7 +63,7 @@ def walk_with_guards(tree: ast.AST) -> list[tuple[ast.AST, bool]]:
             waiting += [(child, is_tried) for child in node.body]
             others = (*node.orelse, *node.finalbody)
             waiting += [(child, is_guarded) for child in others]
-            # A handler of it is the other way.
+            # A handler is the alternative for Python 3, so it is guarded too.
             waiting += [(child, is_tried) for child in node.handlers]
             continue
         if isinstance(node, ast.If):

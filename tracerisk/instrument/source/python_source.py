@@ -126,7 +126,8 @@ def _source_error(error: SyntaxError, text: str, file: str) -> SourceError:
     if "f-string" in (error.msg or "") and sys.version_info < (3, 12):
         version = f"{sys.version_info[0]}.{sys.version_info[1]}"
         message += (
-            f"; Python 3.12 reads it if that is all, and this is {version}: install tracerisk there"
+            f"; Python 3.12 accepts it if nothing else is wrong, but this is {version}: install "
+            "tracerisk under Python 3.12"
         )
     if _is_python_2(error, shown):
         message = (

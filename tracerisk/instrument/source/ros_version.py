@@ -36,8 +36,8 @@ def ros_version(script: Path, root: Path) -> RosVersion:
     """Return the ROS of a script: that of the first module which imports what only one of them has.
 
     The script comes first, then the modules below `root` that it imports, the nearest first.
-    For a script that imports neither the build tool of its package decides; without one it is of
-    ROS 1, whose message packages take more forms of call.
+    If it imports neither, the build tool of its package decides; without one it is of ROS 1, whose
+    message packages take more forms of call.
     """
     waiting, seen = deque([script]), {script}
     while waiting:
@@ -67,7 +67,7 @@ def _is_built_by_ament(root: Path) -> bool:
 
 
 def build_tools(manifest: str) -> frozenset[str]:
-    """Return which of `ament`, of ROS 2, and `catkin`, of ROS 1, a `package.xml` has build it."""
+    """Return the build tools that a `package.xml` asks for: `ament` (ROS 2), `catkin` (ROS 1)."""
     return frozenset(_BUILT_BY.findall(manifest))
 
 

@@ -1,6 +1,6 @@
 """Numbers within the bounds that a source checks, and the lengths of lists that it asks for.
 
-Of `if not 0.1 < width < 0.5: return` the width that goes on is 0.3; of `if len(poses) < 2: return`
+For `if not 0.1 < width < 0.5: return` a width that passes is 0.3; of `if len(poses) < 2: return`
 the list has 2 items.
 """
 
@@ -25,7 +25,7 @@ _REPLIES = frozenset({"success", "message", "msg", "result", "status", "error", 
 
 
 def turns_away(body: Sequence[ast.stmt]) -> bool:
-    """Return whether a branch only says something and leaves: what it is for goes no further."""
+    """Return whether a branch only says something and leaves: what takes it is not processed."""
     *others, last = body
     return isinstance(last, ast.Return | ast.Raise | ast.Continue) and all(map(_says, others))
 
@@ -50,7 +50,7 @@ def refused_tests(tree: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
 def bounds(test: ast.expr, *, is_refused: bool) -> Iterator[tuple[ast.expr, float | None, Any]]:
     """Yield what a test keeps within bounds [low, high] where it goes on; None for no bound.
 
-    Of several comparisons only those are joined that hold together.
+    Of several comparisons only those that must hold at the same time are joined.
     """
     found: dict[str, tuple[ast.expr, float | None, float | None]] = {}
     for subject, side, value in _sides(test, is_refused):
@@ -112,7 +112,7 @@ def lengths(test: ast.expr, *, is_refused: bool) -> Iterator[tuple[ast.expr, str
 
 
 def lengths_read(node: ast.AST) -> Iterator[tuple[ast.expr, str, int]]:
-    """Yield a list that a node reads by index or takes apart, with `LENGTH` or `LEAST` and it."""
+    """Yield a list that a node indexes or takes apart, with `LENGTH` or `LEAST`, and the length."""
     if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Load):
         is_part = isinstance(node.slice, ast.Slice)
         last = node.slice.upper if isinstance(node.slice, ast.Slice) else node.slice
@@ -164,7 +164,7 @@ def _number(node: ast.expr) -> float | None:
 
 
 def _asked(node: ast.expr) -> int | None:
-    """Return the length with which one is compared, or that of a shape of one dimension."""
+    """Return the number that a length is compared with, or the only one in a 1-D shape."""
     is_shape = isinstance(node, ast.Tuple | ast.List) and len(node.elts) == 1
     value = _number(node.elts[0] if is_shape else node)  # type: ignore[attr-defined]
     return int(value) if value is not None and value == int(value) else None

@@ -292,7 +292,7 @@ def _flow(
 
 
 def _given(targets: Iterable[ast.expr]) -> Iterator[tuple[str, bool]]:
-    """Yield the names that an assignment gives, and whether each is one of an object's."""
+    """Yield the names that an assignment gives, and whether each is an attribute."""
     for target in targets:
         for part in target.elts if isinstance(target, ast.Tuple) else [target]:
             if dotted_name(part):
@@ -325,7 +325,7 @@ def _follow_call(
 def _read_out(
     value: ast.expr, known: Mapping[str, tuple[str, ...]], functions: Mapping[str, _Function]
 ) -> tuple[str, ...] | None:
-    """Return the path of a text of which a function of the controller's makes what is assigned."""
+    """Return the path of a text that a function of the controller turns into the assigned value."""
     if not isinstance(value, ast.Call) or last_name(value.func) not in functions:
         return None
     path = _path(value.args[0], known) if len(value.args) == 1 else None
@@ -338,7 +338,7 @@ def _refused(function: _Function) -> Iterator[ast.AST]:
         if not isinstance(node, ast.If) or node.orelse:
             continue
         if turns_away(node.body):
-            # On which side of a number it goes on is said by the bounds.
+            # For inequalities the bounds say on which side the code goes on.
             yield from (inner for inner in ast.walk(node.test) if _is_unequal(inner))
         if not _is_refusal(node.body):
             continue
@@ -427,7 +427,7 @@ def _made_of(node: ast.expr) -> ast.expr:
 
 
 def _words_of_fields(tree: ast.AST, but: _Found) -> _Found:
-    """Return the words that the file knows for fields of these names, `but` what is known of."""
+    """Return the words that the file compares with fields, except those that `but` knows."""
     known = {path[-1] for path in but}
     return {
         path: values
@@ -518,7 +518,7 @@ def _literals(node: ast.expr) -> Iterator[Any]:
         return
     several = value if isinstance(value, list | tuple | set | dict) else (value,)
     if stops := _EMERGENCY & {each for each in several if isinstance(each, str)}:
-        # What stands beside one means the same.
+        # Other words listed with an emergency word mean the same.
         several = tuple(each for each in several if each in stops)
     for each in several:
         if isinstance(each, bool | int | float | str) and each != "":

@@ -13,7 +13,8 @@ from tracerisk.instrument.source.python_source import parsed
 def filled_fields(source: str, kind: str, need: str) -> tuple[dict[str, Any], int]:
     """Return the literals that a source sets in a message of a type, and the first one's line.
 
-    `kind` is the last name of the type, `need` the kind of the need that the message meets.
+    `kind` is the last name of the type, `need` what the message is for: `call` (a service request),
+    `goal` (an action goal) or another.
     """
     tree = parsed(source)
     if tree is None:
@@ -109,7 +110,7 @@ def _put(fields: dict[str, Any], path: Sequence[str], value: Any) -> None:
 
 
 def plain_value(value: Any) -> Any:
-    """Return a value with nothing but what a scenario holds; what it cannot hold is None."""
+    """Return a value reduced to what a scenario can hold; anything else becomes None."""
     if isinstance(value, dict):
         return {str(key): plain_value(inner) for key, inner in value.items()}
     if isinstance(value, list):

@@ -105,7 +105,7 @@ class _Reading:
             for subject, value in comparisons(node):
                 shape = None if subject is None else self._shape(subject)
                 if shape is not None and not isinstance(value, bool):
-                    # `"x" in data` asks for a key of what keys are looked up in.
+                    # `"x" in data` asks for a key if `data` is something whose keys are looked up.
                     is_key = bool(shape.keys) and isinstance(value, str)
                     shape.key(value) if is_key else shape.values.append(value)
         return root

@@ -12,11 +12,11 @@ from tracerisk.instrument.source.dotted_names import dotted_name
 def with_named_literals(
     tree: ast.Module, settings: Callable[[], Mapping[str, ast.expr]] = dict
 ) -> ast.Module:
-    """Return the tree with literals where it compares with, or looks up in, a name given once.
+    """Return the tree with literals for names that it compares with or looks something up in.
 
-    A name that is given twice, counted up or a parameter's keeps its place. Of a mapping that is
-    compared with (`in`) stand its keys. `settings` returns literals by their keys in files of
-    settings: they stand for `config["key"]` and `config.get("key")`.
+    Only a name that is assigned exactly once is replaced: one that is assigned twice, incremented
+    or a parameter stays. A mapping after `in` is replaced by its keys. `settings` returns literals
+    by their keys in files of settings: they stand for `config["key"]` and `config.get("key")`.
     """
     return _Inlined(_named(tree), settings).visit(tree)  # type: ignore[no-any-return]
 
@@ -141,9 +141,9 @@ def _setting(node: ast.expr) -> str | None:
 
 
 def counted_names(node: ast.AST) -> tuple[str, ...]:
-    """Return what a list holds that is made by counting: `[f"joint_{i}" for i in range(1, 7)]`.
+    """Return the items of a comprehension over numbers: `[f"joint_{i}" for i in range(1, 7)]`.
 
-    What is no such list, or made of more than its number and texts, holds nothing.
+    Empty for anything else, or if an item depends on more than the number and literal text.
     """
     if not isinstance(node, ast.ListComp | ast.GeneratorExp) or len(node.generators) != 1:
         return ()
