@@ -1,8 +1,8 @@
 """The probabilistic risk model: fault trees, Markov chains, their link, and solving them.
 
-The public names of the room, each imported when it is first used: who imports one kind of model
-from the room waits for no other kind, and a small tree is solved without NumPy. It is the only
-package that does so.
+The public names of the room, each imported when it is first used: importing one kind of model does
+not load the others, and a small tree is solved without NumPy. No other package of tracerisk does
+this.
 """
 
 from importlib import import_module

@@ -54,5 +54,5 @@ class DisplayedGraph(Displayed, AsGraph):
 
 
 def _by_name(module: str, function: str, shown: object) -> Any:
-    """Call what draws: it knows every model, so that a model finds it by its name alone."""
+    """Call the drawing function by name: its module imports every model, so none can import it."""
     return getattr(import_module(module), function)(shown)

@@ -21,8 +21,8 @@ static inline void add(struct sum *sum, double added)
 
 /* ---- patterns of matrices in compressed rows ---- */
 
-LOOP void transposed(LONGS(indptr), INTEGERS(indices), FLOATS(data), LONGS(starts), LONGS(free),
-                     INTEGERS(rows), FLOATS(values))
+LOOP void transposed(LONGS(indptr), INTEGERS(indices), FLOATS(data), LONGS(starts),
+                     LONGS(next_slot), INTEGERS(rows), FLOATS(values))
 {
     int64_t n = indptr_size - 1;
     for (int64_t t = 0; t < indices_size; t++)
@@ -30,10 +30,10 @@ LOOP void transposed(LONGS(indptr), INTEGERS(indices), FLOATS(data), LONGS(start
     for (int64_t i = 0; i < n; i++)
         starts[i + 1] += starts[i];
     for (int64_t i = 0; i < n; i++)
-        free[i] = starts[i];
+        next_slot[i] = starts[i];
     for (int64_t i = 0; i < n; i++)
         for (int64_t t = indptr[i]; t < indptr[i + 1]; t++) {
-            int64_t place = free[indices[t]]++;
+            int64_t place = next_slot[indices[t]]++;
             rows[place] = (int32_t)i;
             values[place] = data[t];
         }
@@ -179,7 +179,7 @@ LOOP void row_sums_into(LONGS(indptr), INTEGERS(indices), FLOATS(data), BYTES(ch
     }
 }
 
-/* ---- where elimination puts new ways ---- */
+/* ---- fill-in of the elimination ---- */
 
 LOOP void elimination_tree(INTEGERS(order), INTEGERS(rank), LONGS(indptr), INTEGERS(indices),
                            INTEGERS(parent), INTEGERS(ancestor))
@@ -262,7 +262,7 @@ LOOP void later_states(int64_t head, INTEGERS(order), INTEGERS(rank), LONGS(indp
 
 /* ---- elimination: Grassmann, Taksar, Heyman 1985 ---- */
 
-/* Whether the state before k leads to k, and else to the same states as k. */
+/* Whether the state before k leads to k and otherwise to exactly the states that k leads to. */
 static int follows(const int32_t *out_state, const int64_t *out_ptr, const int64_t *out_end,
                    int64_t k)
 {
@@ -288,7 +288,7 @@ LOOP int64_t eliminate_rows(int64_t head, INTEGERS(order), INTEGERS(rank), INTEG
         int32_t i = order[k];
         mark[k] = k;
         int64_t top = n;
-        /* Who is eliminated before this row and led to by it, each before those it leads to. */
+        /* The states eliminated earlier that this row leads to, in topological order. */
         for (int64_t t = indptr[i]; t < indptr[i + 1]; t++) {
             int32_t j = rank[indices[t]];
             row[j] = data[t];
@@ -313,7 +313,7 @@ LOOP int64_t eliminate_rows(int64_t head, INTEGERS(order), INTEGERS(rank), INTEG
             in_weight[filled++] = weight;
             double added = weight * slack_share[j];
             if (paired[j] && t < n && stack[t] == j + 1) {
-                /* Both lead to the same states, but for the one to the other: one pass. */
+                /* Apart from j -> j+1, both lead to the same states, so one pass serves both. */
                 t++;
                 int64_t first = out_ptr[j];
                 double second = row[j + 1] + weight * out_share[first];

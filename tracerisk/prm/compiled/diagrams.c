@@ -11,7 +11,7 @@ struct node {
     int32_t level;
     int32_t low;
     int32_t high;
-    int32_t number; /* in a collection: 0 for what goes, then what the node becomes */
+    int32_t number; /* while nodes are dropped: 0 for one that goes, then its new number */
 };
 
 struct store {
@@ -186,7 +186,7 @@ static void move_known(struct work *work, int64_t mask)
     work->cache_mask = mask;
 }
 
-/* Keep the marked nodes only, in a store of a size; return the edge that held has become. */
+/* Keep the marked nodes only, in a store of a size; return the new edge for `held`. */
 static int64_t compacted(struct work *work, int64_t size, int64_t held)
 {
     struct store *store = &work->store;

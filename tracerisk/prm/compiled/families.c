@@ -83,7 +83,7 @@ static int64_t without(struct families *sets, struct known *cache, int64_t cache
             f = frame->f;
             g = frame->g;
             if (frame->stage == 0 && level[f] == level[g]) {
-                /* Its sets with the element must hold none of g without it, either. */
+                /* f's sets with the element must contain no set of g without it, either. */
                 frame->stage = 1;
                 f = result;
                 g = low[g];
@@ -148,7 +148,7 @@ LOOP int64_t minimal_solutions(int64_t root, INTEGERS(level), INTEGERS(low), INT
                 int64_t with = room >= heavy ? family[above * columns + room - heavy] : 0;
                 int64_t made = without(&sets, (struct known *)cache, cache_size / 3 - 1,
                                        (struct frame *)frames, with, rest);
-                /* The element before what is left, beside the sets without it. */
+                /* Add the element to each set that is left; join them to the sets without it. */
                 if (made != OUT_OF_NODES)
                     made = node_of(&sets, here, rest, made);
                 if (made == OUT_OF_NODES) {

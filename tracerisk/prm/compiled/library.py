@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 FILE = os.path.join(os.path.dirname(__file__), "loops.so")  # noqa: PTH118, PTH120 - no start needs pathlib
 VERSION = 2
-"""Of the functions and their arguments, as `loops.h` says it: an older library is not used."""
+"""The version of the functions and arguments, as in `version.c`; an older library is not used."""
 _MAPPED = 1 << 16
 """Longer sequences are mapped: their pages take memory when first written to, and are zeros."""
 
@@ -33,11 +33,11 @@ def library() -> ctypes.CDLL | None:
     import ctypes
 
     try:
-        l_l = ctypes.CDLL(str(FILE))
-        version = ctypes.c_int32.in_dll(l_l, "loops_version").value
+        loops = ctypes.CDLL(str(FILE))
+        version = ctypes.c_int32.in_dll(loops, "loops_version").value
     except (OSError, ValueError):
         return None
-    return l_l if version == VERSION else None
+    return loops if version == VERSION else None
 
 
 def loop(name: str, takes: str, gives: type | None = None) -> Callable[..., Any]:
@@ -90,14 +90,14 @@ def floats(size: int) -> Any:
 
 
 def listed(items: Any) -> Any:
-    """Return integers of 32 bits."""
+    """Return items as an array of 32-bit integers."""
     from array import array
 
     return array("i", items)
 
 
 def listed_floats(items: Any) -> Any:
-    """Return numbers of double precision."""
+    """Return items as an array of double precision."""
     from array import array
 
     return array("d", items)

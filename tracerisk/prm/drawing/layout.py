@@ -49,7 +49,7 @@ def layered(
     Edges from a node to itself are left out.
     """
     given = [edge for edge in dict.fromkeys(edges) if edge[0] != edge[1]]
-    turned = _turned(nodes, given)
+    turned = _back_edges(nodes, given)
     downward = [(b, a) if (a, b) in turned else (a, b) for a, b in given]
     rank = _ranks(nodes, downward)
     # A node of an edge that spans layers stands in each of those between; its name is a tuple.
@@ -103,8 +103,8 @@ def layered(
     )
 
 
-def _turned(nodes: Iterable[str], edges: Sequence[Edge]) -> set[Edge]:
-    """Return the edges that lead back to a node from which their source was reached."""
+def _back_edges(nodes: Iterable[str], edges: Sequence[Edge]) -> set[Edge]:
+    """Return the edges that close a cycle in a depth-first walk; they are drawn reversed."""
     following: dict[str, list[str]] = {}
     for a, b in edges:
         following.setdefault(a, []).append(b)
@@ -238,7 +238,7 @@ def _spread(
 ) -> None:
     """Place the nodes of a layer in their order, as near as can be to where they should be.
 
-    The least squares of the distances, under the least distances: pool adjacent violators.
+    Least squares of the displacements under minimum distances, by pool adjacent violators.
     """
     offsets: list[float] = []
     reached = 0.0

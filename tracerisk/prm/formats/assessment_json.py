@@ -17,6 +17,6 @@ def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
     plain: dict[str, Any] = finite(asdict(assessment))
     states: list[dict[str, Any]] = plain["states"]
     for row in (*plain["components"], *(row for state in states for row in state["components"])):
-        # The name says it, by the names of the shares.
+        # Left out: the parameter's name already holds the component.
         del row["component"]
     return plain

@@ -131,12 +131,12 @@ class Element:
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             self.fail(f"expected a number, found {kind_of(self.value)}")
         try:
-            inf = float(self.value)
+            number = float(self.value)
         except OverflowError:
-            inf = math.inf
-        if not math.isfinite(inf):
+            number = math.inf
+        if not math.isfinite(number):
             self.fail("is too large for double precision")
-        return inf
+        return number
 
     def probability(self) -> float:
         """Return a number from 0 to 1."""

@@ -10,6 +10,7 @@ from typing import Any
 from tracerisk.prm.formats.element import Element
 from tracerisk.prm.trees.gates import Gate, GateKind
 
+# Bounded, for Fraction("1e999999999") would build a number of a thousand million digits.
 _FRACTION = re.compile(r"\d{1,40}(?:/\d{1,40}|\.\d{1,40})?")
 
 

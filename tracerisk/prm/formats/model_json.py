@@ -19,8 +19,6 @@ from tracerisk.prm.trees.spares import Spares
 SCHEMA = "tracerisk-hybrid-model"
 VERSION = 1
 
-# Bounded, for Fraction("1e999999999") would build a number of a thousand million digits.
-
 
 def model_data(model: HybridModel) -> dict[str, Any]:
     """Return the model as plain JSON values; weights of `next` are exact fractions, as strings."""

@@ -1,10 +1,10 @@
-"""What the mission's success hangs on: one backward pass over the chain with hidden failures.
+"""What the mission's success depends on: one backward pass over the chain with hidden failures.
 
-W is the probability that a mission succeeds which leaves a function f in a hidden state x, and
-D(f, x, c) how much lower it is with one more failed unit of class c.
-D is no difference of two numbers. Take two missions that meet the same failures but of the one
-unit, which has failed in the second and not yet in the first: they end differently only if that
-unit does not fail in the first before the second fails by its want. So d = D of a state solves
+W(f, x) is the probability of success of a mission that has just left function f in hidden state x;
+D(f, x, c) is how much lower it is with one more failed unit of class c. D is not computed as a
+difference of two numbers. Take two missions with the same failures except for one unit, which has
+failed in the second and not yet in the first: they end differently only if the second fails for
+lack of that unit before the unit fails in the first. So d = D of a state solves
 
     d(f, m) = (1-t) (1-p) sum_x K(m, x) (W(f, x) if x with one more fails f, else
                                         sum_g N(f, g) d(g, x))
@@ -40,11 +40,11 @@ class Adjoint:
         self._spreads: dict[tuple[int, int, int], Spread] = {}
 
     def success_after(self, spread: Spread, number: int) -> float:
-        """Return the mean success of missions that leave a function so."""
+        """Return the mean success of missions that leave a function in `spread`."""
         return total(weight * self._success[to][number] for to, weight in spread)
 
     def loss_after(self, spread: Spread, number: int, unit_class: int) -> float:
-        """Return the mean success that one more failed unit costs those that leave so."""
+        """Return the mean success that one more failed unit costs those that leave in `spread`."""
         losses = self._losses_by(unit_class)
         return total(weight * losses[to][number] for to, weight in spread)
 
@@ -73,7 +73,7 @@ class Adjoint:
         return chain.rest[number].q * total(parts) / q
 
     def fall(self, zeros: Sequence[str], without: HiddenChain, flow: Flow) -> float:
-        """Return F - F0, F0 with the parameters `zeros` zero: that of `without`, with its flow.
+        """Return F - F0; F0 is F with the parameters `zeros` zero, from `without` and its flow.
 
         F - F0 = sum_i v0_i sum_j (P0_ij - P_ij) w_j, with v0 the visits without, w the success
         with them. Within a visit one kind of failure after the other is let in, the rest of the
@@ -120,8 +120,8 @@ class Adjoint:
     ) -> list[float]:
         """Return what the failures of a group with spares cost, the other kinds as in `fall`.
 
-        It is survived with more than i failed units more with probability P(i): each step costs
-        what `loss_after` says, and its own failure all of the success.
+        With probability P(i) the group survives with more than i further failed units: each such
+        step costs what `loss_after` says; if the group fails, all of the success is lost.
         """
         chain = self.chain
         outcome = chain.spare_outcome(number, layer, unit_class)
@@ -155,18 +155,18 @@ class Adjoint:
         """Return D by layer and function: what one more failed unit of a class costs."""
         if unit_class not in self._losses:
             states = self.chain.states
-            valueses: list[tuple[float, ...]] = [()] * len(states.hidden)
-            for layer in range(len(valueses) - 1, -1, -1):
+            losses: list[tuple[float, ...]] = [()] * len(states.hidden)
+            for layer in range(len(losses) - 1, -1, -1):
                 more = states.more[layer][unit_class]
-                worse = self._worse(valueses, layer, unit_class) if more >= 0 else []
+                worse = self._worse(losses, layer, unit_class) if more >= 0 else []
                 # All of the success is lost where the visit fails for want of the unit.
-                valueses[layer] = tuple(
+                losses[layer] = tuple(
                     total(weight * worse[target] for target, weight in function.steps)
                     if more >= 0 and states.held[number][more]
                     else self._success[layer][number]
                     for number, function in enumerate(states.functions)
                 )
-            self._losses[unit_class] = valueses
+            self._losses[unit_class] = losses
         return self._losses[unit_class]
 
     def _worse(self, found: Sequence[Sequence[float]], layer: int, unit_class: int) -> list[float]:
@@ -210,7 +210,7 @@ class Adjoint:
     def _without_spare(
         self, number: int, layer: int, unit_class: int
     ) -> tuple[Spread, list[float]]:
-        """Return where the difference of one more failed spare leads, and what it leaves for."""
+        """Return the spread of the difference of one more failed spare, and what it leaves for."""
         chain = self.chain
         function = chain.states.functions[number]
         group = chain.spares[number][unit_class]
@@ -294,5 +294,5 @@ class Slopes:
 
 
 def share_of(parameter: Parameter, value: float) -> float:
-    """Return the fixed factor by which a state's own probability is theta's; one for zeros."""
+    """Return the fixed factor between theta and a state's own probability; one if theta is zero."""
     return value / parameter.theta if parameter.theta > 0.0 else 1.0

@@ -130,7 +130,7 @@ class MissionFigures:
     run's own counts when `next` comes from one run."""
 
     def as_geometric(self) -> MissionFigures:
-        """Return the figures with the geometric reading for the one that holds."""
+        """Return the figures with the geometric reading as the one that applies."""
         failure = self.geometric_cycles
         return replace(
             self,

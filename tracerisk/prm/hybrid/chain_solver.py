@@ -115,7 +115,7 @@ def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures
     """Return the mission's failure probability read in three ways, and the one that holds."""
     chain, grouped = solved.chain, solved.grouped
     states = solved.states
-    visits = _sound_visits(chain)
+    visits = _visits_without_failure(chain)
     whole = Round(states.entry, frozenset(range(len(states.functions))))
     cycles = visits[states.entry]
     reading, mission = held_reading(model, solved)
@@ -151,7 +151,7 @@ def held_reading(model: HybridModel, solved: SolvedMission) -> tuple[Reading, Pr
 def held_bound(model: HybridModel, solved: SolvedMission) -> tuple[Reading, Bound]:
     """Return the reading that holds for a model, and what bounds a mission in it.
 
-    The lower bound of too many hidden states is that of the chain in either reading.
+    Where hidden states are left out, the lower bound is that of the chain in either reading.
     """
     chain = Bound(solved.failure, solved.least)
     if not model.has_cycle:
@@ -188,7 +188,7 @@ def _visits(
     return Elimination(states.pattern, rows, exits).left(start)
 
 
-def _sound_visits(chain: HiddenChain) -> list[float]:
+def _visits_without_failure(chain: HiddenChain) -> list[float]:
     """Return the expected visits of each function where nothing fails."""
     size = len(chain.states.functions)
     start = [float(number == chain.states.entry) for number in range(size)]
@@ -198,8 +198,8 @@ def _sound_visits(chain: HiddenChain) -> list[float]:
 def _mean_cycles(chain: HiddenChain, cycle: Flow, whole: Round, cycles: float) -> float:
     """Return the failure probability of so many cycles, one after the other.
 
-    A cycle begins with the units failed that the last one left so. Between whole numbers of
-    cycles the logarithm of survival is taken as straight.
+    A cycle starts with the units that had failed by the end of the last one. Between whole numbers
+    of cycles the logarithm of survival is taken as linear.
     """
     if len(chain.states.hidden) == 1 and chain.states.most is None:
         good = math.fsum((*cycle.done, *cycle.back))
@@ -218,7 +218,7 @@ def _mean_cycles(chain: HiddenChain, cycle: Flow, whole: Round, cycles: float) -
 
 
 def _straight(cycles: float, outcome: Callable[[int], Probability]) -> float:
-    """Return the failure of so many cycles, the logarithm of survival straight between whole ones.
+    """Return the failure of so many cycles, the logarithm of survival linear between whole ones.
 
     `outcome` is that of a whole number of cycles.
     """
@@ -264,7 +264,7 @@ def _joined_parts(states: HiddenStates) -> list[tuple[tuple[int, ...], int]]:
 def _joined_spares(
     states: HiddenStates, classes: tuple[int, ...], threshold: int
 ) -> SpareGroup | None:
-    """Return the group with spares that classes are in every part, `None` where some part has none.
+    """Return the group with spares that the classes form in every part; else `None`.
 
     Of parts that differ it has the greatest dormancy and the least reliable switch.
     """

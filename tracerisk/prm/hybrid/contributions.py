@@ -26,7 +26,7 @@ def mean_drops(solved: SolvedMission, number: int) -> dict[str, float]:
             chain = grouped.own[group]
             drops = _mean_drops(chain, grouped.own_flows[group], number)
             for name in set(chain.states.functions[number].parameters.values()):
-                # What the rest of the tree falls by counts once.
+                # The drop of the rest of the tree is counted only once.
                 before = parts.setdefault(name, [])
                 before.append(max(0.0, drops[name] - values[name]) if before else drops[name])
         values |= {name: math.fsum(part) for name, part in parts.items()}
@@ -70,7 +70,8 @@ def _rest(chain: HiddenChain, number: int, name: str) -> _Item:
 def _drop(chain: HiddenChain, number: int, layer: int, name: str, rest: _Item) -> float:
     """Return the drop in one hidden state; the parts fail the visit independently.
 
-    One part after the other loses the component: those before have, those after have it still.
+    The component is removed from one part after the other: the parts before are already without it,
+    those after still have it.
     """
     function = chain.states.functions[number]
     items = [rest, *(_part(chain, number, part, layer, name) for part in function.parts)]

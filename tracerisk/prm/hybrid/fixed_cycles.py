@@ -18,7 +18,8 @@ from tracerisk.prm.numbers.elimination import Elimination, Pattern
 from tracerisk.prm.numbers.probability import Probability, log_complement, total
 
 _MOST_SQUARED = 32
-"""Up to how many hidden states many rounds are found by squaring the way from round to round."""
+"""The number of hidden states up to which many rounds are computed by squaring the transition
+matrix of one round."""
 
 _ROUNDING = 1e-9
 """How far a count may be off through rounding, relative."""
@@ -45,7 +46,7 @@ def counted_passage(states: HiddenStates) -> Passage | None:
 
 
 def outcome_of(chain: HiddenChain, passage: Passage) -> Probability:
-    """Return the probability that a mission fails which passes just this."""
+    """Return the probability that a mission with exactly this passage fails."""
     if len(chain.states.hidden) == 1 and chain.states.most is None:
         log = _log_survival(chain, passage)
         return Probability(0.0 - math.expm1(log), math.exp(log))
@@ -89,7 +90,7 @@ def _passage(
             passage.append(head)
             visits = {head: 1.0}
         else:
-            visits = _sound_visits(states, component, head)
+            visits = _visits_without_failure(states, component, head)
             rounds = round(visits[head])
             if abs(visits[head] - rounds) > _ROUNDING * rounds:
                 return None
@@ -107,7 +108,9 @@ def _passage(
     return tuple(passage)
 
 
-def _sound_visits(states: HiddenStates, component: Sequence[int], head: int) -> dict[int, float]:
+def _visits_without_failure(
+    states: HiddenStates, component: Sequence[int], head: int
+) -> dict[int, float]:
     """Return how often each function of a loop is visited where nothing fails."""
     place = {number: index for index, number in enumerate(component)}
     rows, exits = [], []
@@ -142,11 +145,11 @@ def passed(
 ) -> tuple[list[float], float]:
     """Return what survives a passage, by layer, and what fails; `start` is by layer."""
     now, failed = list(start), []
-    for number in passage:
-        if isinstance(number, int):
-            now, lost = chain.pass_once(number, now)
+    for item in passage:
+        if isinstance(item, int):
+            now, lost = chain.pass_once(item, now)
         else:
-            now, lost = rounds_of(chain, number, now)
+            now, lost = rounds_of(chain, item, now)
         failed.append(lost)
     return now, math.fsum(failed)
 
@@ -161,7 +164,7 @@ def _one_round(chain: HiddenChain, loop: Loop, now: Sequence[float]) -> tuple[li
 def _squared(
     chain: HiddenChain, loop: Loop, start: Sequence[float], layers: int
 ) -> tuple[list[float], float]:
-    """Return what `rounds_of` does, by the way from round to round squared again and again.
+    """Return what `rounds_of` does, by squaring the transition matrix of one round.
 
     `step[i][j]` leads from layer i at the start of a round to layer j at its end.
     """

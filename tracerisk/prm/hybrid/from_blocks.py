@@ -47,7 +47,7 @@ def build_model(
         raise BlockError("no risk blocks; `tracerisk annotate` or `tracerisk run` writes them")
     _check_distinct(blocks)
     ordered = sorted(blocks, key=lambda block: block.call_sequence.value)
-    # In the order of the states, and found at once.
+    # A dict keeps the order of the states and makes lookups fast.
     names = dict.fromkeys(block.name for block in ordered)
     chosen = _check_profile(profile or {}, names)
     steps = {}
@@ -142,9 +142,9 @@ def _check_spares(components: Sequence[ComponentEntry], groups: Collection[str])
         expected = quantities.get(component.name, component.quantity.value)
         if component.name in groups and component.quantity.value != expected:
             raise BlockError(
-                f"component '{component.name}': quantity is {component.quantity.value}, and "
-                f"{expected} in "
-                "another function with spares of it; use one quantity everywhere",
+                f"component '{component.name}': quantity is {component.quantity.value} "
+                f"here, but {expected} in another function that keeps spares of it; use one "
+                "quantity everywhere",
                 component.quantity.location or component.location,
             )
 

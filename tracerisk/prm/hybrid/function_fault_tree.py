@@ -42,7 +42,7 @@ def function_fault_tree(function: str, components: Sequence[ComponentEntry]) -> 
 
 
 def component_part(entry: ComponentEntry) -> tuple[tuple[Gate, ...], tuple[BasicEvent, ...]]:
-    """Return the gates and events of a component; the one called as it is stands for all of it.
+    """Return a component's gates and events; the one with its own name stands for all of it.
 
     Unit i is the event `<component>[i]`. What hits all units at once is `<component>[all]`, by the
     beta-factor model.

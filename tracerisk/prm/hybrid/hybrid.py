@@ -180,11 +180,11 @@ def _check_probabilities(state: FunctionState, parameters: Mapping[str, float]) 
     missing = sorted(needed - set(state.probabilities))
     if missing:
         raise ModelError(f"{where}: no probability for {', '.join(missing)}; give each one")
-    spare = sorted(set(state.probabilities) - needed)
-    if spare:
+    superfluous = sorted(set(state.probabilities) - needed)
+    if superfluous:
         raise ModelError(
-            f"{where}: the fault tree has no event with the parameter {', '.join(spare)}; remove "
-            "the probability"
+            f"{where}: the fault tree has no event with the parameter {', '.join(superfluous)}; "
+            "remove the probability"
         )
 
 

@@ -49,7 +49,7 @@ def importances(model: HybridModel, solved: SolvedMission) -> tuple[ComponentImp
 
 
 class _Base:
-    """The model as it is: its mission, and what that hangs on."""
+    """The model as it is: its mission, and what that depends on."""
 
     def __init__(self, chain: HiddenChain, flow: Flow) -> None:
         self.chain = chain
@@ -67,11 +67,11 @@ class _Base:
         return self.chain.returns()
 
     def rise(self, number: int, by: float) -> float | None:
-        """Return by how much F rises where a function's visits fail with `by` more, 0 or above.
+        """Return by how much F rises where a function's visits fail with a probability `by` higher.
 
         With n visits from one on, of which (n-1) / q follow a visit that is survived, the visits
         v become v / (1 + by (n-1) / q), and each costs `by` of the success that follows it.
-        `by` below zero is a fall; `None` where a difference would cost digits.
+        A negative `by` gives a fall; `None` where a difference would cost digits.
         """
         if by == 0.0:
             return 0.0
@@ -99,7 +99,7 @@ class _Change(NamedTuple):
 
 
 def held_failure(chain: HiddenChain, flow: Flow) -> float:
-    """Return the mission's failure where more failed units than the states hold count as one."""
+    """Return the mission's failure where more failed units than the states hold fail it."""
     failed = [math.fsum(row) for row in flow.failures[:-1]]
     if chain.states.most is not None:
         failed += [
@@ -193,7 +193,7 @@ def _change(base: _Base, name: str) -> _Change:
 
 
 def _change_in_one(base: _Base, name: str, numbers: Sequence[int]) -> _Change | None:
-    """Return what comes of a parameter of one function at most, without solving the chain anew.
+    """Return the change for a parameter of one function at most, without solving the chain anew.
 
     `None` where a figure would lose digits.
     """

@@ -42,9 +42,9 @@ def solve(
 ) -> Assessment:
     """Solve the model exactly, to rounding.
 
-    A chain of more than `limit` states, functions times hidden failures, is bounded from above,
-    with several redundant groups by each of them solved by itself, and an assumption says by how
-    much at most. Without importances there are no `components`, in half the time.
+    A chain of more than `limit` states, functions times hidden failures, is bounded from above; if
+    there are several redundant groups, by solving each of them separately, and an assumption says
+    by how much at most. Without importances there are no `components`, in half the time.
     Raises ModelError when a fault tree cannot be solved, or when the chain is left less often
     than the smallest number of double precision.
     """
@@ -110,7 +110,7 @@ def _assumptions(
     assumptions = []
     gates = [gate for state in model.states for gate in state.tree.gates]
     latent = set(model.latent)
-    # What of a group is left to a gate without latent units is renewed at each visit.
+    # A redundant gate without latent units stands for units that are as new at each visit.
     if any(gate.threshold > 1 and not latent.issuperset(gate.inputs) for gate in gates):
         assumptions.append(RENEWED_REDUNDANCY)
     if any(is_spare_group(event) for state in model.states for event in state.tree.events):

@@ -71,7 +71,8 @@ def _count(units: int, p: float, q: float, failed: int) -> float:
 def _choices(units: int) -> tuple[int, ...]:
     """Return in how many ways 0, 1, ... all of the units can be chosen.
 
-    Each from the one before: of hundreds of units that is far sooner than each by itself.
+    Each from the one before: for hundreds of units that is much faster than computing each by
+    itself.
     """
     choices = [1]
     for chosen in range(units):

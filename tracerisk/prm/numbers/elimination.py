@@ -140,7 +140,7 @@ class Elimination:
         return self._solved(reward, _OUT, _INTO)
 
     def _solved(self, given: Sequence[float], back: int, onward: int) -> list[float]:
-        """Move what is given on by the ways of one side, and collect it by those of the other."""
+        """Pass `given` on along the ways of one side, and collect it by those of the other."""
         mass = list(given)
         for state, leaving, ways in self._done:
             share = mass[state] / leaving
@@ -157,11 +157,12 @@ class Elimination:
     def returns(self) -> list[float]:
         """Return how often each state is visited by a chain that starts there.
 
-        The diagonal of the inverse of I - P, from its entries where the pattern has ways after
-        elimination: those with a state follow from those with the states eliminated later.
-        K. Takahashi, J. Fagan and M.-S. Chin, 8th PICA Conference (1973).
+        The diagonal of the inverse of I - P, from the entries of the inverse on the pattern after
+        elimination: the entries of a state follow from those of the states eliminated after it.
+        K.
+        Takahashi, J. Fagan and M.-S. Chin, 8th PICA Conference (1973).
         """
-        # found[a][b] is how often b is visited from a.
+        # tables[a][b] is how often b is visited from a.
         tables: list[dict[int, float]] = [{} for _ in self._done]
         for state, leaving, ((sources, incoming), (following, outgoing)) in reversed(self._done):
             onward = tables[state]

@@ -15,7 +15,7 @@ class collection_paused:  # noqa: N801 - it is called as a function
 
     Each new generation would look through all of them again: three quarters of the time in a model
     of some thousand gates.
-    Where they are very many, they are then old at once, and looked through when all that is old is.
+    Very many objects are moved to the oldest generation at once and are scanned only with it.
     """
 
     def __init__(self, objects: int = _FEW) -> None:

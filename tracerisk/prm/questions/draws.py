@@ -32,7 +32,7 @@ _TOGETHER = 64
 """How many inputs are put into order, or added up, at a time."""
 
 _CHANCE = 16.0
-"""From how many times its mean on a squared correlation is not taken for chance."""
+"""A squared correlation counts as real from this many times its mean under chance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +137,7 @@ class InputDraws:
     def _put(
         self, name: str, row: Samples, place: Places, table: Samples, values: Samples | None
     ) -> None:
-        """Write the values at some places of a table; `values` are those of the law, all over."""
+        """Write the values at some places of a table; `values` are the law's at every place."""
         from tracerisk.prm.numbers.arrays import np
 
         each = self.inputs[name]
@@ -181,7 +181,7 @@ class InputDraws:
 
 
 def _finer(size: int) -> int:
-    """Return into how many parts, as a power of two, a table has each of `size` strata split."""
+    """Return log2 of the number of parts into which a table splits each of `size` strata."""
     return max(0, (_STRATA - 1).bit_length() - (size - 1).bit_length())
 
 
@@ -212,7 +212,7 @@ def _key(name: str) -> str:
 def in_blocks(
     figure: Callable[[Mapping[str, Samples]], Samples], drawn: InputDraws
 ) -> tuple[Samples, dict[str, float]]:
-    """Return the figure of all draws, and the share of each input that is linear in it.
+    """Return the figure of all draws, and the share of the spread that is linear in each input.
 
     That is the squared correlation, or zero where it may be chance.
     """
@@ -226,7 +226,7 @@ def in_blocks(
         results.append(figure(dict(zip(names, block, strict=True))))
         scale = scale or float(results[0].max()) or 1.0
         y = results[-1] / scale
-        # Sums are taken of numbers near one, for the squares of 1e-200 are no numbers.
+        # Sums are taken of numbers near one, for the square of 1e-200 underflows to zero.
         units = np.array([drawn.inputs[name].value or 1.0 for name in names])
         for start in range(0, len(names), _TOGETHER):
             rows = slice(start, start + _TOGETHER)

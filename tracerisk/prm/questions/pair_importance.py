@@ -5,8 +5,8 @@ the complex step: every number carries its derivative by that parameter as an im
 small to touch the real one, and sums, products and quotients carry it on (W. Squire, G. Trapp,
 "Using complex variables to estimate derivatives of real functions", SIAM Review 40, 1998).
 No difference is taken; the terms of the derivative have either sign all the same, and those of a
-latent group nearly cancel: its units change which layer is visited more than what comes of it. So
-the step is along the parameter that no latent unit has, wherever one of the two is such.
+latent group nearly cancel: its units mainly change which layer is visited, and much less the
+result. So if one of the two parameters belongs to no latent unit, the step is taken along that one.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def _sweep(tree: FaultTree, values: Mapping[str, float]) -> dict[str, Probabilit
 
 
 def _opposed(pair: Probability) -> Probability:
-    """Return the pair with opposite derivatives, that of its smaller half."""
+    """Return the pair with the derivative of its smaller half, opposite for the other half."""
     p, q = complex(pair.p), complex(pair.q)
     if p.real <= q.real:
         q = complex(q.real, -p.imag)

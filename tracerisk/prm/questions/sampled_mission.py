@@ -55,8 +55,8 @@ def failure_sampler(model: HybridModel) -> Callable[[Mapping[str, Samples]], Sam
     """Return `failure_samples` of a model, for block after block of draws."""
     states = hidden_states(model, MOST_STATES)
     groups: list[HiddenStates] = []
-    if states.most is not None and len(numberses := groups_of(states)) > 1:
-        groups = [states_with(states, group) for group in numberses]
+    if states.most is not None and len(found := groups_of(states)) > 1:
+        groups = [states_with(states, group) for group in found]
         states = states_with(states, ())
     layers = max(len(item.hidden) for item in (states, *groups))
     ways = sum(len(function.steps) + 4 for function in states.functions)

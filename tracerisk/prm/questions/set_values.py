@@ -121,7 +121,7 @@ def sweep(model: HybridModel, name: str, values: Iterable[float]) -> Sweep:
 
 
 def groups_of(model: HybridModel) -> dict[str, tuple[Parameter, ...]]:
-    """Return what can be set, by name: parameters, and components of parts by one figure.
+    """Return what can be set, by name: parameters, and components whose parts come from one figure.
 
     A unit's own part and the common cause of a component are shares of one figure, and stand
     under the component's name.

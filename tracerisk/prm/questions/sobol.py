@@ -29,7 +29,7 @@ def first_order_shares(inputs: Samples, result: Samples) -> Samples:
 
     count, width = inputs.shape
     shares = np.zeros(width)
-    # Scaled by the largest, for the squares of 1e-200 are no numbers.
+    # Scaled by the largest, for the square of 1e-200 underflows to zero.
     scale = np.abs(result - result.mean()).max(initial=0.0)
     if scale == 0.0 or count < 2:
         return shares

@@ -41,8 +41,8 @@ def time_curve(
     if steps < 2:
         raise ModelError(f"{steps} steps; give at least 2")
     times = tuple(mission_time_h * step / steps for step in range(steps + 1))
-    figureses = [figures_at(time) for time in times]
-    figures = {name: tuple(fields[name] for fields in figureses) for name in figureses[-1]}
+    rows = [figures_at(time) for time in times]
+    figures = {name: tuple(fields[name] for fields in rows) for name in rows[-1]}
     return Curve(times, figures, {name: _mean(values) for name, values in figures.items()})
 
 

@@ -28,7 +28,8 @@ SAMPLES = 10_000
 PERCENTILES = (5.0, 50.0, 95.0)
 
 MOST_OF_GREATEST, FEW = 0.02, 10.0
-"""The share of the mean that the greatest draw may have; of few draws, so many times its own."""
+"""The greatest share of the mean that one draw may have: the larger of a fixed share and this many
+times the share of an average draw."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +105,7 @@ class Uncertainty:
         """Return the spread of a figure's draws, (n,)."""
         from tracerisk.prm.numbers.arrays import np
 
-        # Scaled by the largest, for the squares of 1e-200 are no numbers.
+        # Scaled by the largest, for the square of 1e-200 underflows to zero.
         scale = float(np.abs(results).max()) or 1.0
         count, total = len(results), float(results.sum())
         deviation = float((results / scale).std(ddof=1)) * scale
@@ -124,9 +125,9 @@ class Uncertainty:
 
     @property
     def knows_mean(self) -> bool:
-        """Whether the mean rests on many draws, and not by a few of the greatest.
+        """Whether the mean rests on many draws and not on the few greatest.
 
-        Where it hangs on the greatest, greater ones that were not drawn matter as much.
+        Where it depends on the greatest, greater ones that were not drawn matter as much.
         """
         return self.greatest_share <= max(MOST_OF_GREATEST, FEW / self.samples)
 
@@ -142,9 +143,9 @@ def propagate(
     """Draw the parameters and return the spread of the mission's failure probability.
 
     `distributions` stand in for those of the model, by the names of parameters or components;
-    where they say nothing of a component, so do the `figures` that make it up.
-    Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is
-    below 2.
+    for a component that they do not name, its `figures` stand in instead.
+    Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is below
+    2.
     """
     from tracerisk.prm.numbers.arrays import np
     from tracerisk.prm.questions.sampled_mission import failure_sampler

@@ -99,7 +99,8 @@ class RiskChange:
 
 
 CauseKind = Literal["code", "hardware data", "pin", "edited by hand", "run"]
-"""What lies behind a change, for the one sentence: "run" are its settings and other files."""
+"""The kind of cause named in the summary sentence; "run" stands for the settings and other files of
+the run."""
 
 KIND_OF_CAUSE: Mapping[Cause, CauseKind] = {
     "pin": "pin",
@@ -226,7 +227,7 @@ class RunVerdicts:
 
     @property
     def does_less(self) -> bool:
-        """Whether the later run lacks what the earlier had, beside functions that never ran."""
+        """Whether the later run lacks what the earlier had, apart from functions that never ran."""
         return self.in_before and any(reason.code not in GAPS for reason in self.broke)
 
     @property
@@ -266,9 +267,9 @@ def _only_in(
 ) -> tuple[Reason, ...]:
     """Return the reasons that only the first verdict has, functions that never ran left aside.
 
-    `renamed` gives the other verdict's name of a function by its own. Of calls that were left out,
-    whose object is a call as written, only their number counts: whoever renames changes it. What
-    was said of the same thing in another function has moved with the code.
+    `renamed` gives the other verdict's name of a function by its own. Calls that were left out are
+    compared only by number, because their object is the call's text, which a renaming changes. A
+    reason about the same object in another function counts as moved, not as new.
     """
     left = Counter(_key(reason, {}) for reason in _open(other))
     alone = []
@@ -341,7 +342,7 @@ class RiskDiff:
     unrun: tuple[str, ...] = ()
     """Files of the later version whose code is not the code that ran."""
     outcome: OutcomeChanges | None = None
-    """How what the later run brought about differs; `None` where it is unknown of one of them."""
+    """How the later run's outcome differs from the earlier run's; `None` if either is unknown."""
 
     @property
     def is_comparable(self) -> bool:
@@ -358,8 +359,8 @@ class RiskDiff:
     def is_same_mission(self) -> bool:
         """Whether the later figure may be said to rise or fall, by what the runs brought about.
 
-        A mission with another result is another one. One that lacks some of the way does less, so
-        that it must not look safer.
+        A run with a different result is a different mission. A run that left out part of the way
+        does less, so it must not count as safer.
         """
         if self.outcome is None:
             return True

@@ -98,8 +98,8 @@ def _in_function(before: RiskBlock, after: RiskBlock) -> tuple[list[ComponentIte
             kind = "component_omitted" if name in omitted_after else "component_removed"
             items.append(_drop(kind, after.name, old[name], omitted_after.get(name)))
         else:
-            component_items, quiet = _fields(after.name, old[name], new[name])
-            items += component_items
+            changed_items, quiet = _fields(after.name, old[name], new[name])
+            items += changed_items
             noisy += quiet
     return items, noisy
 

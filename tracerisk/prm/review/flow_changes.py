@@ -34,10 +34,18 @@ class FlowItem(NamedTuple):
 
 def flow_items(before: RiskVersion, after: RiskVersion) -> tuple[list[FlowItem], int]:
     """Return what changed in the chain, and how many `next` changed by no more than the noise."""
-    once = set(before.blocks) ^ set(after.blocks)
+    in_one_version = set(before.blocks) ^ set(after.blocks)
     items = [
-        *(_added(after, name, once) for name in after.states if name not in before.blocks),
-        *(_removed(before, name, once) for name in before.states if name not in after.blocks),
+        *(
+            _added(after, name, in_one_version)
+            for name in after.states
+            if name not in before.blocks
+        ),
+        *(
+            _removed(before, name, in_one_version)
+            for name in before.states
+            if name not in after.blocks
+        ),
     ]
     noisy = 0
     old, new = before.states, after.states
@@ -47,38 +55,38 @@ def flow_items(before: RiskVersion, after: RiskVersion) -> tuple[list[FlowItem],
         if _is_noise(old[name].next, new[name].next):
             noisy += 1
         else:
-            items.append(_next(before, after, name, once))
+            items.append(_next(before, after, name, in_one_version))
     if before.model.entry != after.model.entry:
-        items.append(_entry(before, after, once))
+        items.append(_entry(before, after, in_one_version))
     return items, noisy
 
 
 def joined(items: Iterable[FlowItem]) -> list[list[FlowItem]]:
-    """Return the items in groups that cannot be distinguished: each function is in one group."""
+    """Return the items in groups that cannot be separated: each function is in one group."""
     return [members for _, members in joined_parts((set(item.needs), [item]) for item in items)]
 
 
-def _added(after: RiskVersion, name: str, once: set[str]) -> FlowItem:
+def _added(after: RiskVersion, name: str, in_one_version: set[str]) -> FlowItem:
     block = after.blocks[name]
-    needs = {name} | _mentioned(after.states[name].next, once)
+    needs = {name} | _mentioned(after.states[name].next, in_one_version)
     changed = ChangedField(name, name, None, None, None, "block", block.location)
     return FlowItem(changed, "new_state", frozenset(needs), lambda parts: parts.put(after, name))
 
 
-def _removed(before: RiskVersion, name: str, once: set[str]) -> FlowItem:
+def _removed(before: RiskVersion, name: str, in_one_version: set[str]) -> FlowItem:
     block = before.blocks[name]
-    needs = {name} | _mentioned(before.states[name].next, once)
+    needs = {name} | _mentioned(before.states[name].next, in_one_version)
     changed = ChangedField(name, name, None, None, "block", None, block.location, is_gone=True)
     return FlowItem(changed, "lost_state", frozenset(needs), lambda parts: parts.drop(name))
 
 
-def _next(before: RiskVersion, after: RiskVersion, name: str, once: set[str]) -> FlowItem:
+def _next(before: RiskVersion, after: RiskVersion, name: str, in_one_version: set[str]) -> FlowItem:
     old, new = before.states[name].next, after.states[name].next
     stated = after.blocks[name].next
     place = after.blocks[name].location if stated is None else stated.location
     texts = _text(before.blocks[name].next, old), _text(stated, new)
     changed = ChangedField(f"{name}.next", name, None, "next", *texts, place)
-    needs = _mentioned(old, once) | _mentioned(new, once)
+    needs = _mentioned(old, in_one_version) | _mentioned(new, in_one_version)
 
     def edit(parts: ModelParts) -> None:
         parts.steps[name] = new
@@ -87,7 +95,7 @@ def _next(before: RiskVersion, after: RiskVersion, name: str, once: set[str]) ->
     return FlowItem(changed, "new_next" if is_new else None, frozenset(needs), edit)
 
 
-def _entry(before: RiskVersion, after: RiskVersion, once: set[str]) -> FlowItem:
+def _entry(before: RiskVersion, after: RiskVersion, in_one_version: set[str]) -> FlowItem:
     old, new = before.model.entry, after.model.entry
     place = after.blocks[new].call_sequence.location
     changed = ChangedField(ENTRY, new, None, ENTRY, old, new, place)
@@ -95,7 +103,7 @@ def _entry(before: RiskVersion, after: RiskVersion, once: set[str]) -> FlowItem:
     def edit(parts: ModelParts) -> None:
         parts.entry = new
 
-    return FlowItem(changed, None, frozenset({old, new} & once), edit)
+    return FlowItem(changed, None, frozenset({old, new} & in_one_version), edit)
 
 
 def _text(stated: Field[Any] | None, steps: Steps) -> str:
@@ -108,8 +116,8 @@ def _targets(steps: Steps) -> dict[str, float]:
     return {step.target: float(step.weight) for step in steps if step.weight > 0}
 
 
-def _mentioned(steps: Steps, once: set[str]) -> set[str]:
-    return (set(_targets(steps)) - {DONE}) & once
+def _mentioned(steps: Steps, in_one_version: set[str]) -> set[str]:
+    return (set(_targets(steps)) - {DONE}) & in_one_version
 
 
 def _same(one: Steps, other: Steps) -> bool:

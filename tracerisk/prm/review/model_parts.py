@@ -136,11 +136,11 @@ def tolerated_failures(tree: FaultTree) -> dict[str, int]:
 
 def single_points(model: HybridModel) -> dict[str, list[str]]:
     """Return each component one unit of which fails the mission alone, and in which functions."""
-    texts: dict[str, list[str]] = {}
+    functions: dict[str, list[str]] = {}
     reached = set(model.reachable)
     for state in model.states:
         if state.name in reached:
             for component, tolerated in tolerated_failures(state.tree).items():
                 if tolerated == 0:
-                    texts.setdefault(component, []).append(state.name)
-    return texts
+                    functions.setdefault(component, []).append(state.name)
+    return functions

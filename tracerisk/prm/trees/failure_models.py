@@ -265,7 +265,7 @@ class PerDemand:
         check_count("demands", self.demands)
 
     def probability(self, mission_time_h: float) -> Probability:
-        """Return the probability that one demand fails; the mission's length is of no account."""
+        """Return the probability that at least one demand fails, whatever the mission's length."""
         check_mission_time(mission_time_h)
         if self.demands == 0:
             return NEVER

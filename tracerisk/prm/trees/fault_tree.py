@@ -131,7 +131,7 @@ class FaultTree(DisplayedGraph):
     ) -> FaultTreeSolution:
         """Solve the tree: its top's probability, and the importance of its parameters.
 
-        `values` gives parameters their probability, above what their models give for
+        `values` gives parameters their probability and overrides what their models give for
         `mission_time_h`, [h].
         Raises as `probability` does, and when a model needs the mission time and has none.
         """

@@ -1,4 +1,4 @@
-"""A solved fault tree, and how much its top hangs on each figure."""
+"""A solved fault tree, and how much its top depends on each figure."""
 
 from __future__ import annotations
 

@@ -138,7 +138,7 @@ def gate_probability(gate: Gate, inputs: Sequence[Probability]) -> Probability:
 def gate_shares(
     gate: Gate, before: Sequence[Probability], after: Sequence[Probability]
 ) -> tuple[float, ...]:
-    """Return for each input what a change of its probability changes the gate's by.
+    """Return for each input how much the gate's probability changes per change of the input's.
 
     Input i stands beside those before it, with their probabilities from `before`, and those
     after it, from `after`: with both equal these are the partial derivatives; else the sum of
@@ -173,9 +173,9 @@ def swept(
     nodes: dict[str, Probability],
     of: Callable[[Probability], Probability] | None = None,
 ) -> dict[str, Probability]:
-    """Return the nodes with those of gates added, each below those that it feeds.
+    """Add the pair of each gate to `nodes` and return them; `gates` are ordered from the leaves up.
 
-    `of` says what is taken of a gate's pair.
+    `of`, if given, is applied to each gate's pair.
     """
     for gate in gates:
         pair = gate_probability(gate, [nodes[name] for name in gate.inputs])

@@ -39,15 +39,15 @@ class Numbering:
         for inputs in self.inputs:
             for number in inputs:
                 counts[number] = min(2, counts[number] + 1)
-        texts: dict[str, list[str]] = {
+        gates_of: dict[str, list[str]] = {
             self.names[number]: [] for number, count in enumerate(counts) if count > 1
         }
-        if texts:
+        if gates_of:
             for gate in self.gates:
                 for name in gate.inputs:
-                    if name in texts:
-                        texts[name].append(gate.name)
-        return {name: tuple(gates) for name, gates in texts.items()}
+                    if name in gates_of:
+                        gates_of[name].append(gate.name)
+        return {name: tuple(gates) for name, gates in gates_of.items()}
 
 
 def numbered(tree: FaultTree) -> Numbering:

@@ -1,4 +1,4 @@
-"""A fault tree's top, and a mission's failure, for many values of the parameters at once."""
+"""A fault tree's top for many values of the parameters at once."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def top_samples(
             raise ModelError(f"parameter '{name}' has no value; {one_of(values, name)}")
     arrays, count = samples_of({name: values[name] for name in tree.parameters})
     step = max(64, _CELLS // (len(tree.events) + len(tree.gates)))
-    empty = np.empty((count, 2))
+    result = np.empty((count, 2))
     for start in range(0, count, step):
         part: dict[str, Any] = {
             name: np.broadcast_to(array, (count,))[start : start + step]
@@ -38,11 +38,11 @@ def top_samples(
         }
         if shared is not None:
             events = {event.name: part[event.parameter] for event in tree.events}
-            empty[start : start + step] = shared.probabilities(events)
+            result[start : start + step] = shared.probabilities(events)
         else:
             top = tree_samples(tree, part)
-            empty[start : start + step, 0], empty[start : start + step, 1] = top
-    return empty
+            result[start : start + step, 0], result[start : start + step, 1] = top
+    return result
 
 
 def samples_of(

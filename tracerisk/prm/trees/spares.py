@@ -30,7 +30,7 @@ _SMALLEST = 1e-290
 
 @dataclass(frozen=True, slots=True)
 class Spares:
-    """How the units of a group wait that are not required.
+    """How the units of a group that are not required wait.
 
     Raises ModelError when one of them is outside [0, 1].
     """
@@ -93,7 +93,7 @@ class SpareGroup(NamedTuple):
         return _outcome(unit, self.required, self.spares.dormancy, tuple(rates))
 
     def difference(self, unit: Probability, lost: int) -> Outcome:
-        """Return how what one more failed unit costs before a visit comes from that after it.
+        """Return how one more failed unit's cost before a visit follows from its cost after it.
 
         Let w(m) be the success that follows a visit left with m failed units, 0 for m > s, and
         u(m) that of a visit begun so: u' = -(a(m) + b(m)) u(m) + a(m) u(m+1) by the hazard, a and
@@ -126,7 +126,8 @@ class SpareGroup(NamedTuple):
         mean = np.where(sure, 0.0, hazards) * fastest
         survived = [np.zeros(len(mean)) for _ in range(count)]
         failed = np.zeros(len(mean))
-        # By the logarithm, for the first weight of a sure failure is none.
+        # By the logarithm: for a large mean the first weight exp(-mean) underflows to zero, from
+        # which no product recovers the others.
         log_mean = np.log(np.maximum(mean, 1e-300))
         steps = _steps(rates, fastest, self.spares.dormancy)
         greatest = float(mean.max(initial=0.0))

@@ -152,7 +152,7 @@ def test_spares_need_one_quantity_in_every_function(block, component):
         block("a", 1, [component("power", 0.1, 3, "true, spare cold")]),
         block("b", 2, [component("power", 0.1, 2, "true")]),
     ]
-    with pytest.raises(BlockError, match="'power': quantity is 2, and 3 in another function"):
+    with pytest.raises(BlockError, match="'power': quantity is 2 here, but 3 in another function"):
         build_model(blocks, name="m")
 
 

@@ -42,7 +42,7 @@ class Range(NamedTuple):
 
 
 def any_group(groups: Sequence[Moments], *, is_certain: bool) -> Range:
-    """Return the probability that a group fails; on a path that is certain they fail apart."""
+    """Return the probability that a group fails; on a certain path they fail independently."""
     if len(groups) == 1:
         return Range(groups[0].least, groups[0].most)
     if is_certain:

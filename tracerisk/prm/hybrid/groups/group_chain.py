@@ -1,7 +1,7 @@
 """The functions with a few redundant groups whose failure does not end the mission.
 
-What has failed is a hidden state like any other, the last: so the mission's good ends show how
-often such a mission would have failed by these groups, as a sum of positive terms.
+A failed group is one more hidden state, the last one. So the mission's successful ends in that
+state show how often such a mission would have failed by these groups, as a sum of positive terms.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ class GroupChain(HiddenChain):
     """The chain of one group, or of several independent ones of the same path, that may all fail.
 
     `own` are the chains of the groups by themselves; one that is there twice is two groups alike.
-    More failed units than a group's chain holds count as its failure, or where not `at_most` as
-    none.
+    More failed units than a group's chain holds count as its failure, or as none if `at_most` is
+    false.
     """
 
     def __init__(
@@ -129,7 +129,7 @@ class GroupChain(HiddenChain):
         layer: int,
         fewer: int | None = None,  # noqa: ARG002
     ) -> float:
-        """Return the probability of more failed units than are held, where these go nowhere."""
+        """Return the probability of more failed units than are held, if they have no layer."""
         if self._at_most or self.states.hidden[layer] == self._failed:
             return 0.0
         return self._own[0].exceeding(number, self.states.hidden[layer][0])

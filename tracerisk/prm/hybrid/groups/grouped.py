@@ -96,13 +96,13 @@ class Grouped:
         return self._bound(outcome_of(self.base, passage), ends, passage)
 
     def one_cycle(self, whole: Round) -> float:
-        """Return the failure probability of one cycle, at most."""
+        """Return an upper bound of the failure probability of one cycle."""
         flows = [chain.flow(cut=whole) for chain in self._chains]
         failed = [flow.done[-2] + flow.back[-2] for flow in flows]
         return min(1.0, math.fsum([failure_of(self.base.flow(cut=whole)), *failed]))
 
     def cycles(self, whole: Round, rounds: int) -> Probability:
-        """Return the outcome of so many cycles, one after the other, with failures at most."""
+        """Return the outcome of so many cycles in a row, with an upper bound of their failures."""
         passage = (Loop(whole, rounds, None),)
         ends = [passed(chain, passage, [1.0])[0] for chain in self._chains]
         failed = [
@@ -134,7 +134,7 @@ class Grouped:
     def _bound(
         self, rest: Probability, ends: Sequence[Sequence[float]], passage: Passage | None
     ) -> Bound:
-        """Return what comes of the rest of the trees and of the good ends by hidden state."""
+        """Return the bound from the rest of the trees and the successful ends by hidden state."""
         if rest.q == 0.0:
             return Bound(rest, rest.p)
         moments: list[Moments | None] = [None] * len(self.own)

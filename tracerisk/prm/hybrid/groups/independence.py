@@ -1,4 +1,4 @@
-"""What of a mission's path is passed in any case, and where it is certain.
+"""Which parts of its path every mission passes, and which of them have certain visit counts.
 
 Two groups whose functions lie on parts of the path that do not know of each other are independent.
 """
@@ -50,7 +50,7 @@ Segment = tuple[frozenset[int], bool]
 def _segments(states: HiddenStates) -> list[Segment]:
     """Return the parts that each mission passes one after the other, entered at one function.
 
-    Among the loops in the order of the path, such a part begins where no step leads beyond.
+    With the loops in the order of the path, a new part begins at a loop that no earlier step skips.
     """
     following = {
         number: [target for target, _ in function.steps]
@@ -92,14 +92,14 @@ def _heads(
 
 def _passed(passage: Passage) -> list[Segment]:
     return [
-        (frozenset([number]), True)
-        if isinstance(number, int)
-        else (number.round.functions, _is_certain(number))
-        for number in passage
+        (frozenset([item]), True)
+        if isinstance(item, int)
+        else (item.round.functions, _is_certain(item))
+        for item in passage
     ]
 
 
 def _is_certain(loop: Loop) -> bool:
     return loop.body is not None and all(
-        isinstance(number, int) or _is_certain(number) for number in loop.body
+        isinstance(item, int) or _is_certain(item) for item in loop.body
     )

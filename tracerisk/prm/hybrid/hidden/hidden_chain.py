@@ -42,7 +42,7 @@ class Flow(NamedTuple):
 
 
 class Round(NamedTuple):
-    """A part of a chain from its head on, until that is visited next or the part is left."""
+    """A part of a chain, from its head until that is visited again or the part is left."""
 
     head: int
     """Number of the function at which the round is entered and ends."""
@@ -85,8 +85,8 @@ class HiddenChain:
         self._exceeding: list[dict[tuple[int, int | None], float]] = []
         self._worst: dict[int, Probability] = {}
         self._layers: dict[tuple[int, Round | None], Elimination] = {}
-        # How many units may fail at once in a visit that is survived.
         self.spares = [function.spares for function in states.functions]
+        # How many units may fail at once in a visit that is survived.
         self._limits = [
             max((part.threshold - 1 for part in function.parts), default=0)
             for function in states.functions
@@ -190,25 +190,25 @@ class HiddenChain:
 
         More failures than the states hold count as no success.
         """
-        valueses: list[tuple[float, ...]] = [()] * len(self.states.hidden)
-        for layer in range(len(valueses) - 1, -1, -1):
+        successes: list[tuple[float, ...]] = [()] * len(self.states.hidden)
+        for layer in range(len(successes) - 1, -1, -1):
             reward = []
             for number, function in enumerate(self.states.functions):
                 parts = [
-                    weight * (function.done if to == layer else valueses[to][number])
+                    weight * (function.done if to == layer else successes[to][number])
                     for to, weight in self.spread(number, layer)
                 ]
                 reward.append(self.rest[number].q * total(parts))
             from_each = self._layer(layer, None).right(reward)
-            valueses[layer] = tuple(
+            successes[layer] = tuple(
                 function.done
                 + total(weight * from_each[target] for target, weight in function.steps)
                 for function in self.states.functions
             )
-        return tuple(valueses)
+        return tuple(successes)
 
     def returns(self) -> list[float]:
-        """Return how often each function is visited from it on while no unit has failed unseen."""
+        """Return how often each function is visited from a visit on, without hidden failures."""
         return self._layer(0, None).returns()
 
     def visit(self, number: int, layer: int, fewer: int | None = None) -> Probability:
@@ -302,8 +302,8 @@ class HiddenChain:
         if most is None:
             return 0.0
         own = [
-            counts if spare_group == part else self._failures(number, spare_group, layer, None)[0]
-            for spare_group in self.states.functions[number].parts
+            counts if other == part else self._failures(number, other, layer, None)[0]
+            for other in self.states.functions[number].parts
         ]
         return self._more_than(most - sum(self.states.hidden[layer]), own)
 
@@ -368,18 +368,18 @@ class HiddenChain:
         return stay, total(leave)
 
     def _beyond(self, number: int) -> Probability:
-        """Return the failure probability of a visit with more failed units than are held, at most.
+        """Return a bound from above of the failure of a visit with more failed units than are held.
 
-        Each part of the tree is taken to be one failure away from its own, with the units that
-        fail most still working; where another function tolerates more of the same units, it may
-        have failed already.
+        Each part is taken to need only one more failure to fail, with its least reliable units
+        still working; where another function tolerates more of the same units, it may have failed
+        already.
         """
         if number not in self._worst:
             self._worst[number] = any_of(self._one_short(number))
         return self._worst[number]
 
     def _one_short(self, number: int) -> list[Probability]:
-        """Return the failures of the rest of the tree and of units one of which is one too many."""
+        """Return the failures of the rest of the tree and of units that would now fail a part."""
         states = self.states
         pairs = [self.rest[number]]
         for part in states.functions[number].parts:

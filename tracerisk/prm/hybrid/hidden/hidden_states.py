@@ -33,7 +33,7 @@ class Part(NamedTuple):
     """A group of latent units in a function's tree, which fails the function by itself."""
 
     classes: tuple[int, ...]
-    """Numbers of the classes of its units; one only for a group with spares."""
+    """Numbers of the classes of its units; exactly one for a group with spares."""
     threshold: int
     """Number of failed units that fails the part."""
     spares: SpareGroup | None = None
@@ -42,7 +42,8 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function of the chain: its tree less the latent units, these, and what follows."""
+    """A function of the chain: its tree without the latent units, the latent units, and what
+    follows."""
 
     state: FunctionState
     """The function as the model has it."""
@@ -190,7 +191,7 @@ def _parts(state: FunctionState, latent: set[str]) -> tuple[LatentPart, ...]:
 def _classes(
     states: Sequence[FunctionState], parts: Sequence[Sequence[LatentPart]]
 ) -> tuple[tuple[str, ...], ...]:
-    """Return the units in classes: in every state of one part, with one parameter."""
+    """Return the units by class: units of a class share part and parameter in every state."""
     uses: dict[str, list[tuple[int, int, str]]] = {}
     for number, (state, of_state) in enumerate(zip(states, parts, strict=True)):
         if of_state:
@@ -251,21 +252,21 @@ def _enumerate(
 ) -> tuple[tuple[Hidden, ...], bool]:
     """Return the hidden states that a visit can leave, and whether they are all of them.
 
-    One more failed unit at a time finds them all, for with more units failed no visit survives
-    that would not with fewer.
+    Adding one failed unit at a time finds them all: a visit that survives some failed units also
+    survives fewer.
     """
     level: dict[Hidden, None] = {(0,) * len(classes): None}
-    numberses = list(level)
+    found = list(level)
     different = list({function.parts: set(function.parameters) for function in functions}.items())
     while level:
         following: dict[Hidden, None] = {}
         for one in _grown(level, different, classes):
             following[one] = None
-            if len(numberses) + len(following) > limit:
-                return tuple(numberses), False
-        numberses += following
+            if len(found) + len(following) > limit:
+                return tuple(found), False
+        found += following
         level = following
-    return tuple(numberses), True
+    return tuple(found), True
 
 
 def _grown(

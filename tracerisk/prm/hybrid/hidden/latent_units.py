@@ -32,9 +32,9 @@ def latent_parts(
 ) -> tuple[LatentPart, ...]:
     """Return the parts that latent units make of a tree: each fails the top by itself.
 
-    Units of which one alone fails the top are one part. `spares` are those of the gates.
-    Raises ModelError when a unit feeds two gates, stands under one gate with other events, or
-    under a gate between its group and the top that is no OR.
+    All units whose failure alone fails the top form one part. `spares` are those of the gates.
+    Raises ModelError when a unit feeds two gates, stands under one gate with other events, or under
+    a gate between its group and the top that is no OR.
     """
     above = {name: gate for gate in tree.gates for name in gate.inputs}
     single: list[str] = []

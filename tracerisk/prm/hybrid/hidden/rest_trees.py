@@ -45,10 +45,10 @@ class RestTrees:
     def events(self, number: int, name: str) -> Sequence[str]:
         """Return the events of a parameter."""
         if number not in self._events:
-            texts: dict[str, list[str]] = {}
+            events: dict[str, list[str]] = {}
             for event in self._functions[number].rest.events:
-                texts.setdefault(event.parameter, []).append(event.name)
-            self._events[number] = texts
+                events.setdefault(event.parameter, []).append(event.name)
+            self._events[number] = events
         return self._events[number].get(name, ())
 
     def sensitivities(self, number: int) -> Mapping[str, float]:
@@ -73,7 +73,7 @@ class RestTrees:
         return self._drops[key]
 
     def _only_event(self, number: int, name: str) -> str | None:
-        """Return the event of a parameter that has one, in a tree that shares none."""
+        """Return a parameter's event if it is the only one and the tree shares nothing."""
         events = self.events(number, name)
         is_linear = len(events) == 1 and not self._functions[number].rest.shared
         return events[0] if is_linear else None

@@ -198,7 +198,8 @@ class _Thinning:
         )
         if made != OUT_OF_NODES:
             self._thin(side)
-        # Too large for the store: never happens, or whenever those joined before do.
+        # Too large for the store: the lower function becomes `never`; the upper one leaves this
+        # argument out.
         elif side == LOWER:
             self._edges[-1] = NEVER
 

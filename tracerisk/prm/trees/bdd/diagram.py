@@ -205,12 +205,12 @@ def module_pair(
 
 
 def build_diagram(graph: LogicGraph, module: Module, limits: Limits = DEFAULT_LIMITS) -> Diagram:
-    """Return a module's diagram, by the first order that fits the least budget that any fits.
+    """Return a module's diagram, in the smallest budget and by the first order that fits it.
 
     Orders by FORCE join those by walks where none of them fits the second budget; after that,
     those that came farthest go on, the farthest first.
-    Raises TooLargeError when none fits the last budget, DependencyError when none fits what is
-    tried without the compiled loops, and there are none.
+    Raises TooLargeError when none fits the last budget, DependencyError when the compiled loops are
+    missing and no order fits the budgets tried without them.
     """
     loops = fastest_loops()
     walked: dict[str, Order] = {}

@@ -84,7 +84,7 @@ def minimal_solutions(
                 rest = family[below * columns + room]
                 made = family[above * columns + room - heavy] if room >= heavy else 0
                 made = sets.without(made, rest)
-                # The element before what is left, beside the sets without it.
+                # Add the element to each set that is left; join them to the sets without it.
                 if made != OUT_OF_NODES:
                     made = sets.node_of(here, rest, made)
                 if made == OUT_OF_NODES:

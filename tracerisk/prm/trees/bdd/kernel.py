@@ -33,7 +33,7 @@ OUT_OF_NODES = -1
 _FIRST_SIZE = 4096
 _LEAST_SLOTS = 16
 _STEPS = 8
-"""So many conjunctions for each node of the budget may be taken apart: a bound of the time."""
+"""How many conjunctions may be expanded for each node of the budget, to bound the time."""
 
 
 class Store:
@@ -108,7 +108,7 @@ class Store:
         return self.compacted(size, held)
 
     def marked(self, held: int) -> int:
-        """Mark the nodes below all edges that are needed by their fourth number; count them."""
+        """Mark, in their fourth number, the nodes that are still needed; return their count."""
         nodes, frames = self.nodes, self.frames
         for at in range(3, 4 * self.count, 4):
             nodes[at] = 0

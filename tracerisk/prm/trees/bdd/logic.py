@@ -74,7 +74,7 @@ class LogicGraph:
 
 
 def renamed(literal: int, made: Sequence[int]) -> int:
-    """Return what a literal became, by what its node did."""
+    """Return the new literal, given what each node became."""
     return made[literal] if literal > 0 else -made[-literal]
 
 
@@ -119,8 +119,8 @@ class LogicBuilder:
     def at_least(self, k: int, literals: Sequence[int]) -> int:
         """Return the literal that happens when at least `k` of `literals` do.
 
-        The counts of the inputs from each place on are shared: k (n - k + 1) choices of the size
-        of an input each, not one product for each combination.
+        Partial counts are shared between combinations, which takes k (n - k + 1) two-way choices
+        instead of one product for each combination.
         """
         count = len(literals)
         if k <= 0:

@@ -35,8 +35,8 @@ class Module:
 def grouped(graph: LogicGraph) -> LogicGraph:
     """Return an equal graph in which arguments that share events form an AND of their own.
 
-    So each group of arguments that is independent of the others of its gate is a module if it
-    is anywhere.
+    So each group of arguments that is independent of the others of its gate becomes a module
+    whenever it could be one.
     """
     order = graph.reachable()
     uses = [0] * len(graph.arguments)

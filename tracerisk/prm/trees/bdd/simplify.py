@@ -18,7 +18,8 @@ from tracerisk.prm.trees.bdd.logic import FALSE, TRUE, LogicBuilder, LogicGraph,
 
 MOST_ROUNDS = 12
 _MOST_WORK = 3_000_000
-"""After so many literals have been put into contexts in one round, none is known any more."""
+"""After this many literals have gone into contexts in one round, contexts are left empty, to bound
+the time."""
 
 
 def simplified(graph: LogicGraph) -> LogicGraph:
@@ -108,7 +109,7 @@ def _restricted(graph: LogicGraph) -> LogicGraph:
 
 
 def _made(builder: LogicBuilder, literals: list[int], before: tuple[int, ...]) -> int:
-    """Return the AND of literals, sooner where they are the arguments that it had before."""
+    """Return the AND of literals, by a shortcut if they are the arguments that it had before."""
     now = tuple(literals)
     return builder.ordered(now) if now == before else builder.conjunction(now)
 

@@ -83,7 +83,7 @@ def edge_gains(
         result = 0.0
         while True:
             # A call: S(f, g).
-            flag = True
+            is_found = True
             if f == g:
                 result = 0.0
             else:
@@ -117,7 +117,7 @@ def edge_gains(
                     if memo_f[slot] != 0:
                         result = -memo_gain[slot] if sign else memo_gain[slot]
                     else:
-                        flag = False
+                        is_found = False
                         base = 5 * depth
                         frames[base], frames[base + 1] = f, g
                         frames[base + 2], frames[base + 3] = sign, 0
@@ -130,7 +130,7 @@ def edge_gains(
                         if level[node_f] == top:
                             f = high[node_f]
                         depth += 1
-            if not flag:
+            if not is_found:
                 continue
             # Returns, up to the next call.
             while depth > 0:

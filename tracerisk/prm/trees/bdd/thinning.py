@@ -25,12 +25,12 @@ def thinned(
     under: Integers,
     used: Integers,
 ) -> int:
-    """Return a function that implies that of an edge, of about `most` nodes.
+    """Return a function of about `most` nodes that implies the function of `edge`.
 
     OUT_OF_NODES where there is no room for it.
 
-    Where paths from the edge that come by an edge below it are worth less than a bound, that one
-    becomes the constant that never happens; the bound grows until few enough are left.
+    An edge below `edge` whose paths carry less probability than a bound is replaced by the constant
+    that never happens; the bound grows until few enough are left.
     So what is lost is at most the sum of those worths.
 
     nodes, table, used: as in `kernel.build`; p, q: (levels,); happens, fails: (n_nodes,) and
