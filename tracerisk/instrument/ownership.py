@@ -18,7 +18,7 @@ from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import CommandEnd, Finding, TracedFunction, VisitOutcome
 
 _SECOND_NS = 1_000_000_000
-_MOST_INSTANCES = 50  # distinguished of one function; with more, the names are generated
+_MOST_INSTANCES = 50  # of one function; with more, their names are taken to be generated
 _OUTCOME_OF: dict[CommandEnd | None, VisitOutcome] = {
     "arrived": "succeeded",
     "aborted": "aborted",

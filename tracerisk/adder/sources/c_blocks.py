@@ -222,7 +222,7 @@ def _text(block: RiskBlock, source: bytes, at: int, indent_at: int, file: str) -
                 "the reason in other words",
                 Location(file, source.count(b"\n", 0, at) + 1),
             )
-    return b"".join(indent + name.encode() + newline for name in ("/***", *lines, " ***/"))
+    return b"".join(indent + text.encode() + newline for text in ("/***", *lines, " ***/"))
 
 
 def _check_rewrite(before: CSource, result: bytes, expected: Sequence[RiskBlock]) -> None:

@@ -9,16 +9,6 @@ from tracerisk.adder.sources.python_lines import BYTE_ORDER_MARK, PythonSource
 
 
 @dataclass(frozen=True, slots=True)
-class Site:
-    """Where the block of a function goes."""
-
-    line: int
-    """The line that it goes before, from 1."""
-    indent_line: int
-    """The line that it is indented as."""
-
-
-@dataclass(frozen=True, slots=True)
 class Edit:
     """A replacement of some bytes of a source."""
 

@@ -31,15 +31,15 @@ def chain_svg(
     transitions: Mapping[str, Mapping[str, float]], absorbing: tuple[str, ...], title: str
 ) -> str:
     """Return the drawing of a chain; of a large one, the first states."""
-    begun = list(islice(transitions, _MOST_BEGUN))
+    sources = list(islice(transitions, _MOST_BEGUN))
     arrows = {
         (state, target): Arrow(f"{p:.4g}")
-        for state in begun
+        for state in sources
         for target, p in transitions[state].items()
         if p > 0.0
     }
     count = len(transitions) + len(absorbing)
-    return states_svg(begun, absorbing, arrows, count, title)
+    return states_svg(sources, absorbing, arrows, count, title)
 
 
 def hybrid_svg(model: HybridModel) -> str:
@@ -52,13 +52,13 @@ def hybrid_svg(model: HybridModel) -> str:
                 label = "" if step.weight == 1 else f"{float(step.weight):.4g}"
                 arrows[state.name, step.target] = Arrow(label)
         arrows[state.name, failures[state.name]] = Arrow("", fails=True)
-    begun = [state.name for state in model.states[:_MOST_BEGUN]]
+    sources = [state.name for state in model.states[:_MOST_BEGUN]]
     ends = (DONE, *failures.values())
-    return states_svg(begun, ends, arrows, len(model.states) + len(ends), model.name)
+    return states_svg(sources, ends, arrows, len(model.states) + len(ends), model.name)
 
 
 def states_svg(
-    begun: list[str],
+    sources: list[str],
     ends: tuple[str, ...],
     arrows: Mapping[tuple[str, str], Arrow],
     count: int,
@@ -70,10 +70,10 @@ def states_svg(
     """
     reached = {target for _, target in arrows}
     absorbing = [name for name in ends if name in reached][:_MOST_ENDS]
-    shown = _first([*absorbing, *begun[:_MOST_BEGUN]], arrows)
+    shown = _first([*absorbing, *sources[:_MOST_BEGUN]], arrows)
     sizes = {
         name: Size(word_width(name) + 20.0, _HEIGHT)
-        for name in (*begun, *absorbing)
+        for name in (*sources, *absorbing)
         if name in shown
     }
     drawn = {edge: arrow for edge, arrow in arrows.items() if shown.issuperset(edge)}

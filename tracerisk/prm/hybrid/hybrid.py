@@ -105,8 +105,8 @@ class HybridModel(DisplayedGraph):
     @property
     def reachable(self) -> tuple[str, ...]:
         """The states that the entry leads to, in the order of `states`."""
-        begun = reachable_states({state.name: state.next for state in self.states}, self.entry)
-        return tuple(state.name for state in self.states if state.name in begun)
+        reachable = reachable_states({state.name: state.next for state in self.states}, self.entry)
+        return tuple(state.name for state in self.states if state.name in reachable)
 
     @property
     def has_cycle(self) -> bool:
@@ -115,11 +115,11 @@ class HybridModel(DisplayedGraph):
             state.name: {step.target for step in state.next if step.weight > 0} - {DONE}
             for state in self.states
         }
-        begun = set(self.reachable)
+        reachable = set(self.reachable)
         return any(
             len(component) > 1 or component[0] in following[component[0]]
             for component in strong_components(following)
-            if component[0] in begun
+            if component[0] in reachable
         )
 
     @property
@@ -156,8 +156,8 @@ def endless_states(steps: Mapping[str, Sequence[NextStep]], entry: str) -> list[
             if step.weight > 0:
                 sources.setdefault(step.target, []).append(name)
     ending = reached((DONE,), lambda name: sources.get(name, ()))
-    begun = reachable_states(steps, entry)
-    return [name for name in steps if name in begun and name not in ending]
+    reachable = reachable_states(steps, entry)
+    return [name for name in steps if name in reachable and name not in ending]
 
 
 def _check_probability(where: str, value: float) -> None:

@@ -18,5 +18,5 @@ def network_svg(network: BayesianNetwork) -> str:
         for parent in network.events[name].names:
             arrows[parent, shown] = Arrow("")
     count = len(network.conditions) + len(events)
-    begun = list(network.conditions)
-    return states_svg(begun, tuple(events.values()), arrows, count, "Bayesian network")
+    sources = list(network.conditions)
+    return states_svg(sources, tuple(events.values()), arrows, count, "Bayesian network")
