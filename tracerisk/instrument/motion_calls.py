@@ -141,7 +141,7 @@ class _SourceCall:
 
     @property
     def same(self) -> tuple[str, int]:
-        """What is equal for calls of the same thing."""
+        """A key that is equal for calls of the same thing."""
         owner, _, last = self.written.rpartition(".")
         # A local `publisher` may be another one in another function.
         is_local = last in _COMMON and owner.partition(".")[0] != "self"

@@ -48,7 +48,7 @@ class JsonShape:
         return self.keys.setdefault(name, JsonShape())
 
     def one(self) -> JsonShape:
-        """Return what a list holds."""
+        """Return the shape of a list's items."""
         if self.item is None:
             self.item = JsonShape()
         return self.item
