@@ -202,3 +202,15 @@ def test_what_may_be_of_this_machine_is_not_found_by_its_end(started_elsewhere, 
     with pytest.raises(FileNotFoundError):
         Path(path).read_text()
     assert not found
+
+
+def test_a_file_that_was_found_elsewhere_is_removed_for_the_program_alone(started_elsewhere):
+    starts, _ = started_elsewhere
+    log, here = Path("/home/ann-of-nowhere/cell/log.csv"), starts[0] / "log.csv"
+    here.write_text("1\n")
+    assert log.exists()
+    log.unlink()
+    assert not log.exists()
+    assert here.read_text() == "1\n"
+    with pytest.raises(FileNotFoundError):
+        os.remove(log)  # noqa: PTH107 - as controllers do

@@ -86,3 +86,34 @@ def test_what_another_function_looks_up_is_within_reach(drafted, values):  # noq
 
 def test_a_plain_text_is_no_json(drafted):
     assert drafted(PLAIN).value["message"] == {"data": "go"}
+
+
+ODD = {
+    "a constant of another file": """\
+        order = json.loads(msg.data)
+        if order["kind"] == Mode.FAST:
+            self.go()
+""",
+    "kept within itself": """\
+        order = json.loads(msg.data)
+        history = order.get("history", [])
+        history.append(order)
+""",
+    "the message itself": """\
+        if msg:
+            self.go(json.loads(msg.data)["speed"])
+        else:
+            self.stop()
+""",
+    "a length without end": """\
+        order = json.loads(msg.data)
+        if len(order["joints"]) > 1e999:
+            return
+        self.go(order["joints"])
+""",
+}
+
+
+@pytest.mark.parametrize("what", ODD)
+def test_odd_code_breaks_no_draft(drafted, what):
+    json.loads(drafted(ODD[what]).value["message"]["data"])

@@ -28,6 +28,7 @@ from typing import Any
 from tracerisk.common.sandbox.replaced_names import replaced
 
 _LOOKED_AT = ("stat", "lstat", "access", "open")
+_REMOVES = ("remove", "unlink")
 _OURS = f"{Path(__file__).parents[2]}/"
 _STAND_INS = f"{_OURS}ros/stand_ins/"
 _PYTHON = (f"{Path(os.__file__).parent}/", "<frozen ")
@@ -57,6 +58,7 @@ class MovedFiles:
         self._starts = tuple(map(str, starts))
         self._on_found = on_found
         self._found: dict[str, str] = {}
+        self._gone: set[str] = set()
         self._stat, self._lstat = os.stat, os.lstat
 
     def _is_there(self, path: str, *, as_file: bool = False) -> bool:
@@ -76,7 +78,7 @@ class MovedFiles:
         relative = self._from_start(text)
         if not relative and text.startswith(self._of_here):
             return path
-        if self._is_there(text):
+        if text in self._gone or self._is_there(text):
             return path
         if text not in self._found:
             here = self._beside(relative) if relative else self._here(text)
@@ -122,8 +124,24 @@ class MovedFiles:
         """Look there while this is open."""
         owners = [(builtins, "open"), (io, "open"), *((os, name) for name in _LOOKED_AT)]
         return replaced(
-            [(owner, name, self._looking(getattr(owner, name))) for owner, name in owners]
+            [
+                *((owner, name, self._looking(getattr(owner, name))) for owner, name in owners),
+                *((os, name, self._removing(getattr(os, name))) for name in _REMOVES),
+            ]
         )
+
+    def _removing(self, real: Callable[..., Any]) -> Callable[..., Any]:
+        """Return a function for which what was found elsewhere is gone then, and stays there."""
+
+        @functools.wraps(real)
+        def removing(path: Any, *args: Any, **more: Any) -> Any:
+            text = os.fspath(path)
+            if text not in self._found or text in self._gone or self._is_there(text):
+                return real(path, *args, **more)
+            self._gone.add(text)
+            return None
+
+        return removing
 
     def _looking(self, real: Callable[..., Any]) -> Callable[..., Any]:
         @functools.wraps(real)

@@ -307,7 +307,7 @@ class UnmetNeeds:
                 continue
             obeyed = replace(missed, need=replace(missed.need, kind="command"))
             (draft,) = drafts([obeyed], self.interfaces, self.values)
-            if draft.value is None:
+            if draft.value is None or "subscribed_topics" not in draft.value:
                 continue
             heard = draft.value["subscribed_topics"].values()
             is_motion = any("move" in topic for topic in heard)

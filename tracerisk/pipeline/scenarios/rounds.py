@@ -532,8 +532,9 @@ class Rounds:
                     return self._as_published(draft)
                 value = merged(draft.value[content], value)
             is_stream = "rate" in draft.value and "messages" not in draft.value
-            if written.in_turn and not is_stream:
-                value = sent_in_turn(draft.value, written.in_turn)
+            in_turn = [each for each in written.in_turn if names_own_joints(draft, each)]
+            if len(in_turn) > 1 and not is_stream:
+                value = sent_in_turn(draft.value, in_turn)
             else:
                 value = {**draft.value, content: value}
                 value.pop("messages", None)

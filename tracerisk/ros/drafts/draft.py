@@ -378,7 +378,7 @@ def _topic(lack: _Lack) -> _Made:
 def sent_in_turn(entry: Mapping[str, Any], commands: Sequence[Any]) -> dict[str, Any]:
     """Return the entry of a topic with several commands, each with time to be carried out."""
     rate = 1 / (_EACH_S if len(commands) <= _FEW_WORDS else _SHORT_S)
-    kept = {key: entry[key] for key in ("topic", "type")}
+    kept = {key: entry[key] for key in ("topic", "type") if key in entry}
     return {**kept, "messages": list(commands), "at": 1.0, "rate": rate, "count": len(commands)}
 
 

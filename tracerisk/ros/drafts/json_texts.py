@@ -38,16 +38,21 @@ def _words(shape: JsonShape) -> tuple[str, ...]:
     return without_emergency(ordered_answers(texts))
 
 
-def _value(shape: JsonShape, name: str, values: UsableValues, said: str) -> Any:
+def _value(
+    shape: JsonShape, name: str, values: UsableValues, said: str, around: tuple[JsonShape, ...] = ()
+) -> Any:
+    if any(shape is outer for outer in around):
+        return []  # the code keeps what comes within itself
+    around = (*around, shape)
     if shape.keys:
-        return {key: _value(inner, key, values, said) for key, inner in shape.keys.items()}
+        return {key: _value(inner, key, values, said, around) for key, inner in shape.keys.items()}
     units = units_of(name, said)
     if not shape.is_number:
         listed = numbers_of(name, None, values.posture, values.pose, units)
         if listed and (shape.item is not None or not shape.values):
             return listed
     if shape.item is not None:
-        return [_value(shape.item, name, values, said)]
+        return [_value(shape.item, name, values, said, around)]
     if words := _words(shape):
         return words[0]
     number = named_number(name, units, values.reach)

@@ -220,7 +220,7 @@ class SetPoints(TrajectoryNode):
         if any(subscription.node != self.node for subscription in self._graph.subscriptions(topic)):
             return
         joints = tuple(joint.name for joint in arm)
-        kind, words = "not_simulated", "move nothing: no known controller takes them"
+        kind, words = "unprovided", "moved nothing: no known controller takes them"
         if fits:
             kind = "answer_assumed"
             words = f"go to a forward position controller of {', '.join(joints)}, which is assumed"

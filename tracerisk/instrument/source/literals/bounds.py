@@ -7,6 +7,7 @@ the list has 2 items.
 from __future__ import annotations
 
 import ast
+import math
 import re
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -167,4 +168,6 @@ def _asked(node: ast.expr) -> int | None:
     """Return the number that a length is compared with, or the only one in a 1-D shape."""
     is_shape = isinstance(node, ast.Tuple | ast.List) and len(node.elts) == 1
     value = _number(node.elts[0] if is_shape else node)  # type: ignore[attr-defined]
-    return int(value) if value is not None and value == int(value) else None
+    if value is None or not math.isfinite(value) or value != int(value):
+        return None
+    return int(value)

@@ -378,9 +378,9 @@ def _item(target: ast.expr, iterated: ast.expr) -> str:
 
 
 def _compare(node: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found) -> None:
-    for subject, value in comparisons(node):
+    for subject, value in _compared(node):
         path = None if subject is None else _path(subject, known)
-        if path is not None:
+        if path:
             found.setdefault(path, []).append(value)
         item = None if subject is None else _item_path(subject, known)
         if item is not None:
@@ -406,7 +406,7 @@ def _bound(function: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Foun
             if value is None and is_refused:
                 value = _beyond(low, +1) if low is not None else _beyond(high, -1)
             for each in (path, _item_path(subject, known)):
-                if each is not None and value is not None:
+                if each and value is not None:
                     found.setdefault(each, []).append(value)
         for counted, kind, length in lengths(test, is_refused=is_refused):
             path = _path(_made_of(counted), known)
@@ -440,7 +440,7 @@ def _by_field(tree: ast.AST) -> _Found:
     """Return the literals by the last name of the attribute that is compared with them."""
     found: _Found = {}
     for node in ast.walk(tree):
-        for subject, value in comparisons(node):
+        for subject, value in _compared(node):
             bare = None if subject is None else bare_value(subject)
             if isinstance(bare, ast.Attribute):
                 found.setdefault((bare.attr,), []).append(value)
@@ -449,6 +449,13 @@ def _by_field(tree: ast.AST) -> _Found:
 
 def comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
     """Yield what is compared and a literal for which the comparison holds."""
+    for subject, value in _compared(node):
+        if not isinstance(value, _Constant):
+            yield subject, value
+
+
+def _compared(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
+    """Yield what is compared and a literal or constant for which the comparison holds."""
     if isinstance(node, ast.Match):
         for case in node.cases:
             for pattern in ast.walk(case.pattern):
