@@ -64,7 +64,7 @@ def strong_components(following: Mapping[N, Iterable[N]]) -> list[list[N]]:
     low: dict[N, int] = {}
     placed: set[N] = set()
     path: list[N] = []
-    nses = []
+    components = []
     for start in following:
         if start in index:
             continue
@@ -90,10 +90,10 @@ def strong_components(following: Mapping[N, Iterable[N]]) -> list[list[N]]:
                     first = len(path) - 1
                     while path[first] != node:
                         first -= 1
-                    nses.append(path[first:])
+                    components.append(path[first:])
                     placed.update(path[first:])
                     del path[first:]
-    return nses
+    return components
 
 
 def joined_parts(parts: Iterable[tuple[set[N], list[M]]]) -> list[tuple[set[N], list[M]]]:

@@ -184,10 +184,10 @@ class RiskServer:
 
 def diagnostics_of(session: Session) -> dict[Path, list[lsp.Diagnostic]]:
     """Return the diagnostics of each file, without duplicates."""
-    fieldses: dict[Path, dict[tuple[int, str], lsp.Diagnostic]] = {}
+    of_files: dict[Path, dict[tuple[int, str], lsp.Diagnostic]] = {}
 
     def put(path: Path, one: lsp.Diagnostic) -> None:
-        fieldses.setdefault(path.resolve(), {})[one.range.start.line, one.message] = one
+        of_files.setdefault(path.resolve(), {})[one.range.start.line, one.message] = one
 
     for analysis in session.analyses.values():
         for finding in analysis.findings:
@@ -202,7 +202,7 @@ def diagnostics_of(session: Session) -> dict[Path, list[lsp.Diagnostic]]:
             continue
         for problem in session.outline(document).problems:
             put(document.path, error_diagnostic(problem, document.lines))
-    return {path: [fields[key] for key in sorted(fields)] for path, fields in fieldses.items()}
+    return {path: [fields[key] for key in sorted(fields)] for path, fields in of_files.items()}
 
 
 def language_server() -> RiskServer:
@@ -293,15 +293,15 @@ def _code_lens(server: RiskServer, params: lsp.CodeLensParams) -> list[lsp.CodeL
     session = server.session
     figures, files = session.parts(document)
     stale = [session.is_stale(figure.controller.path, MENDED) for figure in figures]
-    code_lens = []
-    for lense in lenses(session.outline(document), figures, files, stale):
+    shown = []
+    for lens in lenses(session.outline(document), figures, files, stale):
         # One without a command of its own is a text.
-        command = lsp.Command(lense.text, "")
-        if lense.refreshes is not None:
-            uri = session.uri_of(lense.refreshes.controller.path)
-            command = lsp.Command(lense.text, REFRESH, arguments=[uri])
-        code_lens.append(lsp.CodeLens(document.lines.whole(lense.line - 1), command))
-    return code_lens
+        command = lsp.Command(lens.text, "")
+        if lens.refreshes is not None:
+            uri = session.uri_of(lens.refreshes.controller.path)
+            command = lsp.Command(lens.text, REFRESH, arguments=[uri])
+        shown.append(lsp.CodeLens(document.lines.whole(lens.line - 1), command))
+    return shown
 
 
 def _folding(server: RiskServer, params: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:

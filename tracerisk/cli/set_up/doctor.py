@@ -197,19 +197,19 @@ def _settings(
     controller: Controller, settings: Settings, given: Mapping[str, str | None]
 ) -> dict[str, dict[str, Any]]:
     """Return each setting of a controller: its value, where it comes from, and the place there."""
-    fieldses = {}
+    shown = {}
     for name, origin in controller.project.setting_origins(controller.file).items():
         place = origin.location
         source = "default" if place is None else "controller" if origin.is_own else "all"
         if given.get(name) is not None:
             source, place = "command line", None
-        fieldses[name] = {
+        shown[name] = {
             "value": getattr(settings, name),
             "from": source,
             "file": None if place is None else os.path.relpath(place.file),
             "line": None if place is None else place.line,
         }
-    return fieldses
+    return shown
 
 
 def _shown(value: Any) -> str:

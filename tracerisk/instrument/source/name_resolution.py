@@ -238,8 +238,8 @@ class NameResolver:
         bases: list[ClassBody] = []
         for base in klass.bases:
             meanings = self.evaluate(base, scope)
-            klasses = {m.klass for m in meanings if m.klass is not None and m.kind == "class"}
-            bases += sorted(klasses, key=lambda class_body: class_body.name)
+            classes = {m.klass for m in meanings if m.klass is not None and m.kind == "class"}
+            bases += sorted(classes, key=lambda class_body: class_body.name)
         return bases
 
 

@@ -72,7 +72,7 @@ def read_failures(path: Path) -> list[Observed]:
     Its columns are `component`, `failures`, and one of `hours` (of all units together in use),
     `demands`, and `missions` (of the cell). Raises InputError with the line of what is malformed.
     """
-    observeds = []
+    rows = []
     for where, given in rows_of(path, _COLUMNS, {"component", "failures"}):
         amounts = {
             key: number(given[key], key, where)
@@ -86,8 +86,8 @@ def read_failures(path: Path) -> list[Observed]:
         failures = number(given["failures"], "failures", where)
         if failures != int(failures):
             raise InputError(f"failures: expected a whole number, not {failures:g}", where)
-        observeds.append(Observed(given["component"], int(failures), where.line or 0, **amounts))
-    return observeds
+        rows.append(Observed(given["component"], int(failures), where.line or 0, **amounts))
+    return rows
 
 
 def rows_of(

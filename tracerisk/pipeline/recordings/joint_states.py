@@ -212,11 +212,11 @@ def _own_topic(
     """Return the topic of a robot's arm, and what it calls each joint."""
     arm = [arm_joint.name for arm_joint in robot.arm_joints]
     fitting = {topic: _matched(arm, list(table)) for topic, table in tables.items()}
-    fieldses = {topic: names for topic, names in fitting.items() if names is not None}
-    plain = [t for t, names in fieldses.items() if all(a == b for a, b in names.items())]
+    names_by_topic = {topic: names for topic, names in fitting.items() if names is not None}
+    plain = [t for t, names in names_by_topic.items() if all(a == b for a, b in names.items())]
     # Set-points are joint states too: only the name of the topic says which is measured.
-    usual = [t for t in plain or fieldses if t.rpartition("/")[2] == "joint_states"]
-    chosen = [t for t in usual if t == "/joint_states"] or usual or plain or list(fieldses)
+    usual = [t for t in plain or names_by_topic if t.rpartition("/")[2] == "joint_states"]
+    chosen = [t for t in usual if t == "/joint_states"] or usual or plain or list(names_by_topic)
     if len(chosen) > 1:
         raise LogError(
             f"has the joints of {robot.name} on {', '.join(chosen)}; name the topic of those that "
@@ -224,7 +224,7 @@ def _own_topic(
             file.place,
         )
     if chosen:
-        return chosen[0], fieldses[chosen[0]]
+        return chosen[0], names_by_topic[chosen[0]]
     heard = [f"{topic}: {', '.join(list(table)[:12])}" for topic, table in tables.items() if table]
     if not heard:
         raise LogError(

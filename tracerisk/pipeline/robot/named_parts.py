@@ -91,11 +91,11 @@ def evidence_of_parts(robots: Sequence[Parts], speech: Speech) -> Iterator[Evide
     any arm could have (`elbow_joint`) count where half of an arm's joints are named. A source
     that lists joints speaks against a robot that has none of them.
     """
-    nameds = [_named(robot, speech) for robot in robots]
+    spoken = [_named(robot, speech) for robot in robots]
     listed = frozenset(name for name in speech.listed if not is_finger_name(name))
-    most = max([len(listed), *(len(one.joints) for one in nameds if one.is_telling)], default=0)
-    widest = max((len(_proper(one)) for one in nameds), default=0)
-    for one in nameds:
+    most = max([len(listed), *(len(one.joints) for one in spoken if one.is_telling)], default=0)
+    widest = max((len(_proper(one)) for one in spoken), default=0)
+    for one in spoken:
         key = one.parts.key
         if one.joints and most:
             names = sorted(one.joints)

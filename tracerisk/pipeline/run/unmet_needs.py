@@ -28,8 +28,8 @@ _ASKED_AGAIN_NS = 10_000_000_000
 _LISTED = 3
 _DONE = frozenset({"no_motion", "ended", "duration"})
 _OF_ENTER = re.compile(r"""(''|"")(?![\w])|could not convert string|EOF""")
-# What the twin publishes once somebody listens.
 _SEEN = re.compile(r"sensor_msgs/(\w*Image|PointCloud2?|LaserScan)$")
+# What the twin publishes once somebody listens.
 _OF_THE_TWIN = re.compile(
     r"sensor_msgs/|geometry_msgs/Wrench|control_msgs/|tf2_msgs/|rosgraph_msgs/"
 )
@@ -97,7 +97,7 @@ class UnmetNeeds:
     def _keep(self) -> None:
         """Keep what is lacking now: a controller that is ended may still take down its node."""
         asked = (self._missed_now, self._all_now, self._unserved, self._uncalled)
-        self._at_end = {item: item() for item in asked}
+        self._at_end = {query: query() for query in asked}
 
     def _as_of_end(self, asked: _Asked) -> tuple[Missed, ...]:
         """Return what one of its methods returned when the run was over, or does now."""
@@ -140,12 +140,12 @@ class UnmetNeeds:
             if cause in _LISTENING:
                 self._report_unpublished()
             return plain
-        misseds = self._led_to(cause, message)
-        if not misseds:
+        led_to = self._led_to(cause, message)
+        if not led_to:
             unheard = self._unheard() if cause in _DONE else ""
             return replace(plain, message=f"{message}{unheard}")
-        unmet = tuple(_typed(missed) for missed in misseds)
-        for before, after in zip(misseds, unmet, strict=True):
+        unmet = tuple(_typed(missed) for missed in led_to)
+        for before, after in zip(led_to, unmet, strict=True):
             message = message.replace(f"{before.need.words},", f"{after.need.words},")
         plain = replace(plain, message=message, needs=tuple(missed.need for missed in unmet))
         plain = replace(plain, location=location or self.below_root(unmet[0].location))
@@ -211,7 +211,7 @@ class UnmetNeeds:
         read = [
             _plain(missed.need.name) for missed in self._missed() if missed.need.kind == "parameter"
         ]
-        misseds: dict[tuple[NeedKind, str], Missed] = {}
+        further: dict[tuple[NeedKind, str], Missed] = {}
         for missed in asked:
             need = missed.need
             if need.name.startswith("("):
@@ -225,8 +225,8 @@ class UnmetNeeds:
             if need.kind == "parameter" and any(f"/{text}".endswith(f"/{name}") for text in read):
                 continue
             kept = replace(missed.need, name=missed.need.name if need.kind == "parameter" else name)
-            misseds.setdefault((need.kind, name), replace(missed, need=kept))
-        return tuple(misseds.values())
+            further.setdefault((need.kind, name), replace(missed, need=kept))
+        return tuple(further.values())
 
     def _is_given(self, need: Need) -> bool:
         """Return whether somebody gives what a source asks for, or it cannot be known yet."""
@@ -261,7 +261,7 @@ class UnmetNeeds:
 
         One that shows no risk may wait for a switch too.
         """
-        misseds = {
+        lacking = {
             (missed.need.kind, missed.need.name): missed for missed in map(_typed, self._missed())
         }
         needs = self.runtime.scheduler.needs
@@ -277,9 +277,9 @@ class UnmetNeeds:
         own = [
             missed for missed in unserved if missed.need.kind == "topic" or self._is_script(missed)
         ]
-        for module in (*self._modules, *own, *beside, *uncalled, *left_off, *obeyed):
-            misseds.setdefault((module.need.kind, module.need.name), module)
-        made = drafts(misseds.values(), self.interfaces, self.values, with_others=True)
+        for missed in (*self._modules, *own, *beside, *uncalled, *left_off, *obeyed):
+            lacking.setdefault((missed.need.kind, missed.need.name), missed)
+        made = drafts(lacking.values(), self.interfaces, self.values, with_others=True)
         for need, dimensions in needs.doubts.items():
             doubting = self.values.doubting(sorted(dimensions))
             made += drafts([Missed(need, 0, 0, None)], self.interfaces, doubting)
@@ -436,8 +436,8 @@ class UnmetNeeds:
     def _unserved(self) -> tuple[Missed, ...]:
         """Return what the controller has a client of, or listens to, and nobody provides."""
         graph, actions = self.runtime.graph, self.runtime.client(Actions)
-        misseds = (*graph.services.unserved(), *actions.unserved(), *graph.unpublished())
-        return tuple({(missed.need.kind, missed.need.name): missed for missed in misseds}.values())
+        lacking = (*graph.services.unserved(), *actions.unserved(), *graph.unpublished())
+        return tuple({(missed.need.kind, missed.need.name): missed for missed in lacking}.values())
 
     def _all_now(self) -> tuple[Missed, ...]:
         """Return what was asked for in vain, then the topics on which nobody publishes.

@@ -93,15 +93,15 @@ def _instances(
     instances: Sequence[ComponentInstances],
     kept: Mapping[str, Mapping[str, float]],
 ) -> dict[str, dict[str, float]]:
-    fieldses = {}
+    values_by_component = {}
     for instance in instances:
         values = instance.in_function(function)
         before = kept.get(instance.component.name, {})
         if values:
-            fieldses[instance.component.name] = {
+            values_by_component[instance.component.name] = {
                 element: _steady(value, before.get(element)) for element, value in values.items()
             }
-    return fieldses
+    return values_by_component
 
 
 def _steady(value: float, before: float | None) -> float:

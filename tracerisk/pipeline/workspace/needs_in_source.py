@@ -57,7 +57,7 @@ def asked_in_source(controller: Controller) -> tuple[Missed, ...]:
     Parameters with a default of their own are left out. Places are from the controller's root.
     """
     root, ros = controller.root.resolve(), controller.ros_version
-    misseds: dict[tuple[str, str, str], Missed] = {}
+    asked: dict[tuple[str, str, str], Missed] = {}
     for path in (controller.path.resolve(), *own_modules(controller)):
         file = from_root(root, path)
         for missed in asked_in_file(path, ros, controller.project):
@@ -65,13 +65,11 @@ def asked_in_source(controller: Controller) -> tuple[Missed, ...]:
             if place is not None:
                 place = Location(file, place.line)
             line = str(place) if need.name.startswith("(") else ""
-            first = misseds.setdefault(
-                (need.kind, need.name, line), replace(missed, location=place)
-            )
+            first = asked.setdefault((need.kind, need.name, line), replace(missed, location=place))
             if not first.need.type_name and need.type_name:
                 # Waited for by its name alone, before a client of a type is made.
-                misseds[need.kind, need.name, line] = replace(first, need=need)
-    return tuple(misseds.values())
+                asked[need.kind, need.name, line] = replace(first, need=need)
+    return tuple(asked.values())
 
 
 def asked_in_file(path: Path, ros: Literal[1, 2], project: Project) -> Iterator[Missed]:

@@ -119,14 +119,14 @@ def _name(function: FunctionChange) -> str:
 
 def _visits(function: FunctionChange) -> str:
     before, after = function.before, function.after
-    expected_visitses = [
+    visits = [
         function_figures.expected_visits
         for function_figures in (before, after)
         if function_figures is not None
     ]
-    if len(expected_visitses) == 2 and is_noise(*expected_visitses):
-        expected_visitses = expected_visitses[1:]
-    text = " -> ".join(map(sentences.count, expected_visitses))
+    if len(visits) == 2 and is_noise(*visits):
+        visits = visits[1:]
+    text = " -> ".join(map(sentences.count, visits))
     return f"{text} visit" if text == "1" else f"{text} visits"
 
 

@@ -185,8 +185,8 @@ class NeedLedger:
             for name, missed in self._left_empty.items()
             if name.replace(".", "/").rpartition("/")[2] in words
         )
-        misseds = (*empty, *self._sought_named_in([message]))
-        return tuple(replace(missed, last_ns=now_ns) for missed in misseds)
+        lacking = (*empty, *self._sought_named_in([message]))
+        return tuple(replace(missed, last_ns=now_ns) for missed in lacking)
 
     def meet(self, need: Need) -> None:
         """Note that something that was asked for is there."""

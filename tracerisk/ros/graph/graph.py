@@ -24,12 +24,12 @@ from tracerisk.ros.time.scheduler import CallTracer, Scheduler
 from tracerisk.ros.world.carrier import Carrier
 from tracerisk.ros.world.connecting import ConnectionTimes, EndKind
 
-_FIRST_NS = 1_000_000_000  # what comes once a second has come to a node of the bring-up [ns]
-
 if TYPE_CHECKING:
     from tracerisk.ros.controller.node_process import NodeProcess
     from tracerisk.ros.graph.action_goal import ActionGoal
 
+
+_FIRST_NS = 1_000_000_000  # what comes once a second has come to a node of the bring-up [ns]
 
 Change = Literal["advertised", "unadvertised", "subscribed", "unsubscribed", "served", "unserved"]
 

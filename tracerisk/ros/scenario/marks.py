@@ -56,7 +56,7 @@ def unconfirmed(path: Path, top: YamlMap) -> tuple[Unconfirmed, ...]:
     if not marks:
         return ()
     places = sorted(_places(top))
-    unconfirmeds: dict[tuple[str, str], Unconfirmed] = {}
+    unconfirmed: dict[tuple[str, str], Unconfirmed] = {}
     for line, words in marks:
         before = [row for row in places if row[0] <= line]
         if before:
@@ -64,8 +64,8 @@ def unconfirmed(path: Path, top: YamlMap) -> tuple[Unconfirmed, ...]:
             place = Location(str(path), line)
             end = next((row[0] for row in places if row[0] > line), sys.maxsize)
             entry = Unconfirmed(section, name, words, place, first, end)
-            unconfirmeds.setdefault((section, name), entry)
-    return tuple(unconfirmeds.values())
+            unconfirmed.setdefault((section, name), entry)
+    return tuple(unconfirmed.values())
 
 
 def _marks(text: str) -> Iterator[tuple[int, str]]:

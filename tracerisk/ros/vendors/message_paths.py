@@ -98,10 +98,8 @@ def numbers_in(value: Any) -> list[float] | None:
         return [float(value)]
     if not is_message(value):
         return None
-    getattrs = [getattr(value, field.name) for field in fields_of(type(value))]
-    return (
-        [float(item) for item in getattrs] if getattrs and all(map(_is_number, getattrs)) else None
-    )
+    parts = [getattr(value, field.name) for field in fields_of(type(value))]
+    return [float(item) for item in parts] if parts and all(map(_is_number, parts)) else None
 
 
 def content_of(value: Any) -> Any:

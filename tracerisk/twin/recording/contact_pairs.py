@@ -62,19 +62,19 @@ def pair_touches(log: ContactLog, n_steps: int) -> tuple[PairTouches, ...]:
     high = np.maximum(rows["one"], rows["two"]).astype(np.int64)
     overlaps = rows["force"] < 0.0
     key = (low * len(log.bodies) + high) * 2 + overlaps
-    pair_toucheses = []
+    touches = []
     for pair in np.unique(key):
         own = rows[key == pair]
         (one, two), is_overlap = divmod(int(pair) // 2, len(log.bodies)), bool(pair % 2)
         if is_overlap:
             # Postures are looked at now and then: each stands for the time to the next look.
             steps = np.unique(own["step"][:, None] + np.arange(POSTURE_EVERY))
-            pair_toucheses.append(PairTouches(one, two, steps[steps < n_steps], None))
+            touches.append(PairTouches(one, two, steps[steps < n_steps], None))
             continue
         steps, place = np.unique(own["step"], return_inverse=True)
         force: Array = np.bincount(place, weights=own["force"]).astype(np.float64)
-        pair_toucheses.append(PairTouches(one, two, *_filled(steps.astype(np.intp), force)))
-    return tuple(pair_toucheses)
+        touches.append(PairTouches(one, two, *_filled(steps.astype(np.intp), force)))
+    return tuple(touches)
 
 
 def _filled(steps: Steps, force: Array) -> tuple[Steps, Array]:

@@ -225,7 +225,7 @@ def _with_states(
     joints: Mapping[str, Joint],
 ) -> dict[str, Mapping[str, Mapping[str, float]]]:
     """Return the states of the groups, and those of the whole robot where a group has no such."""
-    fieldses = dict(states)
+    completed = dict(states)
     for name, group in groups.items():
         inside = {
             state: MappingProxyType(
@@ -238,8 +238,8 @@ def _with_states(
             if all(joint in values for joint in group.joints)
         }
         if inside:
-            fieldses[name] = MappingProxyType({**inside, **fieldses.get(name, {})})
-    return fieldses
+            completed[name] = MappingProxyType({**inside, **completed.get(name, {})})
+    return completed
 
 
 def _initial(

@@ -121,13 +121,13 @@ class _Search:
         self._urdf_files = [file for file in self._files if file.is_robot and not file.is_srdf]
 
     def run(self) -> WorkspaceRobots:
-        takens = [taken for taken in (self._from_srdf(),) if taken is not None]
-        if not takens or self._lacks_joints(takens[0].robot):
-            takens += [taken for taken in (self._from_urdf(),) if taken is not None]
+        described_robots = [taken for taken in (self._from_srdf(),) if taken is not None]
+        if not described_robots or self._lacks_joints(described_robots[0].robot):
+            described_robots += [taken for taken in (self._from_urdf(),) if taken is not None]
         for description in self._spoken.described:
             if description.problem and description.by == "controller":
                 self._unreadable.append(f"{description.file}: {description.problem}")
-        described = tuple(map(self._described, takens))
+        described = tuple(map(self._described, described_robots))
         return WorkspaceRobots(
             described, tuple(self._skipped), tuple(dict.fromkeys(self._unreadable))
         )

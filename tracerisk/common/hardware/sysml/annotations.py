@@ -226,10 +226,10 @@ class Annotations:
 
     def own(self, symbol: Symbol) -> list[Metadata]:
         """Return the metadata on an element itself, those about it included."""
-        metadatas = self._own.get(symbol)
-        if metadatas is None:
-            metadatas = self._own[symbol] = own_annotations(symbol) + self._about.get(symbol, [])
-        return metadatas
+        own = self._own.get(symbol)
+        if own is None:
+            own = self._own[symbol] = own_annotations(symbol) + self._about.get(symbol, [])
+        return own
 
     def of(self, symbol: Symbol, *kinds: str) -> list[Metadata]:
         """Return the metadata of some kinds that hold for an element: its own, else inherited.

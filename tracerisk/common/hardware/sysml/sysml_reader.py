@@ -92,12 +92,12 @@ class _Reading:
 
     def _single(self, part: Symbol, kind: str, way: tuple[Symbol, ...]) -> Fields | None:
         """Return the fields of the one metadata of a kind that a part has."""
-        metadatas = self._annotations.of(part, kind)
-        if len(metadatas) > 1:
+        annotations = self._annotations.of(part, kind)
+        if len(annotations) > 1:
             raise HardwareError(
-                f"duplicate {kind} on '{part.name}'; keep one", metadatas[1].location
+                f"duplicate {kind} on '{part.name}'; keep one", annotations[1].location
             )
-        return Fields.of(metadatas[0], way) if metadatas else None
+        return Fields.of(annotations[0], way) if annotations else None
 
     def _components(self, root: Symbol) -> dict[str, Component]:
         components: dict[str, Component] = {}

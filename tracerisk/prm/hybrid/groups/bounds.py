@@ -76,9 +76,9 @@ def _least(groups: Sequence[Moments]) -> float:
     mean = math.fsum(group.least for group in groups)
     squares = math.fsum(group.square for group in groups)
     second = math.fsum(math.sqrt(group.square) for group in groups) ** 2
-    leasts = [group.least for group in groups]
-    leasts.append(mean - max(0.0, second - squares) / 2.0)
+    candidates = [group.least for group in groups]
+    candidates.append(mean - max(0.0, second - squares) / 2.0)
     if second > 0.0 and mean > 0.0:
         ratio = second / mean
-        leasts.append(0.0 - mean * math.expm1(-ratio) / ratio)
-    return max(leasts)
+        candidates.append(0.0 - mean * math.expm1(-ratio) / ratio)
+    return max(candidates)

@@ -171,7 +171,7 @@ def _check_names(path: CollectedPath, forest: Forest) -> None:
 
 def _overlapping(paths: Sequence[CollectedPath]) -> list[list[CollectedPath]]:
     """Part the paths into groups; paths of different groups exclude each other."""
-    collected_pathses: list[list[CollectedPath]] = []
+    separate: list[list[CollectedPath]] = []
     waiting = [[(path, path.choices) for path in paths]]
     while waiting:
         group = waiting.pop()
@@ -179,8 +179,8 @@ def _overlapping(paths: Sequence[CollectedPath]) -> list[list[CollectedPath]]:
         if len(parts) > 1:
             waiting.extend(reversed(parts))
         else:
-            collected_pathses.extend(_compared(group))
-    return collected_pathses
+            separate.extend(_compared(group))
+    return separate
 
 
 def _parted(group: list[_Choosing]) -> list[list[_Choosing]]:

@@ -127,7 +127,7 @@ def _read_transitions(
         )
     allowed = min(named, most_states, declared[0] if declared is not None else named)
     with collection_paused():
-        fieldses, highest, there, last = _rows(text, head, file, allowed, most_states, declared)
+        rows, highest, there, last = _rows(text, head, file, allowed, most_states, declared)
     if declared is not None and there != declared[1]:
         raise ModelError(
             f"{declared[1]} transitions are declared, but the file has {there}; it is truncated "
@@ -139,12 +139,12 @@ def _read_transitions(
         raise ModelError("the file contains no transitions", Location(file, first))
     kind = kind or ChainKind.DTMC
     if kind is ChainKind.DTMC:
-        _check_sums(fieldses, text, head, file)
+        _check_sums(rows, text, head, file)
     return (
         kind,
         size,
         tuple(
-            row if (row := fieldses.get(state)) and not (len(row) == 1 and state in row) else {}
+            row if (row := rows.get(state)) and not (len(row) == 1 and state in row) else {}
             for state in range(size)
         ),
     )
@@ -177,7 +177,7 @@ def _rows(
 
     States are below `allowed`; the first `head` lines are left out.
     """
-    fieldses: dict[int, dict[int, float]] = {}
+    rows: dict[int, dict[int, float]] = {}
     highest, ways, last, number = -1, 0, 0, 0
     never: set[int] = set()
     for piece in pieces(document):
@@ -204,18 +204,18 @@ def _rows(
         highest = max(highest, max(sources), max(targets))
         ways += len(sources)
         for source, target, weight in zip(sources, targets, weights, strict=True):
-            row = fieldses.get(source)
+            row = rows.get(source)
             if row is None:
-                fieldses[source] = {target: weight}
+                rows[source] = {target: weight}
             else:
                 row[target] = weight
         if 0.0 in weights:
             never.update(s for s, weight in zip(sources, weights, strict=True) if weight == 0.0)
-    if sum(map(len, fieldses.values())) < ways:
+    if sum(map(len, rows.values())) < ways:
         raise _twice(document, head, file)
     for source in never:
-        fieldses[source] = {target: p for target, p in fieldses[source].items() if p > 0.0}
-    return fieldses, highest, ways, last
+        rows[source] = {target: p for target, p in rows[source].items() if p > 0.0}
+    return rows, highest, ways, last
 
 
 def _plain_piece(piece: str, allowed: int) -> tuple[list[int], list[int], list[float]] | None:

@@ -103,7 +103,7 @@ class Occupied:
                 for state in range(size)
             ]
             now = [Probability(0.0, 0.0)] * size
-            probabilitieses = []
+            backward = []
             for weight in reversed(steps.weights):
                 now = [
                     Probability(
@@ -114,8 +114,8 @@ class Occupied:
                     )
                     for state, row in enumerate(steps.rows)
                 ]
-                probabilitieses.append(now)
-            self._backward = probabilitieses[::-1]
+                backward.append(now)
+            self._backward = backward[::-1]
         return self._backward
 
 

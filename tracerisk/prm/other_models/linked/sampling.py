@@ -186,7 +186,7 @@ def is_one(value: Any) -> bool:
 
 def _row(made: ChainToSolve, state: str, inputs: Sequence[_Pair]) -> dict[Hashable, Values]:
     row = made.rows[state]
-    valueses: dict[Hashable, Values] = {
+    shares: dict[Hashable, Values] = {
         target: inputs[place].p for target, place in row.explicit.items()
     }
     if row.remainder:
@@ -198,14 +198,14 @@ def _row(made: ChainToSolve, state: str, inputs: Sequence[_Pair]) -> dict[Hashab
             left = np.maximum(0.0, 1.0 - sum(pair.p for pair in taken))
         for target, share in row.remainder.items():
             way = left * share
-            valueses[target] = valueses[target] + way if target in valueses else way
-    for there, p in valueses.items():
+            shares[target] = shares[target] + way if target in shares else way
+    for there, p in shares.items():
         if np.any(np.asarray(p) < 0.0) or np.any(np.asarray(p) > 1.0 + 1e-12):
             raise ModelError(
                 f"{made.chain.key}, state '{state}': a draw gives '{there}' a probability outside "
                 "[0, 1]; narrow the distributions"
             )
-    return valueses
+    return shares
 
 
 def _stepped(

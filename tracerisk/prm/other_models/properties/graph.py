@@ -42,9 +42,9 @@ def recurrent_classes(rows: Rows) -> list[list[int]]:
         state: [target for target, weight in row.items() if weight > 0.0]
         for state, row in enumerate(rows)
     }
-    numberses = []
+    closed = []
     for component in strong_components(following):
         members = set(component)
         if all(members.issuperset(following[state]) for state in component):
-            numberses.append(sorted(component))
-    return sorted(numberses)
+            closed.append(sorted(component))
+    return sorted(closed)
