@@ -193,7 +193,7 @@ def _described(robot: Robot) -> list[str]:
     lines += ["", "joints, in rad, s and N m; prismatic ones in m, s and N:"]
     lines += _indented(_table(_joint_rows(robot)))
     for gripper in robot.grippers:
-        unit = "m" if robot.joint(gripper.joints[0]).type == "prismatic" else "rad"
+        unit = robot.joint(gripper.joints[0]).unit
         force = "N" if unit == "m" else "N m"
         lines += [
             "",

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.instrument.helper_rule import call_path
-from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand, TwinCommands, unit_of
+from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand, TwinCommands
 from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.twin.motion.plausible_units import speed_guess
 from tracerisk.twin.motion.streams import SetPointStream
@@ -244,7 +244,7 @@ class CommandStreams:
         for name, speed in asked.items():
             joint = self._commands.twin.robot.joint(name)
             if guess := speed_guess(joint, speed):
-                unit, limit = unit_of(joint), joint.velocity_limit
+                unit, limit = joint.unit, joint.velocity_limit
                 self._commands.note(
                     "unlikely_unit",
                     f"a velocity of {speed:.4g} {unit}/s{guess} for joint '{name}' is above its "
@@ -269,7 +269,7 @@ def _timed_out(
 ) -> str:
     """Return what to say of velocities that the driver ends, which a trajectory is the way of."""
     name, speed = max(asked.items(), key=lambda pair: abs(pair[1]))
-    unit = unit_of(twin.robot.joint(name))
+    unit = twin.robot.joint(name).unit
     here, _ = twin.reference((name,))
     done = trajectory.position[-1][trajectory.joints.index(name)] - here[0]
     return (

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.ros.time.scheduler import Scheduler
     from tracerisk.trace import CommandEnd, EndCause
-    from tracerisk.twin.robots.robot import Joint
     from tracerisk.twin.simulation.twin import Twin
 
 DWELL_NS = 250_000_000
@@ -363,7 +362,7 @@ class TwinCommands:
 
     def _way_done(self, motion: Motion, way: Way) -> float:
         """Return the fraction of its way that a motion has done, 1 where it is as good as there."""
-        units = {unit_of(self.twin.robot.joint(name)) for name in motion.joints}
+        units = {self.twin.robot.joint(name).unit for name in motion.joints}
         return 1.0 if way.left <= min(_AS_GOOD_AS_THERE[unit] for unit in units) else way.done
 
     def _left_on(self, command: LiveCommand) -> tuple[str, str]:
@@ -380,7 +379,7 @@ class TwinCommands:
         ended_ns = self.scheduler.now_ns if motion.ended_ns is None else motion.ended_ns
         joint = self.twin.robot.joint(name)
         words = (
-            f"the velocity of joint '{name}' ({speed:.3g} {unit_of(joint)}/s) was left on: "
+            f"the velocity of joint '{name}' ({speed:.3g} {joint.unit}/s) was left on: "
             f"it moved for {(ended_ns - command.commanded_ns) / 1e9:.1f} s more, "
         )
         if motion.outcome == "preempted":
@@ -388,9 +387,9 @@ class TwinCommands:
         elif motion.outcome == "aborted":
             words += f"until something held it ({motion.message})"
         elif min(abs(goal - joint.lower), abs(goal - joint.upper)) <= _AT_LIMIT:
-            words += f"until its limit at {goal:.4g} {unit_of(joint)}"
+            words += f"until its limit at {goal:.4g} {joint.unit}"
         else:
-            words += f"until it could go no further, at {goal:.4g} {unit_of(joint)}"
+            words += f"until it could go no further, at {goal:.4g} {joint.unit}"
         return f"{words}; send a velocity of zero when it is to stop", name
 
     def _is_over(self, command: LiveCommand) -> bool:
@@ -416,8 +415,3 @@ class TwinCommands:
                 reason="a motion to end",
             )
             self.poll()
-
-
-def unit_of(joint: Joint) -> str:
-    """Return the unit of a joint's position."""
-    return "m" if joint.type == "prismatic" else "rad"

@@ -80,6 +80,11 @@ class Joint:
     """The acceleration that MoveIt plans with [rad/s^2 or m/s^2]; `None` for the rated one."""
 
     @property
+    def unit(self) -> Literal["rad", "m"]:
+        """The unit of its position."""
+        return "m" if self.type == "prismatic" else "rad"
+
+    @property
     def planned_velocity(self) -> float:
         """The greatest speed of a plan at scaling 1 [rad/s or m/s]."""
         return self.velocity_limit if self.plan_velocity is None else self.plan_velocity

@@ -115,12 +115,11 @@ class TrajectoryController:
         if speed <= _BEYOND * limit:
             return
         joint, step, way = robot.joint(made.joints[column]), steps[row], ways[row, column]
-        unit = "m" if joint.type == "prismatic" else "rad"
         self._runtime.client(TwinCommands).report(
             "too_fast",
-            f"the trajectory takes joint '{joint.name}' by {way:.3g} {unit} in {step:.3g} s: that "
-            f"is {speed:.3g} {unit}/s, and its limit {limit:.3g} {unit}/s; a real driver stops the "
-            "arm or comes late",
+            f"the trajectory takes joint '{joint.name}' by {way:.3g} {joint.unit} in {step:.3g} s: "
+            f"that is {speed:.3g} {joint.unit}/s, and its limit {limit:.3g} {joint.unit}/s; a real "
+            "driver stops the arm or comes late",
             stack,
             object_name=joint.name,
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -99,31 +100,31 @@ def left_out(asked: Asked, twin: Twin, what: str) -> str:
     """
     count, first = len(asked.points), _first_point(asked)
     if asked.rules.value(PAST_POINTS) == "dropped":
-        n_dropped = sum(bool(_elsewhere(asked, at, twin)) for at in range(first))
+        here = twin.joint_state().positions if first else {}
+        n_dropped = sum(bool(_elsewhere(asked, at, here, twin)) for at in range(first))
         if not n_dropped:
             return ""
         return (
             f"{n_dropped} of {count} points of {what} moved nothing: they lie in the past, and "
             "are dropped"
         )
-    starts_later = first == count - 1 or asked.times_s()[first] > 0.0
-    gaps = {} if starts_later else _elsewhere(asked, first, twin)
+    if first == count - 1 or asked.times_s()[first] > 0.0:
+        return ""
+    gaps = _elsewhere(asked, first, twin.joint_state().positions, twin)
     most = {name: twin.robot.joint(name).velocity_limit * UPDATE_S for name in gaps}
     steps = {name: gap for name, gap in gaps.items() if gap > most[name]}
     if not steps:
         return ""
-    joint = max(steps, key=lambda name: steps[name])
-    unit = "m" if twin.robot.joint(joint).type == "prismatic" else "rad"
+    name = max(steps, key=lambda name: steps[name])
     return (
-        f"the first of {count} points of {what} moved nothing: at its time, 0 s, {joint!r} is "
-        f"{steps[joint]:.3f} {unit} away, and a real controller would step "
+        f"the first of {count} points of {what} moved nothing: at its time, 0 s, {name!r} is "
+        f"{steps[name]:.3f} {twin.robot.joint(name).unit} away, and a real controller would step "
         "there at once; begin where the arm is, or give the point a time to get there"
     )
 
 
-def _elsewhere(asked: Asked, at: int, twin: Twin) -> dict[str, float]:
+def _elsewhere(asked: Asked, at: int, here: Mapping[str, float], twin: Twin) -> dict[str, float]:
     """Return how far the joints are from a point, those that are further than a start may be."""
-    here = twin.joint_state().positions
     points = zip(asked.names, asked.points[at].positions, strict=False)
     gaps = {name: position - here[name] for name, position in points}
     for name in gaps:
