@@ -49,6 +49,7 @@ from tracerisk.pipeline.trace.run_files import IDLE_S
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.drafts.draft import Draft, move_aside, sent_in_turn, stands_free
+from tracerisk.ros.drafts.drafted_parameter import last_part
 from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import shifted
 from tracerisk.ros.scenario.lines import entry_lines
@@ -404,10 +405,9 @@ class Rounds:
 
     def _is_set(self, draft: Draft) -> bool:
         """Return whether the user gives a parameter, in the scenario or on the command line."""
-        last = re.split(r"[/.~]", draft.key)[-1]
-        known = (re.split(r"[/.~]", each.name)[-1] for each in self._known.parameters)
-        words = (word for each in self._settings.args for word in re.findall(r"[^\W_]\w*", each))
-        return bool(self._settings.params) or last in {*known, *words}
+        known = {last_part(parameter.name) for parameter in self._known.parameters}
+        words = re.findall(r"[^\W_]\w*", " ".join(self._settings.args))
+        return bool(self._settings.params) or last_part(draft.key) in known.union(words)
 
     def _mended(self, attempt: Attempt) -> Entries | None:
         """Return the entries without what kept the controller from being run; None for nothing."""

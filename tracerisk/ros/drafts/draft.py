@@ -284,17 +284,15 @@ def _turn(draft: Draft) -> int:
 
 def _draft(missed: Missed, interfaces: Any, values: UsableValues) -> Draft:
     need, place = missed.need, missed.location
-    lack, plain = _Lack(need, place, interfaces, values), None
+    plain: list[Any] = []
     try:
-        value, words = _ENTRIES[need.kind](lack)
-        if isinstance(value, Mapping) and "driver" in value and need.kind in _PLAIN:
-            plain = _PLAIN[need.kind](lack)
+        value, words, *plain = _ENTRIES[need.kind](_Lack(need, place, interfaces, values))
     except InputError:
         name = {"topic": "topic", "frame": "frame", "call": "service", "goal": "action"}
         value = {name.get(need.kind, "name"): need.name}
         words = "its type is not known"
     key = parameter_key(need, place) if need.kind == "parameter" else need.name
-    return Draft(need, key, value, words, place, plain=plain)
+    return Draft(need, key, value, words, place, plain=plain[0] if plain else None)
 
 
 def drafts_instead(taken: Iterable[tuple[Missed, str | bool]]) -> Iterator[Draft]:
@@ -323,8 +321,9 @@ class _Lack:
     """The values that are usable on the robot of the run."""
 
 
-_Made = tuple[Any, str]
-"""The value of an entry, `None` where no scenario can give one, and where it is from."""
+_Made = tuple[Any, str] | tuple[Any, str, Any]
+"""The value of an entry, `None` where no scenario can give one, and where it is from; of a driver
+that answers, what answers alone, too."""
 
 
 def _topic(lack: _Lack) -> _Made:
@@ -418,36 +417,25 @@ def _service(lack: _Lack) -> _Made:
     need = lack.need
     if not need.type_name:
         return {"name": need.name, "reply": {}}, "its type is not known"
-    request = service_parts(lack.interfaces, need.type_name)[0]
-    entry = _plain_service(lack)
-    asked = Asked("services", need.name, need.type_name, request)
-    guess = _guess(asked, entry["reply"], lack)
-    return (entry, _WELL[need.kind]) if guess is None else (guess.entry, guess.words)
-
-
-def _plain_service(lack: _Lack) -> dict[str, Any]:
-    need, compared = lack.need, compared_in_file(lack.place)
-    response = service_parts(lack.interfaces, need.type_name)[1]
-    reply = lack.values.fields(response, compared)
-    return {"name": need.name, "type": need.type_name, "reply": reply}
+    request, response = service_parts(lack.interfaces, need.type_name)
+    reply = lack.values.fields(response, compared_in_file(lack.place))
+    entry = {"name": need.name, "type": need.type_name, "reply": reply}
+    guess = _guess(Asked("services", need.name, need.type_name, request), reply, lack)
+    return (entry, _WELL[need.kind]) if guess is None else (guess.entry, guess.words, entry)
 
 
 def _action(lack: _Lack) -> _Made:
     need = lack.need
     goal = goal_class(lack.interfaces, need.type_name)
-    entry = _plain_action(lack)
-    guess = _guess(Asked("actions", need.name, need.type_name, goal), entry["result"], lack)
+    parts = action_parts(lack.interfaces, need.type_name)
+    result = lack.values.fields(parts[0], compared_in_file(lack.place))
+    entry = {"name": need.name, "type": need.type_name, "after": 1.0, "result": result}
+    guess = _guess(Asked("actions", need.name, need.type_name, goal), result, lack)
     if guess is not None:
-        return guess.entry, guess.words
+        return guess.entry, guess.words, entry
     if _moves_robot(need, goal):
         return None, "moves the robot: a driver has to serve it, no scenario can"
     return entry, _WELL[need.kind]
-
-
-def _plain_action(lack: _Lack) -> dict[str, Any]:
-    need, compared = lack.need, compared_in_file(lack.place)
-    result = lack.values.fields(action_parts(lack.interfaces, need.type_name)[0], compared)
-    return {"name": need.name, "type": need.type_name, "after": 1.0, "result": result}
 
 
 def _command(lack: _Lack) -> _Made:
@@ -590,11 +578,7 @@ def _module(lack: _Lack) -> _Made:
     return {"module": lack.need.name}, f"{words}{remedy}"
 
 
-_PLAIN: Mapping[NeedKind, Callable[[_Lack], dict[str, Any]]] = {
-    "service": _plain_service,
-    "action": _plain_action,
-}
-_ENTRIES = {
+_ENTRIES: Mapping[NeedKind, Callable[[_Lack], _Made]] = {
     "topic": _topic,
     "service": _service,
     "action": _action,

@@ -53,12 +53,17 @@ def parameter_key(need: Need, place: Location | None) -> str:
     return key
 
 
+def last_part(name: str) -> str:
+    """Return the last part of a parameter's name, as ROS 1 or ROS 2 writes it."""
+    return name.replace(".", "/").rpartition("/")[2].lstrip("~")
+
+
 def other_values(need: Need, place: Location | None, default: Any) -> tuple[str | bool, ...]:
     """Return the values beside its default for which the code asks of a parameter, at most two.
 
     A switch is put on, and off where its name says that nothing is to move: `dry_run`.
     """
-    last = need.name.replace(".", "/").rpartition("/")[2].lstrip("~")
+    last = last_part(need.name)
     if isinstance(default, bool):
         return (not default,) if default is not is_on(last) and not _SIMULATED.search(last) else ()
     if not isinstance(default, str) or not default or "/" in default:
@@ -73,7 +78,7 @@ def other_values(need: Need, place: Location | None, default: Any) -> tuple[str 
 
 def drafted_parameter(need: Need, place: Location | None, values: UsableValues) -> tuple[Any, str]:
     """Return a value for a parameter, and where it is from."""
-    last = need.name.replace(".", "/").rpartition("/")[2].lstrip("~")
+    last = last_part(need.name)
     literals = next((found for call in _READS if (found := compared_results(place, call))), ())
     kind = need.type_name or next((use for call in _READS if (use := used_as(place, call))), "")
     fitting = [each for each in literals if _fits(each, kind)]
