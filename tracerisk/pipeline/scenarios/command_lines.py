@@ -15,6 +15,7 @@ from typing import Any
 
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.literals.named_literals import literal_value
 from tracerisk.pipeline.scenarios.argument_files import fitting_files, is_read
 from tracerisk.pipeline.scenarios.handed_arguments import with_plain_argv
 from tracerisk.pipeline.workspace.controller import Controller
@@ -357,9 +358,4 @@ def _cast_in(node: ast.AST) -> str:
 
 
 def _value(node: ast.expr | None) -> Any:
-    if node is None:
-        return None
-    try:
-        return ast.literal_eval(node)
-    except (ValueError, TypeError, SyntaxError, RecursionError):
-        return None
+    return None if node is None else literal_value(node)

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.literals.named_literals import literal_value
 
 LENGTH = "len()"
 """The last part of the path of a list's length."""
@@ -128,10 +129,7 @@ def lengths_read(node: ast.AST) -> Iterator[tuple[ast.expr, str, int]]:
 
 def whole(node: ast.expr) -> int | None:
     """Return the whole number that an expression is; None where it is none."""
-    try:
-        value = ast.literal_eval(node)
-    except (ValueError, TypeError, SyntaxError, RecursionError):
-        return None
+    value = literal_value(node)
     return value if type(value) is int else None
 
 
@@ -156,10 +154,7 @@ def _length(operator: ast.cmpop, value: int, is_refused: bool) -> int | None:
 
 
 def _number(node: ast.expr) -> float | None:
-    try:
-        value = ast.literal_eval(node)
-    except (ValueError, TypeError, SyntaxError, RecursionError):
-        return None
+    value = literal_value(node)
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return value if is_number else None
 

@@ -27,7 +27,7 @@ from tracerisk.instrument.source.literals.bounds import (
     whole,
     within,
 )
-from tracerisk.instrument.source.literals.named_literals import with_named_literals
+from tracerisk.instrument.source.literals.named_literals import literal_value, with_named_literals
 from tracerisk.instrument.source.literals.package_settings import package_settings
 
 _DEEPEST = 3  # of functions to which a value is handed on
@@ -519,10 +519,7 @@ def _literals(node: ast.expr) -> Iterator[Any]:
     if _is_constant(node):
         yield _Constant(last_name(node))
         return
-    try:
-        value = ast.literal_eval(node)
-    except (ValueError, TypeError, SyntaxError, RecursionError):
-        return
+    value = literal_value(node)
     several = value if isinstance(value, list | tuple | set | dict) else (value,)
     if stops := _EMERGENCY & {each for each in several if isinstance(each, str)}:
         # Other words listed with an emergency word mean the same.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.literals.named_literals import literal_value
 from tracerisk.instrument.source.python_source import parsed
 
 
@@ -94,10 +95,7 @@ def largest_given(tree: ast.AST | None) -> dict[str, float]:
 
 
 def _literal(node: ast.expr) -> Any:
-    try:
-        return plain_value(ast.literal_eval(node))
-    except (ValueError, TypeError, SyntaxError, RecursionError):
-        return None
+    return plain_value(literal_value(node))
 
 
 def _put(fields: dict[str, Any], path: Sequence[str], value: Any) -> None:

@@ -20,6 +20,7 @@ from tracerisk.instrument.source.literals.compared_values import (
     parameter_name,
     source_tree,
 )
+from tracerisk.instrument.source.literals.named_literals import literal_value
 
 _PASSES = 3  # over the file: a name may be read above the line that gives it
 _SAME = frozenset({"lower", "upper", "strip", "title", "copy"})
@@ -194,8 +195,5 @@ class _Reading:
 
 
 def _literal(node: ast.expr) -> Any:
-    try:
-        value = ast.literal_eval(node)
-    except (ValueError, TypeError, SyntaxError, RecursionError):
-        return None
+    value = literal_value(node)
     return value if isinstance(value, bool | int | float | str | list) else None

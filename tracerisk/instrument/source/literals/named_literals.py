@@ -5,8 +5,17 @@ from __future__ import annotations
 import ast
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from tracerisk.instrument.source.dotted_names import dotted_name
+
+
+def literal_value(node: ast.expr) -> Any:
+    """Return the value of an expression that is a literal; None for any other."""
+    try:
+        return ast.literal_eval(node)
+    except (ValueError, TypeError, SyntaxError, RecursionError):
+        return None
 
 
 def with_named_literals(
