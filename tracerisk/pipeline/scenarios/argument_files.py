@@ -25,10 +25,10 @@ _MOST = 3
 
 def is_read(names: Iterable[str], type_name: str) -> bool:
     """Return whether an argument of these names, metavar included, is a file that is read."""
-    plain = [each.strip("-") for each in names]
-    if any(_WRITTEN.search(each) for each in plain):
+    plain = [name.strip("-") for name in names]
+    if any(_WRITTEN.search(name) for name in plain):
         return False
-    return type_name in _OF_FILES or any(_READ.search(each) for each in plain)
+    return type_name in _OF_FILES or any(_READ.search(name) for name in plain)
 
 
 def fitting_files(tree: ast.AST, top: Path) -> tuple[str, ...]:
@@ -39,20 +39,20 @@ def fitting_files(tree: ast.AST, top: Path) -> tuple[str, ...]:
     endings: set[str] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            endings |= {f".{each}" for each in _SUFFIX.findall(node.value)}
+            endings |= {f".{text}" for text in _SUFFIX.findall(node.value)}
         for name in _imported(node):
             endings |= set(_READERS.get(name, ()))
-    found: list[Path] = []
+    paths: list[Path] = []
     for folder, files in searched(top) if endings else ():
-        found += [
+        paths += [
             Path(folder, name)
             for name in files
             if Path(name).suffix in endings and name not in _NOT_DATA
         ]
-    return tuple(os.path.relpath(each) for each in found[:_MOST])
+    return tuple(os.path.relpath(path) for path in paths[:_MOST])
 
 
 def _imported(node: ast.AST) -> list[str]:
     if isinstance(node, ast.Import):
-        return [each.name for each in node.names]
+        return [name.name for name in node.names]
     return [node.module or ""] if isinstance(node, ast.ImportFrom) else []

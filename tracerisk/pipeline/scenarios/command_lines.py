@@ -65,7 +65,7 @@ def command_lines(
     a file to read being one of the repository's that fits, then this with each of its switches,
     then the words with which `sys.argv` is compared, and numbers within `reach`.
     """
-    found: list[CommandLine] = []
+    lines: list[CommandLine] = []
     numbers: set[int] = set()
     for path in (controller.path.resolve(), *own_modules(controller)):
         source = source_bytes(path)
@@ -73,14 +73,20 @@ def command_lines(
         if tree is not None:
             tree = with_plain_argv(tree)
             text = source.decode(errors="replace")
-            found += _of_argparse(tree, text, controller.project.top, reach)
-            found += _of_argv(tree, text, reach)
+            lines += _of_argparse(tree, text, controller.project.top, reach)
+            lines += _of_argv(tree, text, reach)
             numbers |= {index for index, word in _words_read(tree).items() if word.cast}
-    found = [
+    lines = [
         *(CommandLine(words, f"as in {place}") for words, place in written if _has(words, numbers)),
-        *found,
+        *lines,
     ]
-    return tuple({each.words: each for each in reversed(found) if each.words}.values())[::-1]
+    return tuple(
+        {
+            command_line.words: command_line
+            for command_line in reversed(lines)
+            if command_line.words
+        }.values()
+    )[::-1]
 
 
 def _has(words: Sequence[str], numbers: Iterable[int]) -> bool:
@@ -89,7 +95,7 @@ def _has(words: Sequence[str], numbers: Iterable[int]) -> bool:
     `move.py X Y Z` names them alone.
     """
     at = [words[index - 1] for index in numbers if index <= len(words)]
-    return all(_NUMBER.fullmatch(each) for each in at)
+    return all(_NUMBER.fullmatch(name) for name in at)
 
 
 def _of_argparse(tree: ast.AST, text: str, top: Path, reach: Reach | None) -> Iterator[CommandLine]:
@@ -98,30 +104,30 @@ def _of_argparse(tree: ast.AST, text: str, top: Path, reach: Reach | None) -> It
         for node in ast.walk(tree)
         if isinstance(node, ast.Call) and last_name(node.func) in ("add_argument", "option")
     ]
-    needed = [word for each in options if each.is_needed for word in each.words]
+    needed = [word for option in options if option.is_needed for word in option.words]
     # Of a group of which one must be given, the first.
     groups = _required_groups(tree)
-    for each in options:
-        if each.owner in groups and not each.is_needed:
-            groups.discard(each.owner)
-            needed += each.words
-    read = {word for each in options if each.is_file for word in each.words[-1:]} & {*needed}
+    for option in options:
+        if option.owner in groups and not option.is_needed:
+            groups.discard(option.owner)
+            needed += option.words
+    read = {word for option in options if option.is_file for word in option.words[-1:]} & {*needed}
     if read:
         files = fitting_files(tree, top)
         for file in files:
-            words = tuple(file if each in read else each for each in needed)
+            words = tuple(file if name in read else name for name in needed)
             yield CommandLine(words, "what argparse demands, with a file of the repository")
         if not files:
             remark = (
                 f"a file of yours has to stand for {' and '.join(sorted(read))}: none here fits"
             )
             yield CommandLine(tuple(needed), f"what argparse demands; {remark}")
-        needed = [files[0] if files and each in read else each for each in needed]
+        needed = [files[0] if files and name in read else name for name in needed]
     elif needed:
         yield CommandLine(tuple(needed), "what argparse demands")
-    for each in options:
-        if not each.is_needed and each.is_switch and each.words[0] not in needed:
-            yield CommandLine((*needed, *each.words), f"with the switch {each.words[0]}")
+    for option in options:
+        if not option.is_needed and option.is_switch and option.words[0] not in needed:
+            yield CommandLine((*needed, *option.words), f"with the switch {option.words[0]}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,9 +145,11 @@ class _Option:
 
     @classmethod
     def read(cls, call: ast.Call, text: str, reach: Reach | None) -> _Option:
-        names = [str(each.value) for each in call.args if isinstance(each, ast.Constant)]
-        given = {each.arg: each.value for each in call.keywords}
-        flags = [each for each in names if each.startswith("-")]
+        names = [
+            str(argument.value) for argument in call.args if isinstance(argument, ast.Constant)
+        ]
+        given = {keyword.arg: keyword.value for keyword in call.keywords}
+        flags = [name for name in names if name.startswith("-")]
         is_switch = _value(given.get("action")) in ("store_true", "store_const", "count")
         count = _value(given.get("nargs"))
         value = _argument_value(names, given)
@@ -177,7 +185,7 @@ def _in_reach(
     units = units_said(f"{name} {_value(given.get('help'))}\n{lines_with(text, f'.{name}')}")
     if count > 1:
         numbers = numbers_in_place(count, units, reach) or ()
-        return tuple(_shown(each, cast) for each in numbers)
+        return tuple(_shown(value, cast) for value in numbers)
     number = named_number(name, units, reach)
     return () if number is None else (_shown(number, cast),)
 
@@ -216,21 +224,21 @@ class _Word:
 
 def _words_read(tree: ast.AST) -> dict[int, _Word]:
     """Return the words of `sys.argv` that a source reads by their index, or in a slice."""
-    found: dict[int, _Word] = {}
+    words: dict[int, _Word] = {}
     for node in ast.walk(tree):
         index, cast = _argv_index(node)
         if index:
-            found.setdefault(index, _Word("", cast))
+            words.setdefault(index, _Word("", cast))
     for target, value in _given(tree):
         index, cast = _argv_index(value)
         if index:
-            found[index] = _Word(target, cast)
+            words[index] = _Word(target, cast)
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign) and (start := _argv_slice(node.value)):
             targets = node.targets[0].elts if isinstance(node.targets[0], ast.Tuple) else ()
-            for index, each in enumerate(targets, start):
-                found[index] = _Word(last_name(each), _cast_in(node.value))
-    return found
+            for index, item in enumerate(targets, start):
+                words[index] = _Word(last_name(item), _cast_in(node.value))
+    return words
 
 
 def _given(tree: ast.AST) -> Iterator[tuple[str, ast.expr]]:
@@ -273,8 +281,8 @@ def _of_argv(tree: ast.AST, text: str, reach: Reach | None) -> Iterator[CommandL
 
     first = literals.get(1) or [usual(1)]
     for word in dict.fromkeys(first):
-        rest = [(literals.get(each) or [usual(each)])[0] for each in range(2, max(words) + 1)]
-        is_plain = all(each == "1" for each in (word, *rest))
+        rest = [(literals.get(item) or [usual(item)])[0] for item in range(2, max(words) + 1)]
+        is_plain = all(name == "1" for name in (word, *rest))
         remark = "as many words as the code reads" if is_plain else "numbers that the arm reaches"
         yield CommandLine((word, *rest), "as the code compares sys.argv" if literals else remark)
 
@@ -291,7 +299,7 @@ def _of_slice(tree: ast.AST, text: str, reach: Reach | None) -> Iterator[Command
         units = units_said(f"{_said_of_all(tree)}\n{lines_with(text, name)}")
         numbers = numbers_in_place(count, units, reach) if cast else None
         if numbers is not None:
-            words = tuple(_shown(each, cast) for each in numbers)
+            words = tuple(_shown(number, cast) for number in numbers)
             yield CommandLine((*["1"] * (start - 1), *words), "numbers that the arm reaches")
             return
 
@@ -334,18 +342,18 @@ def _argv_index(node: ast.AST) -> tuple[int, str]:
 
 def _argv_slice(node: ast.AST) -> int:
     """Return where a slice of `sys.argv` begins that is within an expression, 0 for none."""
-    for each in ast.walk(node):
-        if _is_argv(each) and isinstance(each, ast.Subscript):
-            start = _value(each.slice.lower) if isinstance(each.slice, ast.Slice) else None
+    for item in ast.walk(node):
+        if _is_argv(item) and isinstance(item, ast.Subscript):
+            start = _value(item.slice.lower) if isinstance(item.slice, ast.Slice) else None
             if isinstance(start, int) and start > 0:
                 return start
     return 0
 
 
 def _slice_length(node: ast.AST) -> int:
-    for each in ast.walk(node):
-        if _is_argv(each) and isinstance(each, ast.Subscript) and isinstance(each.slice, ast.Slice):
-            start, end = _value(each.slice.lower), _value(each.slice.upper)
+    for item in ast.walk(node):
+        if _is_argv(item) and isinstance(item, ast.Subscript) and isinstance(item.slice, ast.Slice):
+            start, end = _value(item.slice.lower), _value(item.slice.upper)
             if isinstance(start, int) and isinstance(end, int):
                 return max(end - start, 0)
     return 0
@@ -353,7 +361,7 @@ def _slice_length(node: ast.AST) -> int:
 
 def _cast_in(node: ast.AST) -> str:
     """Return the number that an expression makes of words: `map(float, sys.argv[1:4])`."""
-    names = [each.id for each in ast.walk(node) if isinstance(each, ast.Name)]
+    names = [item.id for item in ast.walk(node) if isinstance(item, ast.Name)]
     return next((name for name in names if name in _NUMBERS), "")
 
 

@@ -81,9 +81,9 @@ def trace_with_draft(
     if not settings.draft or not _may_need_draft(controller, settings, trace, runs):
         return trace
     search = rounds()
-    found = _found(controller, search, search.first(trace, runs), keep)
-    if found is not None:
-        return found
+    result = _found(controller, search, search.first(trace, runs), keep)
+    if result is not None:
+        return result
     # What it lacks first hides a name that it asks for later, which no draft can give.
     cut = [_OVER] if search.cut else []
     message = "; ".join((trace.end.message, *search.mistakes, *cut))
@@ -98,16 +98,18 @@ def _may_need_draft(
     if (is_whole and trace.functions) or trace.end.cause in OF_THE_MACHINE:
         return False
     if trace.end.cause == "not_importable":
-        return any(each.section == "modules" for run in runs for each in run.drafts)
-    if trace.end.cause != "raised" and any(each.is_instead for run in runs for each in run.drafts):
+        return any(draft.section == "modules" for run in runs for draft in run.drafts)
+    if trace.end.cause != "raised" and any(
+        draft.is_instead for run in runs for draft in run.drafts
+    ):
         # It may do nothing for a mode or a switch of its own.
         return True
-    if any(run.needs and any(each.value is not None for each in run.drafts) for run in runs):
+    if any(run.needs and any(draft.value is not None for draft in run.drafts) for run in runs):
         return True
     if trace.end.cause == "raised" and _OF_NOTHING.search(trace.end.message):
         # It used what a message would have brought.
-        published = (each for run in runs for each in run.drafts if each.section == "publish")
-        if any(each.value is not None for each in published):
+        published = (draft for run in runs for draft in run.drafts if draft.section == "publish")
+        if any(draft.value is not None for draft in published):
             return True
     if settings.args:
         return False
@@ -139,7 +141,8 @@ def _with_drafts(controller: Controller, search: Rounds, entries: Entries, trace
     places = _Places(controller, search, entries)
     reasons = tuple(map(places.of_reason, trace.verdict.reasons))
     findings = tuple(
-        replace(each, location=places.of(each.location, is_shown=True)) for each in trace.findings
+        replace(finding, location=places.of(finding.location, is_shown=True))
+        for finding in trace.findings
     )
     values = "1 value" if places.drafted == 1 else f"{places.drafted} values"
     line = (
@@ -208,4 +211,4 @@ def _lines_of_base(base: Path | None, text: str) -> Mapping[int, int]:
         return {}
     before = base.read_text(encoding="utf-8-sig").splitlines()
     blocks = SequenceMatcher(None, text.splitlines(), before, autojunk=False).get_matching_blocks()
-    return {each.a + i + 1: each.b + i + 1 for each in blocks for i in range(each.size)}
+    return {block.a + i + 1: block.b + i + 1 for block in blocks for i in range(block.size)}

@@ -123,21 +123,21 @@ class ScenarioDraft:
 def is_given(known: Scenario, draft: Draft) -> bool:
     """Return whether a scenario gives it already, though nobody has made use of it yet."""
     names: Mapping[str, Iterable[str]] = {
-        "publish": (each.topic for each in known.published),
-        "services": (each.name for each in known.services),
-        "actions": (each.name for each in known.actions),
-        "frames": (each.frame for each in known.frames),
+        "publish": (published.topic for published in known.published),
+        "services": (service.name for service in known.services),
+        "actions": (action.name for action in known.actions),
+        "frames": (frame.frame for frame in known.frames),
         "start": (draft.need.name,) if known.start else (),
-        "drivers": (each.string("driver") for each in known.drivers),
-        "objects": (each.string("name") for each in known.objects),
+        "drivers": (driver.string("driver") for driver in known.drivers),
+        "objects": (held.string("name") for held in known.objects),
         "calls": (
-            str(each.get(key))
-            for each in known.calls
+            str(call.get(key))
+            for call in known.calls
             for key in ("service", "action")
-            if key in each
+            if key in call
         ),
     }
-    return draft.need.name.strip("/") in {each.strip("/") for each in names.get(draft.section, ())}
+    return draft.need.name.strip("/") in {name.strip("/") for name in names.get(draft.section, ())}
 
 
 def merged(fields: Any, over: Any) -> Any:
@@ -147,7 +147,7 @@ def merged(fields: Any, over: Any) -> Any:
     if fields.keys() == _QUATERNION:
         # One that is given in part is no mixture of two turns.
         return {**dict.fromkeys(fields, 0.0), **over}
-    more = {key: merged(fields.get(key), each) for key, each in over.items()}
+    more = {key: merged(fields.get(key), item) for key, item in over.items()}
     return {**fields, **more}
 
 
@@ -157,7 +157,7 @@ def useful_drafts(drafts: tuple[Draft, ...], runs: Sequence[ControllerRun]) -> t
     Where that leaves none, they are those of a run without such nodes.
     """
     alone = next((run.drafts for run in runs if not is_accompanied(run)), drafts)
-    own = {(each.section, each.key) for each in alone}
+    own = {(draft.section, draft.key) for draft in alone}
     kept = (e for e in drafts if e.need.type_name not in PICTURES or (e.section, e.key) in own)
     return tuple(kept) or alone
 
@@ -188,7 +188,7 @@ def without_repeats(entries: Entries) -> Entries:
         if key[0] == "objects" and draft.need.type_name != "model"
     ]
     for is_held in (True, False):
-        alike = [key for key, each in objects if ("attached" in each.value) is is_held]
+        alike = [key for key, item in objects if ("attached" in item.value) is is_held]
         repeats += alike[1:] if repeats else []
     for key in repeats:
         del fewer.drafts[key]
@@ -258,7 +258,7 @@ def repeated(entries: Entries) -> Entries | None:
     for key, draft in entries.drafts.items():
         is_once = key[0] == "publish" and "after" in draft.value and "message" in draft.value
         if is_once and not _OF_COMMANDS.match(draft.need.type_name):
-            value = {name: each for name, each in draft.value.items() if name != "after"}
+            value = {name: item for name, item in draft.value.items() if name != "after"}
             value = {**value, "at": _BEGINS_S, "rate": _REPEATED_HZ, "until": _REPEATED_S}
             again.drafts[key] = replace(draft, value=value, words=f"{draft.words}; once a second")
     return None if again.drafts == entries.drafts else again
@@ -275,7 +275,7 @@ def as_streams(entries: Entries) -> Entries | None:
         message = draft.value.get("message") if key[0] == "publish" else None
         if not isinstance(message, dict):
             continue
-        value = {name: each for name, each in draft.value.items() if name != "after"}
+        value = {name: item for name, item in draft.value.items() if name != "after"}
         words = draft.words.partition("; once a second")[0]
         moved = _raised(message, _MOVED_M)
         if moved != message:
@@ -296,10 +296,10 @@ def as_streams(entries: Entries) -> Entries | None:
 def _raised(value: Any, metres: float = _ABOVE_M) -> Any:
     """Return a message with the position of each pose in it higher."""
     if isinstance(value, list):
-        return [_raised(each, metres) for each in value]
+        return [_raised(item, metres) for item in value]
     if not isinstance(value, dict):
         return value
-    made = {key: _raised(each, metres) for key, each in value.items()}
+    made = {key: _raised(item, metres) for key, item in value.items()}
     place = made.get("position")
     if isinstance(place, dict) and "orientation" in made and "z" in place:
         made["position"] = {**place, "z": round(place["z"] + metres, 3)}

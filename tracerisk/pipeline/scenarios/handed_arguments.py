@@ -24,13 +24,13 @@ def with_plain_argv(tree: ast.Module) -> ast.Module:
     functions = {node.name: node for node in ast.walk(tree) if isinstance(node, _Function)}
     known: dict[str, _Aliases] = {name: {} for name in functions}
     for _ in range(_MOST_ROUNDS):
-        found = {name: dict(each) for name, each in known.items()}
+        merged = {name: dict(fields) for name, fields in known.items()}
         for scope, aliases in _scopes(tree, known):
             for name, given in _handed(scope, aliases, functions):
-                found[name].update(given)
-        if found == known:
+                merged[name].update(given)
+        if merged == known:
             break
-        known = found
+        known = merged
     if not any(aliases for _, aliases in _scopes(tree, known)):
         return tree
     plain = copy.deepcopy(tree)
@@ -49,13 +49,13 @@ def _scopes(tree: ast.Module, known: Mapping[str, _Aliases]) -> Iterator[tuple[a
 
 def _assigned(scope: ast.AST, aliases: _Aliases) -> _Aliases:
     """Return the names that are given the rest of the command line in a scope."""
-    found: _Aliases = {}
+    starts: _Aliases = {}
     for node in _within(scope):
         if isinstance(node, ast.Assign) and len(node.targets) == 1:
-            start = _start(node.value, {**aliases, **found})
+            start = _start(node.value, {**aliases, **starts})
             if start is not None and isinstance(node.targets[0], ast.Name):
-                found[node.targets[0].id] = start
-    return found
+                starts[node.targets[0].id] = start
+    return starts
 
 
 def _within(scope: ast.AST) -> Iterator[ast.AST]:
@@ -98,12 +98,12 @@ def _handed(
         called = functions.get(last_name(node.func))
         if called is None:
             continue
-        names = [each.arg for each in called.args.args]
+        names = [argument.arg for argument in called.args.args]
         if names[:1] in (["self"], ["cls"]):
             names = names[1:]
         pairs = [
             *zip(names, node.args, strict=False),
-            *((each.arg, each.value) for each in node.keywords if each.arg),
+            *((keyword.arg, keyword.value) for keyword in node.keywords if keyword.arg),
         ]
         for name, value in pairs:
             start = _start(value, aliases)

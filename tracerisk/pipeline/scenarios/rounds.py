@@ -164,9 +164,10 @@ class Rounds:
     def mistakes(self) -> tuple[str, ...]:
         """The names that the source likely has wrong, with what is meant and the place."""
         return tuple(
-            f"{each.need.words} is {each.words}" + (f" ({each.location})" if each.location else "")
-            for each in self._cannot.values()
-            if each.need.kind == "frame"
+            f"{draft.need.words} is {draft.words}"
+            + (f" ({draft.location})" if draft.location else "")
+            for draft in self._cannot.values()
+            if draft.need.kind == "frame"
         )
 
     def _is_over(self) -> bool:
@@ -213,7 +214,9 @@ class Rounds:
         seen, shown, n_fruitless = {self.text(attempt.entries)}, {_shown(attempt)}, 0
         raised = Counter(_raised(attempt))
         for number in range(1, _MOST_RUNS + 1):
-            following = (each for each in self._next(attempt) if self.text(each) not in seen)
+            following = (
+                entries for entries in self._next(attempt) if self.text(entries) not in seen
+            )
             more = next(following, None)
             if more is None or number == _MOST_RUNS or self._simulated_s >= self._most_s:
                 break
@@ -255,7 +258,7 @@ class Rounds:
             return
         before, wanted = self.best, None
         if self._ends_for_arguments(attempt):
-            self.best = max(before, attempt, key=lambda each: each.score)
+            self.best = max(before, attempt, key=lambda item: item.score)
             # Without them it comes to nothing else.
             yield from self._with_arguments()
         if attempt.score >= before.score:
@@ -331,7 +334,7 @@ class Rounds:
         if not best.is_traced:
             # Where the robot begins was no help, nor was another value than a default.
             entries = without_instead(entries)
-            entries.drafts = {k: each for k, each in entries.drafts.items() if k[0] != "start"}
+            entries.drafts = {k: draft for k, draft in entries.drafts.items() if k[0] != "start"}
         given = tuple(entries.drafts.values())
         missing = tuple(self._cannot.values())
         return ScenarioDraft(
@@ -346,7 +349,7 @@ class Rounds:
 
     def text(self, entries: Entries) -> str:
         """Return the scenario: the base with these entries."""
-        remarks = [f"# {each.need.words}: {each.words}" for each in self._cannot.values()]
+        remarks = [f"# {draft.need.words}: {draft.words}" for draft in self._cannot.values()]
         if not remarks and not entries.sections and self.base is None:
             remarks = ["# The controller asks its world for nothing that is not there."]
         return with_entries(self.base, entries.sections, remarks)
@@ -527,12 +530,12 @@ class Rounds:
                 return self._as_published(draft)
             if not written.is_whole:
                 # The frame of a computed pose is not that of the one which stands in for it.
-                value = {key: each for key, each in value.items() if key != "header"}
+                value = {key: item for key, item in value.items() if key != "header"}
                 if not value or content not in draft.value:
                     return self._as_published(draft)
                 value = merged(draft.value[content], value)
             is_stream = "rate" in draft.value and "messages" not in draft.value
-            in_turn = [each for each in written.in_turn if names_own_joints(draft, each)]
+            in_turn = [item for item in written.in_turn if names_own_joints(draft, item)]
             if len(in_turn) > 1 and not is_stream:
                 value = sent_in_turn(draft.value, in_turn)
             else:
@@ -558,7 +561,7 @@ class Rounds:
     def _elsewhere(self, best: Attempt) -> Entries | None:
         """Return the entries with other poses, where a motion to those of the best run failed."""
         verdict = None if best.trace is None else best.trace.verdict
-        if verdict is None or not any(each.code in _UNREACHED for each in verdict.reasons):
+        if verdict is None or not any(reason.code in _UNREACHED for reason in verdict.reasons):
             return None
         entries = best.entries.copy()
         if best.shift is not None and self._shifts < _MOST_SHIFTS:
@@ -579,8 +582,8 @@ class Rounds:
             if usable is None or self._places >= len(usable.others):
                 continue
             made = [
-                self._from_repository(replace(usable, value=each)).value
-                for each in (usable.value, *usable.others)
+                self._from_repository(replace(usable, value=item)).value
+                for item in (usable.value, *usable.others)
             ]
             if draft.value in (usable.value, *usable.others):
                 other = usable.others[self._places]
@@ -603,7 +606,9 @@ class Rounds:
         places = [self._read[words] for words in reported if words in self._read]
         if entries.arguments is not None:
             written = {f"as in {place}": place for _, place in self._written.arguments}
-            places += [written[each] for each in (entries.arguments.remark,) if each in written]
+            places += [
+                written[remark] for remark in (entries.arguments.remark,) if remark in written
+            ]
         top = self._controller.project.top
         return tuple(dict.fromkeys(top / place.rpartition(":")[0] for place in places))
 
@@ -624,7 +629,9 @@ def _shown(attempt: Attempt) -> Hashable:
     if trace is None:
         return None if attempt.error is None else attempt.error.message
     reasons = () if trace.verdict is None else trace.verdict.reasons
-    lacking = {(each.section, each.key) for each in attempt.wanted} - attempt.entries.drafts.keys()
+    lacking = {
+        (draft.section, draft.key) for draft in attempt.wanted
+    } - attempt.entries.drafts.keys()
     return (
         (trace.end.cause, trace.end.location, attempt.score, frozenset(lacking)),
         frozenset((e.code, e.function, e.object) for e in reasons if e.code != "input-assumed"),

@@ -34,12 +34,12 @@ def with_entries(
     known.sort(key=lambda name: top.key_location(name).line or 0, reverse=True)
     for name in known:
         start = (top.key_location(name).line or 1) - 1
-        end = next((each for each in starts if each > start), len(lines))
+        end = next((number for number in starts if number > start), len(lines))
         while end > start + 1 and _is_empty(lines[end - 1]):
             end -= 1
         lines[start:end] = _section(top, name, lines[start:end], sections[name])
-    absent = {name: each for name, each in sections.items() if name not in top}
-    reported = [each for each in remarks if each not in lines]
+    absent = {name: section for name, section in sections.items() if name not in top}
+    reported = [remark for remark in remarks if remark not in lines]
     more = sections_text(absent, reported).splitlines()
     return newline.join([*lines, *more, ""])
 

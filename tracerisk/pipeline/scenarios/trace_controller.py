@@ -80,9 +80,11 @@ def nothing_commanded(trace: Trace, controller: Controller) -> ControllerFailedE
         start = Location(str(controller.path), 1)
         return ControllerFailedError(f"{message}; {hint}", start, trace.end.scenario)
     # What went wrong says more than what was assumed before it.
-    first = min(trace.findings, key=lambda each: each.kind in _NO_FAILURE)
+    first = min(trace.findings, key=lambda finding: finding.kind in _NO_FAILURE)
     more = len(trace.findings) - 1
     also = f" (and {more} more, which `tracerisk trace` prints)" if more else ""
-    found = first.location
-    place = None if found is None else replace(found, file=str(controller.path_of(found.file)))
+    location = first.location
+    place = (
+        None if location is None else replace(location, file=str(controller.path_of(location.file)))
+    )
     return ControllerFailedError(f"{message}; {first.message}{also}", place, trace.end.scenario)

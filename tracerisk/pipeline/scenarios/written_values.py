@@ -95,12 +95,12 @@ class WrittenValues:
     @cached_property
     def arguments(self) -> tuple[tuple[tuple[str, ...], str], ...]:
         """The command lines with which the controller is started, each with its place."""
-        found: dict[tuple[str, ...], str] = {}
+        texts: dict[tuple[str, ...], str] = {}
         for command in self._commands(_RUNS):
             rest = self._rest(command.words)
-            if rest and not any(_PLACEHOLDER.search(each) for each in rest):
-                found.setdefault(rest, command.place)
-        return tuple(found.items())
+            if rest and not any(_PLACEHOLDER.search(name) for name in rest):
+                texts.setdefault(rest, command.place)
+        return tuple(texts.items())
 
     def _rest(self, words: tuple[str, ...]) -> tuple[str, ...]:
         for at, word in enumerate(words[:6]):
@@ -109,19 +109,19 @@ class WrittenValues:
                 name = name.rpartition(".")[2]
             # `./pick.py` runs it, and so does what stands before its name.
             if name in self._program.names and (at or word.startswith("./")):
-                return tuple(each for each in words[at + 1 :])
+                return tuple(text for text in words[at + 1 :])
         return ()
 
     # Commands
 
     def _sent(self, need: Need) -> Written | None:
-        found = list(self._sent_all(need))
-        if not found:
+        sent = list(self._sent_all(need))
+        if not sent:
             return None
-        file = found[0].place.rpartition(":")[0]
-        beside = [each.value for each in found if each.place.rpartition(":")[0] == file]
+        file = sent[0].place.rpartition(":")[0]
+        beside = [written.value for written in sent if written.place.rpartition(":")[0] == file]
         several = _in_turn(beside) if need.kind == "topic" else ()
-        return replace(found[0], in_turn=several if len(several) > 1 else ())
+        return replace(sent[0], in_turn=several if len(several) > 1 else ())
 
     def _sent_all(self, need: Need) -> Iterator[Written]:
         kinds = {"topic": ("pub",), "call": ("call",), "goal": ("send_goal",)}[need.kind]
@@ -165,20 +165,20 @@ class WrittenValues:
     def _published_frame(self, name: str) -> Written | None:
         """Return where static publishers of the repository put a frame, seen from the frame of
         theirs that hangs on none of them."""
-        found = self._static_frames.get(name.strip("/"))
-        if found is None:
+        static_frame = self._static_frames.get(name.strip("/"))
+        if static_frame is None:
             return None
-        entry, climbed = found.value, {name.strip("/")}
+        entry, climbed = static_frame.value, {name.strip("/")}
         while (above := entry["parent"].strip("/")) not in climbed:
             climbed.add(above)
             if above in self._static_frames:
                 entry = on_top(self._static_frames[above].value, entry)
-        return Written(entry, found.place)
+        return Written(entry, static_frame.place)
 
     @cached_property
     def _static_frames(self) -> dict[str, Written]:
         """The frames that static publishers of the repository publish, the nearest of each name."""
-        found: dict[str, Written] = {}
+        static_frames: dict[str, Written] = {}
         launched = (
             (words, self._place(path, line))
             for path, text in self._texts
@@ -191,25 +191,25 @@ class WrittenValues:
         for words, place in (*launched, *typed):
             entry = static_frame(words)
             if entry is not None:
-                found.setdefault(entry["frame"].strip("/"), Written(entry, place))
-        return found
+                static_frames.setdefault(entry["frame"].strip("/"), Written(entry, place))
+        return static_frames
 
     # Configuration
 
     def _configured(self, need: Need) -> Written | None:
-        wanted = tuple(each for each in re.split(r"[/.]", need.name.lstrip("~")) if each)
+        wanted = tuple(part for part in re.split(r"[/.]", need.name.lstrip("~")) if part)
         if not wanted:
             return None
-        found: list[tuple[int, Written]] = []
+        pairs: list[tuple[int, Written]] = []
         for path, text in self._texts:
             if not re.search(rf"(?<![\w]){re.escape(wanted[-1])}(?![\w])", text):
                 continue
             if path.suffix in (".yaml", ".yml"):
-                found += self._of_yaml(path, text, wanted, need.type_name)
+                pairs += self._of_yaml(path, text, wanted, need.type_name)
             elif path.suffix in (".launch", ".xml"):
-                found += self._of_xml(path, text, wanted, need.type_name)
+                pairs += self._of_xml(path, text, wanted, need.type_name)
         # The longest common end of the name, then the file that comes first.
-        best = max(found, key=lambda each: each[0], default=None)
+        best = max(pairs, key=lambda pair: pair[0], default=None)
         return None if best is None else best[1]
 
     def _of_yaml(
@@ -268,9 +268,9 @@ class WrittenValues:
         last = topic.strip("/")
         for path, text in self._texts:
             is_launch = path.suffix in (".launch", ".xml") or path.name.endswith("launch.py")
-            found = next((each for each in programs if each in text), None)
-            if is_launch and last in text and found is not None:
-                return f"{found} in {self._place(path, _line_of(text, found))}"
+            result = next((program for program in programs if program in text), None)
+            if is_launch and last in text and result is not None:
+                return f"{result} in {self._place(path, _line_of(text, result))}"
         return None
 
     # Files
@@ -278,19 +278,19 @@ class WrittenValues:
     @cached_property
     def _texts(self) -> tuple[tuple[Path, str], ...]:
         """The texts of the repository, those nearest to the controller first."""
-        found: list[Path] = []
+        paths: list[Path] = []
         for folder, files in searched(self._top):
-            found += [
+            paths += [
                 Path(folder, name)
                 for name in files
                 if name.endswith(_TEXTS) and name not in ("package.xml", "CMakeLists.txt")
             ]
-            if len(found) > _MOST_FILES:
+            if len(paths) > _MOST_FILES:
                 break
         script = self._program.script
-        found.sort(key=lambda each: (_apart(each, script), _rank(each), str(each)))
+        paths.sort(key=lambda item: (_apart(item, script), _rank(item), str(item)))
         texts = []
-        for path in found[:_MOST_FILES]:
+        for path in paths[:_MOST_FILES]:
             try:
                 if path.stat().st_size <= _MOST_BYTES:
                     texts.append((path, path.read_text("utf-8", "replace")))
@@ -307,10 +307,10 @@ _NAME_START = r"[~/]?(?:[\w/]*/)?"
 
 def _in_turn(messages: Sequence[dict[str, Any]]) -> tuple[dict[str, Any], ...]:
     """Return written messages, each once; of words what ends the program last."""
-    once = [each for at, each in enumerate(messages) if each not in messages[:at]]
-    if all(each.keys() == {"data"} and isinstance(each["data"], str) for each in once):
-        words = without_emergency(ordered_answers(each["data"] for each in once))
-        once = [{"data": each} for each in words]
+    once = [message for at, message in enumerate(messages) if message not in messages[:at]]
+    if all(fields.keys() == {"data"} and isinstance(fields["data"], str) for fields in once):
+        words = without_emergency(ordered_answers(fields["data"] for fields in once))
+        once = [{"data": word} for word in words]
     return tuple(once[:_MOST_IN_TURN])
 
 
@@ -350,7 +350,7 @@ def _words(lines: Sequence[str], number: int, start: int) -> tuple[str, ...]:
         except ValueError:
             words = []
         if words and not text.endswith("\\"):
-            end = next((at for at, each in enumerate(words) if each in _ENDS_COMMAND), len(words))
+            end = next((at for at, word in enumerate(words) if word in _ENDS_COMMAND), len(words))
             return tuple(words[:end])
         if more >= len(lines):
             break
@@ -370,15 +370,15 @@ def _positional(words: Sequence[str]) -> tuple[str, ...]:
     at = next((at for at, word in enumerate(words) if word in verbs), None)
     if at is None:
         return ()
-    found: list[str] = []
+    positional: list[str] = []
     rest = iter(words[at:])
     for word in rest:
-        if word in _TAKES and len(found) < 4:
+        if word in _TAKES and len(positional) < 4:
             next(rest, None)
-        elif not word.startswith("-") or (len(found) > _NAMED and re.match(r"-[\d.]", word)):
+        elif not word.startswith("-") or (len(positional) > _NAMED and re.match(r"-[\d.]", word)):
             # `-1` before the name is an option, behind it a number.
-            found.append(word)
-    return tuple(found)
+            positional.append(word)
+    return tuple(positional)
 
 
 def _is_named(written: str, full: str) -> bool:

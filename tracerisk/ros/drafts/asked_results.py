@@ -50,40 +50,40 @@ def compared_results(place: Location | None, call: str) -> tuple[Any, ...]:
     A number comes first where the result is made one and no number is compared with it.
     """
     for tree, node in calls_of(place, call):
-        found, casts = _compared_with(tree, node)
-        if {"int", "float"} & casts and not any(map(_is_number, found)):
-            found.insert(0, 1 if "int" in casts else 0.5)
-        if found:
-            return tuple(dict.fromkeys(found))
+        result, casts = _compared_with(tree, node)
+        if {"int", "float"} & casts and not any(map(_is_number, result)):
+            result.insert(0, 1 if "int" in casts else 0.5)
+        if result:
+            return tuple(dict.fromkeys(result))
     return ()
 
 
 def results_of_name(place: Location | None, name: str, calls: Collection[str]) -> tuple[Any, ...]:
     """Return the literals with which a source compares what any of `calls` returns for a name."""
     tree = source_tree(place)
-    found: list[Any] = []
+    result: list[Any] = []
     for node in ast.walk(tree) if tree is not None else ():
         is_read = isinstance(node, ast.Call) and last_name(node.func) in calls and node.args
         first = node.args[0] if is_read and isinstance(node, ast.Call) else None
         text = first.value if isinstance(first, ast.Constant) else None
         is_of_name = isinstance(text, str) and re.split(r"[/.~]", text)[-1] == name
         if tree is not None and isinstance(node, ast.Call) and is_of_name:
-            found += _compared_with(tree, node)[0]
-    return tuple(dict.fromkeys(found))
+            result += _compared_with(tree, node)[0]
+    return tuple(dict.fromkeys(result))
 
 
 def _compared_with(tree: ast.Module, call: ast.Call) -> tuple[list[Any], set[str]]:
     """Return the literals with which the result of a call is compared, and its conversions."""
     names, casts = held_by(tree, call)
     refused = _refused(tree)
-    found = [
+    result = [
         value
-        for each in ast.walk(tree)
-        if isinstance(each, ast.Compare | ast.Match)
-        for subject, value in comparisons(refused.get(id(each), each))
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Compare | ast.Match)
+        for subject, value in comparisons(refused.get(id(node), node))
         if subject is not None and is_held(subject, call, names)
     ]
-    return found, casts
+    return result, casts
 
 
 def _is_number(value: Any) -> bool:
@@ -119,11 +119,11 @@ def used_as(place: Location | None, call: str) -> str:
         for kind in ("int", "float", "str"):
             if kind in casts:
                 return kind
-        is_it = lambda each: each is node or dotted_name(each) in names  # noqa: B023, E731
-        for each in ast.walk(tree):
-            found = _use(each, is_it)
-            if found:
-                return found
+        is_it = lambda item: item is node or dotted_name(item) in names  # noqa: B023, E731
+        for item in ast.walk(tree):
+            use = _use(item, is_it)
+            if use:
+                return use
     return ""
 
 
@@ -139,7 +139,7 @@ def _use(node: ast.AST, is_it: Callable[[ast.AST], bool]) -> str:
         return "float" if isinstance(node.op, ast.Mult | ast.Div | ast.Sub) else ""
     if isinstance(node, ast.FormattedValue) and is_it(node.value):
         return "str"
-    if isinstance(node, ast.Call) and any(is_it(each) for each in node.args):
+    if isinstance(node, ast.Call) and any(is_it(argument) for argument in node.args):
         name = last_name(node.func)
         if name == "range":
             return "int"
@@ -170,7 +170,7 @@ def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
     returning: set[str] = set()
 
     def holds(value: ast.expr) -> bool:
-        inside = any(each is call for each in ast.walk(value))
+        inside = any(item is call for item in ast.walk(value))
         stem = _stem(value)
         is_returned = isinstance(stem, ast.Call) and last_name(stem.func) in returning
         return inside or is_returned or dotted_name(stem) in names
@@ -182,9 +182,9 @@ def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
                 if node.value is None or not holds(node.value):
                     continue
                 targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-                names |= {dotted_name(each) for each in targets if dotted_name(each)}
+                names |= {dotted_name(target) for target in targets if dotted_name(target)}
             elif isinstance(node, ast.FunctionDef):
-                returns = (each.value for each in ast.walk(node) if isinstance(each, ast.Return))
+                returns = (item.value for item in ast.walk(node) if isinstance(item, ast.Return))
                 if any(value is not None and holds(value) for value in returns):
                     returning.add(node.name)
             elif isinstance(node, ast.Call) and last_name(node.func) in functions:
@@ -197,7 +197,7 @@ def held_by(tree: ast.AST, call: ast.Call) -> tuple[set[str], set[str]]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and last_name(node.func) in _CASTS and node.args:
             inner = node.args[0]
-            if any(each is call for each in ast.walk(inner)) or dotted_name(inner) in names:
+            if any(item is call for item in ast.walk(inner)) or dotted_name(inner) in names:
                 casts.add(last_name(node.func))
     return names, casts
 

@@ -81,7 +81,7 @@ def commands_something(topic: str, type_name: str, message: Any) -> bool:
     if package in ("geometry_msgs", "sensor_msgs", "std_msgs", "moveit_msgs"):
         return False
     words = f"{name}_{kind}"
-    is_called = any(each.search(words) for each in (_COMMANDS, _GRIPS, _ACTS))
+    is_called = any(pattern.search(words) for pattern in (_COMMANDS, _GRIPS, _ACTS))
     return is_called or (message is not None and any(_moving(message, _DEEP)))
 
 

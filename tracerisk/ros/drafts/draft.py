@@ -171,7 +171,7 @@ def drafts(
     `interfaces` makes the message classes; a type it does not know is written without fields.
     `with_others`: what holds a pose comes with entries that hold other ones.
     """
-    found: list[Draft] = []
+    made_in_turn: list[Draft] = []
     for lacking in missed:
         draft = _draft(lacking, interfaces, values)
         if with_others and draft.value is not None:
@@ -180,10 +180,10 @@ def drafts(
                 for number in range(1, len(values.poses))
             )
             draft = replace(draft, others=tuple(other for other in made if other != draft.value))
-        found += _in_turn(draft, lacking.location, interfaces)
+        made_in_turn += _in_turn(draft, lacking.location, interfaces)
     once: dict[tuple[str, str], Draft] = {}
-    for each in found:
-        once.setdefault((each.section, each.key), each)
+    for draft in made_in_turn:
+        once.setdefault((draft.section, draft.key), draft)
     _set_apart(once.values())
     return tuple(sorted(once.values(), key=_turn))
 
@@ -208,10 +208,10 @@ def move_aside(entry: dict[str, Any], places: int) -> None:
 
 def drafts_of(data: Iterable[Mapping[str, Any]]) -> Iterator[Draft]:
     """Yield the drafts of which `data` are the fields, through JSON."""
-    for each in data:
-        place = None if each["location"] is None else Location(**each["location"])
-        need, others = Need(**each["need"]), tuple(each["others"])
-        yield Draft(**{**each, "need": need, "location": place, "others": others})
+    for fields in data:
+        place = None if fields["location"] is None else Location(**fields["location"])
+        need, others = Need(**fields["need"]), tuple(fields["others"])
+        yield Draft(**{**fields, "need": need, "location": place, "others": others})
 
 
 def _in_turn(draft: Draft, place: Location | None, interfaces: Any) -> Iterator[Draft]:
@@ -233,7 +233,7 @@ def _in_turn(draft: Draft, place: Location | None, interfaces: Any) -> Iterator[
         # A switch that would stop or only pretend stays off.
         if deeper or isinstance(now, list | dict) or now is None or now is False:
             continue
-        others = [each for each in literals if type(each) is type(now) and each != now]
+        others = [literal for literal in literals if type(literal) is type(now) and literal != now]
         for number, value in enumerate(others[: _MOST_IN_TURN - 1], 2):
             more = {**draft.value, content: {**sent, name: value}}
             if value is False:
@@ -350,14 +350,14 @@ def _topic(lack: _Lack) -> _Made:
     if need.type_name == "sensor_msgs/Joy":
         # A dead man's button, whichever it is, is held while the sticks are moved.
         count = len(message["buttons"])
-        alone = [[int(at == each) for at in range(count)] for each in range(count)]
-        held = [{**message, "buttons": each} for each in (message["buttons"], *alone)]
+        alone = [[int(at == index) for at in range(count)] for index in range(count)]
+        held = [{**message, "buttons": item} for item in (message["buttons"], *alone)]
         timing = {"at": 1.0, "rate": 1 / _PRESSED_S, "count": len(held)}
         entry = {**entry, "messages": held, **timing}
         return entry, "the sticks moved, without a button and then with each"
     field, in_turn = ("data", several) if several else _values_in_turn(need, message, compared)
     if len(in_turn) > 1:
-        entry = sent_in_turn(entry, [{**message, field: each} for each in in_turn])
+        entry = sent_in_turn(entry, [{**message, field: item} for item in in_turn])
         return entry, "the values that the code knows, in turn"
     if _SENSOR.match(need.type_name):
         words = _typed_text(need.type_name, compared.values, values)
@@ -392,7 +392,7 @@ def _values_in_turn(
         if isinstance(now, str):
             known = without_emergency(ordered_answers(compared.texts((name,))))
         elif type(now) is int:
-            known = [each for each in compared.numbers((name,)) if isinstance(each, int)]
+            known = [number for number in compared.numbers((name,)) if isinstance(number, int)]
         if len(known) > 1 and now in known:
             return name, known[:_MOST_WORDS]
     return "", ()
@@ -528,7 +528,7 @@ def _frame(lack: _Lack) -> _Made:
         "frame": need.name,
         "parent": values.robot.base_link,
         "xyz": list(pose.position),
-        "rpy": [round(each, 4) + 0.0 for each in roll_pitch_yaw(pose.orientation)],
+        "rpy": [round(value, 4) + 0.0 for value in roll_pitch_yaw(pose.orientation)],
     }
     name = values.robot.name
     return entry, f"the base of {name}" if is_foot else f"a pose that {name} reaches"

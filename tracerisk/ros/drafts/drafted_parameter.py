@@ -79,9 +79,9 @@ def other_values(need: Need, place: Location | None, default: Any) -> tuple[str 
 def drafted_parameter(need: Need, place: Location | None, values: UsableValues) -> tuple[Any, str]:
     """Return a value for a parameter, and where it is from."""
     last = last_part(need.name)
-    literals = next((found for call in _READS if (found := compared_results(place, call))), ())
+    literals = next((result for call in _READS if (result := compared_results(place, call))), ())
     kind = need.type_name or next((use for call in _READS if (use := used_as(place, call))), "")
-    fitting = [each for each in literals if _fits(each, kind)]
+    fitting = [literal for literal in literals if _fits(literal, kind)]
     units = units_of(last, said_of_name(place, last))
     reached = named_number(last, units, values.reach) if kind in _OF_NUMBERS else None
     is_whole = kind in ("int", "integer")
@@ -97,7 +97,7 @@ def drafted_parameter(need: Need, place: Location | None, values: UsableValues) 
         if numbers and "pose" in last:
             return numbers, f"a pose that {values.robot.name} reaches"
         if re.search(r"joint|pos|home|ready|state|angle", last):
-            posture = [units.angle(each) for each in values.posture]
+            posture = [units.angle(value) for value in values.posture]
             return posture, f"near where {values.robot.name} begins"
     if kind in ("", "string", "str"):
         text = values.text(last, ())

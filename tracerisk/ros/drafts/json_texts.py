@@ -34,7 +34,7 @@ def json_texts(place: Location | None, values: UsableValues) -> tuple[str, ...]:
 
 
 def _words(shape: JsonShape) -> tuple[str, ...]:
-    texts = [each for each in shape.values if isinstance(each, str)]
+    texts = [value for value in shape.values if isinstance(value, str)]
     return without_emergency(ordered_answers(texts))
 
 
@@ -58,7 +58,10 @@ def _value(
     number = named_number(name, units, values.reach)
     if number is not None:
         return number
-    for known in (*shape.values, *(each for each in shape.defaults if each or each == 0)):
+    for known in (
+        *shape.values,
+        *(default for default in shape.defaults if default or default == 0),
+    ):
         return known
     return 0.1 if shape.is_number else values.text(name, ()) or 1
 

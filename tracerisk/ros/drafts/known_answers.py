@@ -31,13 +31,13 @@ def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ..
     comes last.
     """
     numbers = numbers_answer(place, values)
-    found = ordered_answers((*compared_results(place, "input"), *_keys(place)))
-    leaving = tuple(answer for answer in found if answer in _leaving(place))
+    texts = ordered_answers((*compared_results(place, "input"), *_keys(place)))
+    leaving = tuple(answer for answer in texts if answer in _leaving(place))
     if numbers is not None:
         return (numbers, *leaving)
-    if not found or set(found) <= set(leaving):
-        found = (*(answer for answer in _printed(place) if answer not in leaving), *leaving)
-    return (*(answer for answer in found if answer not in leaving), *leaving)
+    if not texts or set(texts) <= set(leaving):
+        texts = (*(answer for answer in _printed(place) if answer not in leaving), *leaving)
+    return (*(answer for answer in texts if answer not in leaving), *leaving)
 
 
 def _leaving(place: Location | None) -> frozenset[str]:
@@ -81,10 +81,10 @@ def _keys(place: Location | None) -> Iterator[str]:
             table, key = _looked_up(node)
             if table is None or key is None or not is_held(key, call, names):
                 continue
-            found = table if isinstance(table, ast.Dict) else tables.get(dotted_name(table))
-            for each in () if found is None else found.keys:
-                if isinstance(each, ast.Constant) and isinstance(each.value, str | int):
-                    yield str(each.value)
+            result = table if isinstance(table, ast.Dict) else tables.get(dotted_name(table))
+            for item in () if result is None else result.keys:
+                if isinstance(item, ast.Constant) and isinstance(item.value, str | int):
+                    yield str(item.value)
 
 
 def _looked_up(node: ast.AST) -> tuple[ast.AST | None, ast.expr | None]:
@@ -100,7 +100,7 @@ def _looked_up(node: ast.AST) -> tuple[ast.AST | None, ast.expr | None]:
 
 def _printed(place: Location | None) -> tuple[str, ...]:
     """Return the options of the menu that is printed around the question: `1. Home`, `[q] quit`."""
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for tree, call in calls_of(place, "input"):
         around = [
             node
@@ -111,8 +111,8 @@ def _printed(place: Location | None) -> tuple[str, ...]:
         for node in ast.walk(around[-1] if around else tree):
             if isinstance(node, ast.Call) and last_name(node.func) in ("print", "input"):
                 for text in _texts(node):
-                    found |= {match[1]: match[2] for match in _OPTION.finditer(text)}
-    options = {option: label for option, label in found.items() if len(found) > 1}
+                    texts |= {match[1]: match[2] for match in _OPTION.finditer(text)}
+    options = {option: label for option, label in texts.items() if len(texts) > 1}
     return tuple(sorted(options, key=lambda option: _LEAVES.search(options[option]) is not None))
 
 

@@ -42,19 +42,19 @@ def numbers_of(
     if says_no_place(name):
         return []
     if "joint" not in name.lower():
-        found = _of_pose(name, length, pose, units)
-        if found:
-            return found
+        numbers = _of_pose(name, length, pose, units)
+        if numbers:
+            return numbers
     if not _JOINTS.search(name):
         return []
-    angles = [units.angle(each) for each in posture]
+    angles = [units.angle(value) for value in posture]
     if length in (None, len(posture)):
         return angles
     return (angles + [0.0] * length)[:length]
 
 
 def _of_pose(name: str, length: int | None, pose: Pose, units: Units) -> list[float]:
-    position = [units.length(each) for each in pose.position]
+    position = [units.length(value) for value in pose.position]
     turn = list(pose.orientation)
     if length == len(turn) and _TURN.search(name):
         return turn
@@ -64,7 +64,7 @@ def _of_pose(name: str, length: int | None, pose: Pose, units: Units) -> list[fl
         return []
     if length == len(position) + len(turn):
         return position + turn
-    angles = [units.angle(round(each, 4) + 0.0) for each in roll_pitch_yaw(pose.orientation)]
+    angles = [units.angle(round(value, 4) + 0.0) for value in roll_pitch_yaw(pose.orientation)]
     return position + angles if length in (None, 6) else []
 
 

@@ -33,7 +33,7 @@ def ranges_said(place: Location | None) -> dict[str, tuple[float, bool]]:
     `self.position = position  # 0-1000` gives `position: (1000.0, False)`; the truth value is
     whether the same line says that 0 is open.
     """
-    found: dict[str, tuple[float, bool]] = {}
+    ranges: dict[str, tuple[float, bool]] = {}
     for line in _lines(place):
         code, _, comment = line.partition("#")
         match = _RANGE.search(comment)
@@ -41,8 +41,8 @@ def ranges_said(place: Location | None) -> dict[str, tuple[float, bool]]:
             continue
         is_open = _OPEN_AT_0.search(comment.lower()) is not None
         for name in re.findall(r"[A-Za-z_]\w*", code):
-            found.setdefault(name, (float(match[1]), is_open))
-    return found
+            ranges.setdefault(name, (float(match[1]), is_open))
+    return ranges
 
 
 def said_at(place: Location | None) -> str:
@@ -69,7 +69,7 @@ def said_in_callback(place: Location | None) -> str:
 
 def _named_at(tree: ast.Module, line: int | None) -> Iterator[str]:
     for call in calls_at(tree, line):
-        for value in (*call.args, *(each.value for each in call.keywords)):
+        for value in (*call.args, *(keyword.value for keyword in call.keywords)):
             yield from (last_name(node) for node in ast.walk(value))
 
 

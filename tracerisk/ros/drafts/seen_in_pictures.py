@@ -57,8 +57,8 @@ def seen_in_pictures(place: Location | None) -> Seen | None:
 def _dictionaries(tree: ast.Module) -> Iterator[str]:
     """Yield the dictionaries: those given to a call first, then texts, then any other."""
     nodes = list(ast.walk(tree))
-    calls = [each for node in nodes if isinstance(node, ast.Call) for each in node.args]
-    yield from (name for each in calls if _DICTIONARY.fullmatch(name := last_name(each)))
+    calls = [argument for node in nodes if isinstance(node, ast.Call) for argument in node.args]
+    yield from (name for call in calls if _DICTIONARY.fullmatch(name := last_name(call)))
     keys = {id(key) for node in nodes if isinstance(node, ast.Dict) for key in node.keys}
     for node in nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in keys:
@@ -83,7 +83,7 @@ def _numbers(tree: ast.Module) -> Iterator[int]:
             first = node.args[0]
             if isinstance(first, ast.Constant) and _NUMBER.search(str(first.value)):
                 given = [*node.args[1:2], *(k.value for k in node.keywords if k.arg == "default")]
-                yield from (number for each in given for number in _whole(each))
+                yield from (number for item in given for number in _whole(item))
 
 
 def _is_number_of(node: ast.expr) -> bool:
@@ -94,9 +94,9 @@ def _is_number_of(node: ast.expr) -> bool:
 
 def _whole(node: ast.expr) -> Iterator[int]:
     parts = node.elts if isinstance(node, ast.List | ast.Tuple | ast.Set) else [node]
-    for each in parts:
-        if isinstance(each, ast.Constant) and type(each.value) is int and each.value >= 0:
-            yield each.value
+    for part in parts:
+        if isinstance(part, ast.Constant) and type(part.value) is int and part.value >= 0:
+            yield part.value
 
 
 def _colors(tree: ast.Module) -> Iterator[tuple[int, int, int]]:
@@ -113,14 +113,16 @@ def _colors(tree: ast.Module) -> Iterator[tuple[int, int, int]]:
     for node in nodes:
         if not isinstance(node, ast.Call) or last_name(node.func) != "inRange":
             continue
-        bounds = [_levels(named.get(dotted_name(each), each)) for each in node.args[1:3]]
-        if len(bounds) != 2 or not all(len(each) == 3 for each in bounds):
+        bounds = [
+            _levels(named.get(dotted_name(argument), argument)) for argument in node.args[1:3]
+        ]
+        if len(bounds) != 2 or not all(len(bound) == 3 for bound in bounds):
             continue
         first, second, third = ((a + b) / 2 for a, b in zip(*bounds, strict=True))
         if changes:
             # OpenCV halves the angle of the hue [deg].
             parts = colorsys.hsv_to_rgb(first / 180, second / 255, third / 255)
-            red, green, blue = (round(255 * each) for each in parts)
+            red, green, blue = (round(255 * part) for part in parts)
         else:
             blue, green, red = round(first), round(second), round(third)
         yield red, green, blue
@@ -131,5 +133,5 @@ def _levels(node: ast.expr) -> list[float]:
     if isinstance(node, ast.Call) and node.args:
         node = node.args[0]
     parts = node.elts if isinstance(node, ast.List | ast.Tuple) else []
-    values = [each.value for each in parts if isinstance(each, ast.Constant)]
-    return [float(each) for each in values if isinstance(each, int | float)]
+    values = [part.value for part in parts if isinstance(part, ast.Constant)]
+    return [float(value) for value in values if isinstance(value, int | float)]

@@ -25,13 +25,13 @@ def reachable_shift(place: Vector, is_reached: Callable[[Vector], bool]) -> Vect
     that is tried helps.
     """
     x, y, z = place
-    found = [
+    rows = [
         ((nearer - 1) * x, (nearer - 1) * y, higher)
         for nearer, higher in itertools.product(_NEARER, _HIGHER)
         if (nearer, higher) != (1.0, 0.0) and z + higher > 0
     ]
-    found.sort(key=lambda each: math.hypot(*each))
-    return next((each for each in found if is_reached(each)), None)
+    rows.sort(key=lambda row: math.hypot(*row))
+    return next((row for row in rows if is_reached(row)), None)
 
 
 def shifted(value: Any, place: Sequence[float], by: Sequence[float], name: str = "") -> Any:
@@ -45,11 +45,11 @@ def shifted(value: Any, place: Sequence[float], by: Sequence[float], name: str =
         if {"x", "y", "z"} <= value.keys() and "w" not in value:
             at = tuple(value[key] for key in "xyz")
             return {**value, **dict(zip("xyz", _moved(at, place, by), strict=True))}
-        return {key: shifted(each, place, by, key) for key, each in value.items()}
+        return {key: shifted(item, place, by, key) for key, item in value.items()}
     if isinstance(value, list):
         if name == "xyz":
             return list(_moved(value, place, by))
-        return [shifted(each, place, by, name) for each in value]
+        return [shifted(item, place, by, name) for item in value]
     return value
 
 

@@ -36,21 +36,21 @@ def numbers_answer(place: Location | None, values: UsableValues) -> str | None:
     tool reaches [m], six it and roll, pitch and yaw [rad], seven it and a quaternion; in degrees
     and millimetres where the source says so.
     """
-    found = _split_at(place)
-    if found is None:
+    split = _split_at(place)
+    if split is None:
         return None
     units = units_of("", said_at(place))
-    numbers = _numbers(found.count or len(values.joints), values, units)
-    texts = [str(round(each)) if found.is_whole else f"{each + 0.0:.4g}" for each in numbers]
-    return found.separator.join(texts)
+    numbers = _numbers(split.count or len(values.joints), values, units)
+    texts = [str(round(number)) if split.is_whole else f"{number + 0.0:.4g}" for number in numbers]
+    return split.separator.join(texts)
 
 
 def _numbers(count: int, values: UsableValues, units: Units) -> Sequence[float]:
-    found = numbers_in_place(count, units, values.reach)
-    if found is not None:
-        return found
+    numbers = numbers_in_place(count, units, values.reach)
+    if numbers is not None:
+        return numbers
     position, turn = values.pose.position, values.pose.orientation
-    whole = (*(units.length(each) for each in position), *turn)
+    whole = (*(units.length(value) for value in position), *turn)
     return whole if count == len(whole) else (0.1,) * count
 
 
@@ -64,9 +64,9 @@ def _split_at(place: Location | None) -> _Split | None:
             names, _ = held_by(around, call)
             for node in ast.walk(around):
                 if _is_split(node) and _is_of(node, call, names):
-                    found = _taken_apart(node, around)
-                    if found is not None:
-                        return found
+                    split = _taken_apart(node, around)
+                    if split is not None:
+                        return split
     return None
 
 
@@ -76,7 +76,7 @@ def _around(tree: ast.Module, call: ast.Call) -> ast.AST:
         node
         for node in ast.walk(tree)
         if isinstance(node, ast.While | ast.For | ast.FunctionDef | ast.AsyncFunctionDef)
-        and any(each is call for each in ast.walk(node))
+        and any(item is call for item in ast.walk(node))
     ]
     return holding[-1] if holding else tree
 
@@ -89,8 +89,8 @@ def _is_split(node: ast.AST) -> bool:
 def _is_of(split: ast.AST, call: ast.Call, names: set[str]) -> bool:
     assert isinstance(split, ast.Call)
     return any(
-        each is call or (isinstance(each, ast.Name | ast.Attribute) and ast.unparse(each) in names)
-        for each in ast.walk(split.func)
+        node is call or (isinstance(node, ast.Name | ast.Attribute) and ast.unparse(node) in names)
+        for node in ast.walk(split.func)
     )
 
 
@@ -101,7 +101,7 @@ def _taken_apart(split: ast.AST, around: ast.AST) -> _Split | None:
         (node, cast)
         for node in ast.walk(around)
         for cast in [_cast(node)]
-        if cast and any(part is each for part in parts for each in ast.walk(node))
+        if cast and any(part is item for part in parts for item in ast.walk(node))
     ]
     if not made:
         return None
@@ -137,7 +137,7 @@ def _targets(around: ast.AST, value: ast.AST) -> set[str]:
     return {
         ast.unparse(target)
         for node in ast.walk(around)
-        if isinstance(node, ast.Assign) and any(each is value for each in ast.walk(node.value))
+        if isinstance(node, ast.Assign) and any(item is value for item in ast.walk(node.value))
         for target in node.targets
     }
 

@@ -167,7 +167,7 @@ class UsableValues:
             if group.tip_link is not None and group.joints
         ]
         arms = {joint.name for joint in self.robot.arm_joints}
-        return max(groups, key=lambda each: len(arms & set(each[1].joints)), default=None)
+        return max(groups, key=lambda pair: len(arms & set(pair[1].joints)), default=None)
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:
@@ -214,13 +214,13 @@ class UsableValues:
     def poses(self) -> tuple[Pose, ...]:
         """Poses that the tool reaches, the one nearest to where an arm works first."""
         with self._alone():
-            found = list(self._reachable())
-        return tuple(found) or (Pose((0.3, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0)),)
+            result = list(self._reachable())
+        return tuple(result) or (Pose((0.3, 0.0, 0.3), (0.0, 0.0, 0.0, 1.0)),)
 
     @property
     def reach(self) -> Reach:
         """The pose and the posture, as plain numbers."""
-        turn = tuple(round(each, 4) + 0.0 for each in roll_pitch_yaw(self.pose.orientation))
+        turn = tuple(round(value, 4) + 0.0 for value in roll_pitch_yaw(self.pose.orientation))
         return Reach(tuple(self.pose.position), turn, self.posture)
 
     @cached_property
@@ -230,10 +230,10 @@ class UsableValues:
             return {}
         try:
             with self._alone():
-                found = self._solve(self.group[0], self.pose)
+                solved = self._solve(self.group[0], self.pose)
         except PlanningError:
             return {}
-        return {joint.name: round(_unwound(joint, found[joint.name]), 3) for joint in self.joints}
+        return {joint.name: round(_unwound(joint, solved[joint.name]), 3) for joint in self.joints}
 
     @cached_property
     def hand(self) -> tuple[str, tuple[float, ...]] | None:
@@ -251,10 +251,10 @@ class UsableValues:
         ]
         if not places:
             return tip, (0.0, 0.0, BOX[2])
-        x, y, z = (sum(each) / len(places) for each in zip(*places, strict=True))
+        x, y, z = (sum(axis) / len(places) for axis in zip(*places, strict=True))
         seen = inverse(self._forward(state, tip))
         middle = compose(seen, Pose((x, y, z), _NO_TURN))
-        return tip, tuple(round(each, 3) + 0.0 for each in middle.position)
+        return tip, tuple(round(value, 3) + 0.0 for value in middle.position)
 
     def _reachable(self) -> Iterator[Pose]:
         if self.group is None or self.group[1].tip_link is None:
@@ -265,25 +265,25 @@ class UsableValues:
             for state in self.robot.named_states.get(name, {}).values()
         ]
         postures = [dict(self.robot.initial_state), *states, *self._postures()]
-        poses = [self._forward(each, tip) for each in postures]
-        reach = max(math.dist(each.position, (0.0, 0.0, 0.0)) for each in poses)
-        ranked = sorted(poses, key=lambda each: _badness(each, reach))
+        poses = [self._forward(posture, tip) for posture in postures]
+        reach = max(math.dist(item.position, (0.0, 0.0, 0.0)) for item in poses)
+        ranked = sorted(poses, key=lambda item: _badness(item, reach))
         # The orientation of a known state is one that its author works with.
         upright = min(poses[: 1 + len(states)], key=_tilt)
-        found: list[Pose] = []
-        tried = ((above, each) for above, most in _ABOVE for each in ranked[:most])
-        for above, each in tried:
-            if any(math.dist(each.position, other.position) < _APART for other in found):
+        result: list[Pose] = []
+        tried = ((above, item) for above, most in _ABOVE for item in ranked[:most])
+        for above, item in tried:
+            if any(math.dist(item.position, other.position) < _APART for other in result):
                 continue
-            orientations = [each.orientation]
+            orientations = [item.orientation]
             if _tilt(upright) < _UPRIGHT:
                 orientations.insert(0, upright.orientation)
-            made = (_rounded(Pose(each.position, orientation)) for orientation in orientations)
+            made = (_rounded(Pose(item.position, orientation)) for orientation in orientations)
             reached = next((pose for pose in made if self._is_reached(name, pose, above)), None)
             if reached is not None:
-                found.append(reached)
+                result.append(reached)
                 yield reached
-            if len(found) == _POSES:
+            if len(result) == _POSES:
                 return
 
     def _is_reached(self, group: str, pose: Pose, above: float) -> bool:
@@ -309,7 +309,7 @@ class UsableValues:
         whole = self._whole(message_class, place)
         if whole is not None:
             return whole
-        found: dict[str, Any] = {}
+        fields: dict[str, Any] = {}
         for field in fields_of(message_class):
             is_deep = place.depth >= _DEEPEST and not field.is_array
             if is_deep and field.message is not None and not _is_geometry(field.message):
@@ -317,14 +317,14 @@ class UsableValues:
             if field.message is not None and type_of(field.message) in _LEFT_EMPTY:
                 continue
             inner = replace(place, path=(*place.path, field.name))
-            found[field.name] = self._field(message_class, field, inner)
-        return found
+            fields[field.name] = self._field(message_class, field, inner)
+        return fields
 
     def _whole(self, message_class: Any, place: _Place) -> dict[str, Any] | None:
         """Return the message where its type alone says what is in it."""
         kind, name = type_of(message_class), place.name
         (x, y, z), (qx, qy, qz, qw) = self.pose.position, self.pose.orientation
-        x, y, z = (place.point_units.length(each) for each in (x, y, z))
+        x, y, z = (place.point_units.length(value) for value in (x, y, z))
         position, turn = {"x": x, "y": y, "z": z}, {"x": qx, "y": qy, "z": qz, "w": qw}
         header = {"stamp": "now", "frame_id": self.robot.base_link}
         plain: dict[str, dict[str, Any]] = {
@@ -388,8 +388,8 @@ class UsableValues:
         if field.length is None and length is not None and length <= most:
             field = replace(field, length=length)
         least = min(place.compared.least(place.path), most)
-        if field.base in FLOATS and (found := self._by_index(field, place, least)):
-            return found
+        if field.base in FLOATS and (array := self._by_index(field, place, least)):
+            return array
         numbers = self._numbers(field, place)
         if field.length is None and field.base not in ("string", "wstring"):
             zero = type(numbers[0])() if numbers else 0.0 if field.base in FLOATS else 0
@@ -405,16 +405,16 @@ class UsableValues:
             return [float(known.get(index, _SOME)) for index in range(count)]
         if numbers_of(field.name, field.length, self.posture, self.pose, place.units):
             return []
-        found = (
+        numbers = (
             None if says_no_place(field.name) else numbers_in_place(count, place.units, self.reach)
         )
-        return list(found or ())
+        return list(numbers or ())
 
     def _numbers(self, field: MessageField, place: _Place) -> list[Any]:
         if field.base in ("string", "wstring"):
             if _JOINTS.match(field.name):
                 return [joint.name for joint in self.joints]
-            return [str(each) for each in place.compared.texts(place.path)]
+            return [str(text) for text in place.compared.texts(place.path)]
         if field.base in FLOATS:
             numbers = numbers_of(field.name, field.length, self.posture, self.pose, place.units)
             if numbers:
@@ -470,8 +470,8 @@ class UsableValues:
         numbered = _NUMBERED.match(field.name)
         if numbered is not None and not 0 < int(numbered[1]) <= len(self.posture):
             return 0.0
-        found = named_number(field.name, place.units, self.reach)
-        return 0.1 if found is None else found
+        result = named_number(field.name, place.units, self.reach)
+        return 0.1 if result is None else result
 
 
 def _unwound(joint: Joint, value: float) -> float:
@@ -491,7 +491,7 @@ def is_on(name: str) -> bool:
 
 def _fitting(field: MessageField, numbers: Sequence[float]) -> list[int]:
     low, high = field.integer_limits or (0, 1)
-    return [whole for each in numbers if low <= (whole := round(each)) <= high]
+    return [whole for number in numbers if low <= (whole := round(number)) <= high]
 
 
 def _integer(owner: Any, field: MessageField, numbers: Sequence[float]) -> int:
@@ -514,12 +514,12 @@ def _tilt(pose: Pose) -> float:
     """Return how far the nearest axis of a pose is from pointing straight down [1 - cosine]."""
     x, y, z, w = pose.orientation
     row = (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
-    return 1.0 - max(abs(each) for each in row)
+    return 1.0 - max(abs(value) for value in row)
 
 
 def _rounded(pose: Pose) -> Pose:
-    x, y, z = (round(each, 3) + 0.0 for each in pose.position)
-    a, b, c, d = (round(each, 5) + 0.0 for each in pose.orientation)
+    x, y, z = (round(value, 3) + 0.0 for value in pose.position)
+    a, b, c, d = (round(value, 5) + 0.0 for value in pose.orientation)
     return Pose((x, y, z), (a, b, c, d))
 
 

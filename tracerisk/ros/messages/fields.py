@@ -101,11 +101,11 @@ def constants_of(message_class: type) -> dict[str, Any]:
 
 def known_constants(message_class: Any, deep: int = 2) -> dict[str, Any]:
     """Return the constants of a message class and of its nested ones, down to a depth, by name."""
-    found = constants_of(message_class)
+    constants = constants_of(message_class)
     for field in fields_of(message_class) if deep else ():
         if field.message is not None:
-            found = known_constants(field.message, deep - 1) | found
-    return found
+            constants = known_constants(field.message, deep - 1) | constants
+    return constants
 
 
 def type_of(message_class: Any) -> str:

@@ -69,7 +69,7 @@ class ScenarioTopic:
     def first_ns(self) -> int | None:
         """When the first message comes to a controller that listens; None where it has come."""
         known = self._publication.graph.subscriptions(self._publication.topic)
-        if self._sent or not any(each.by_controller for each in known):
+        if self._sent or not any(subscription.by_controller for subscription in known):
             return None
         if self._first_ns is None:
             # The subscription is about to be connected.

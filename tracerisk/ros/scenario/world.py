@@ -67,8 +67,10 @@ class ScenarioWorld:
         Those that come much later are for what it does by then.
         """
         until_ns = self.schedule.now_ns + _SOON_NS
-        due = (each.first_ns for each in self._topics)
-        return max((each for each in due if each is not None and each <= until_ns), default=0)
+        due = (topic.first_ns for topic in self._topics)
+        return max(
+            (number for number in due if number is not None and number <= until_ns), default=0
+        )
 
     def unused(self) -> tuple[tuple[str, Location, str], ...]:
         """Return what nobody made use of, in words and with its place: a name may be mistaken.

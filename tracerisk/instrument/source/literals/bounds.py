@@ -54,16 +54,16 @@ def bounds(test: ast.expr, *, is_refused: bool) -> Iterator[tuple[ast.expr, floa
 
     Of several comparisons only those that must hold at the same time are joined.
     """
-    found: dict[str, tuple[ast.expr, float | None, float | None]] = {}
+    kept: dict[str, tuple[ast.expr, float | None, float | None]] = {}
     for subject, side, value in _sides(test, is_refused):
         key = ast.dump(subject)
-        _, low, high = found.get(key, (subject, None, None))
+        _, low, high = kept.get(key, (subject, None, None))
         if side > 0:
             low = value if low is None else max(low, value)
         else:
             high = value if high is None else min(high, value)
-        found[key] = subject, low, high
-    yield from found.values()
+        kept[key] = subject, low, high
+    yield from kept.values()
 
 
 def _sides(test: ast.expr, is_refused: bool) -> Iterator[tuple[ast.expr, int, float]]:

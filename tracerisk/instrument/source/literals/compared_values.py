@@ -59,11 +59,11 @@ class Compared:
 
     def texts(self, path: tuple[str, ...]) -> tuple[str, ...]:
         """Return the texts with which a field is compared."""
-        return tuple(each for each in self._of(path) if isinstance(each, str))
+        return tuple(text for text in self._of(path) if isinstance(text, str))
 
     def numbers(self, path: tuple[str, ...]) -> tuple[float, ...]:
         """Return the numbers with which a field is compared."""
-        return tuple(each for each in self._of(path) if _is_number(each))
+        return tuple(number for number in self._of(path) if _is_number(number))
 
     def length(self, path: tuple[str, ...]) -> int | None:
         """Return the length that the code asks of a list; None where it asks none."""
@@ -75,16 +75,16 @@ class Compared:
 
     def by_index(self, path: tuple[str, ...]) -> dict[int, float]:
         """Return for items of a list one number each with which the code compares it."""
-        found: dict[int, float] = {}
+        numbers: dict[int, float] = {}
         for inner, values in self.values.items():
-            number = next((each for each in values if _is_number(each)), None)
+            number = next((value for value in values if _is_number(value)), None)
             if inner[:-1] == path and (match := _INDEX.fullmatch(inner[-1])) and number is not None:
-                found[int(match[1])] = number
-        return found
+                numbers[int(match[1])] = number
+        return numbers
 
     def truths(self, path: tuple[str, ...]) -> tuple[bool, ...]:
         """Return the truth values for each of which the code has a branch for a field."""
-        return tuple(each for each in self._of(path) if isinstance(each, bool))
+        return tuple(flag for flag in self._of(path) if isinstance(flag, bool))
 
     def _of(self, path: tuple[str, ...]) -> tuple[Any, ...]:
         if path in self.values:
@@ -106,7 +106,7 @@ def compared_in_callback(
     functions = {**_imported_functions(tree, Path(place.file)), **functions_of(tree)}
     calls = list(calls_at(tree, place.line))
     for call in (*calls, *_made_before(tree, calls)):
-        for value in (*call.args, *(each.value for each in call.keywords)):
+        for value in (*call.args, *(keyword.value for keyword in call.keywords)):
             # The callback itself, or within `partial(self.on, ...)`.
             for node in ast.walk(value):
                 function: _Function | None = functions.get(last_name(node))
@@ -114,9 +114,9 @@ def compared_in_callback(
                     function = node
                 name = None if function is None else parameter_name(function, argument)
                 if function is not None and name is not None:
-                    found = _flow(function, {name: ()}, functions, tree)
-                    found = {**_words_of_fields(tree, found), **found}
-                    return Compared(_frozen(found, constants))
+                    flow = _flow(function, {name: ()}, functions, tree)
+                    flow = {**_words_of_fields(tree, flow), **flow}
+                    return Compared(_frozen(flow, constants))
     return Compared(_frozen(_by_field(tree), constants))
 
 
@@ -128,7 +128,7 @@ def _made_before(tree: ast.AST, calls: Iterable[ast.Call]) -> Iterator[ast.Call]
     for node in ast.walk(tree):
         if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Call):
             continue
-        if owners & {dotted_name(each) for each in node.targets} - {""}:
+        if owners & {dotted_name(target) for target in node.targets} - {""}:
             yield node.value
 
 
@@ -145,13 +145,13 @@ def asserted(test: ast.expr) -> ast.expr:
 
 def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
     """Return answers in the order in which a user would give them: what ends the program last."""
-    texts = list(dict.fromkeys(str(each) for each in values if not isinstance(each, bool)))
-    return tuple(sorted((each for each in texts if each), key=lambda each: each.lower() in _ENDS))
+    texts = list(dict.fromkeys(str(value) for value in values if not isinstance(value, bool)))
+    return tuple(sorted((text for text in texts if text), key=lambda text: text.lower() in _ENDS))
 
 
 def without_emergency(answers: Sequence[str]) -> tuple[str, ...]:
     """Return answers without those for an emergency, unless there are no others."""
-    calm = tuple(each for each in answers if each.lower() not in _EMERGENCY)
+    calm = tuple(answer for answer in answers if answer.lower() not in _EMERGENCY)
     return calm or tuple(answers)
 
 
@@ -163,10 +163,10 @@ def source_tree(place: Location | None) -> ast.Module | None:
     if place is None:
         return None
     try:
-        found = Path(place.file).stat()
+        stat = Path(place.file).stat()
     except (OSError, ValueError):
         return None
-    return _parsed(place.file, found.st_mtime_ns, found.st_size)
+    return _parsed(place.file, stat.st_mtime_ns, stat.st_size)
 
 
 @lru_cache(maxsize=32)
@@ -197,9 +197,9 @@ def _frozen(
     frozen = {
         path: tuple(
             dict.fromkeys(
-                known[each.name] if isinstance(each, _Constant) else each
-                for each in values
-                if not isinstance(each, _Constant) or each.name in known
+                known[value.name] if isinstance(value, _Constant) else value
+                for value in values
+                if not isinstance(value, _Constant) or value.name in known
             )
         )
         for path, values in found.items()
@@ -229,19 +229,23 @@ def functions_of(tree: ast.AST) -> dict[str, _Function]:
 
 def _imported_functions(tree: ast.Module, file: Path) -> dict[str, _Function]:
     """Return the functions of a source that it has from files near it, with what these call."""
-    found: dict[str, _Function] = {}
+    imported_functions: dict[str, _Function] = {}
     for name, there, path in imported_names(tree, file):
         inner = source_tree(Location(str(path)))
         own = {} if inner is None else functions_of(inner)
         if there in own:
-            found |= {other: function for other, function in own.items() if other not in found}
-            found[name] = own[there]
-    return found
+            imported_functions |= {
+                other: function
+                for other, function in own.items()
+                if other not in imported_functions
+            }
+            imported_functions[name] = own[there]
+    return imported_functions
 
 
 def parameter_name(function: _Function, number: int) -> str | None:
     """Return the name of a parameter, counted from 0 behind `self`; None where there is none."""
-    names = [each.arg for each in (*function.args.posonlyargs, *function.args.args)]
+    names = [parameter.arg for parameter in (*function.args.posonlyargs, *function.args.args)]
     if names[:1] in (["self"], ["cls"]):
         del names[0]
     return names[number] if number < len(names) else None
@@ -256,7 +260,7 @@ def _flow(
 ) -> _Found:
     """Follow names that hold a message or a field of it through a function."""
     known = dict(roots)
-    found: _Found = {}
+    flow: _Found = {}
     kept: dict[str, tuple[str, ...]] = {}
     for node in ast.walk(function):
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
@@ -273,22 +277,22 @@ def _flow(
             item, path = _item(node.target, node.iter), _path(_listed(node.iter), known)
             if path is not None and item:
                 known[item] = path
-    _bound(function, known, found)
+    _bound(function, known, flow)
     refused = set(_refused(function))
     for node in ast.walk(function):
         for listed, kind, length in lengths_read(node):
             path = _path(_made_of(listed), known)
             if path:
-                found.setdefault((*path, kind), []).append(length)
+                flow.setdefault((*path, kind), []).append(length)
         if node not in refused:
-            _compare(node, known, found)
+            _compare(node, known, flow)
         if depth < _DEEPEST:
-            _follow_call(node, known, function, functions, tree, depth, found)
+            _follow_call(node, known, function, functions, tree, depth, flow)
     for node in ast.walk(tree) if kept else ():
-        _compare(node, kept, found)
+        _compare(node, kept, flow)
         if depth < _DEEPEST:
-            _follow_call(node, kept, function, functions, tree, depth, found)
-    return found
+            _follow_call(node, kept, function, functions, tree, depth, flow)
+    return flow
 
 
 def _given(targets: Iterable[ast.expr]) -> Iterator[tuple[str, bool]]:
@@ -355,7 +359,7 @@ def _is_unequal(node: ast.AST) -> bool:
 
 def _is_refusal(body: list[ast.stmt]) -> bool:
     *others, last = body
-    if not all(isinstance(each, ast.Expr) for each in others):
+    if not all(isinstance(other, ast.Expr) for other in others):
         return False
     value = last.value if isinstance(last, ast.Return) else None
     if isinstance(value, ast.Tuple) and value.elts:
@@ -405,9 +409,9 @@ def _bound(function: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Foun
             path, value = _path(subject, known), within(low, high)
             if value is None and is_refused:
                 value = _beyond(low, +1) if low is not None else _beyond(high, -1)
-            for each in (path, _item_path(subject, known)):
-                if each and value is not None:
-                    found.setdefault(each, []).append(value)
+            for item in (path, _item_path(subject, known)):
+                if item and value is not None:
+                    found.setdefault(item, []).append(value)
         for counted, kind, length in lengths(test, is_refused=is_refused):
             path = _path(_made_of(counted), known)
             if path is not None:
@@ -432,19 +436,19 @@ def _words_of_fields(tree: ast.AST, but: _Found) -> _Found:
     return {
         path: values
         for path, values in _by_field(tree).items()
-        if path[-1] not in known | _ANY_FIELD and all(isinstance(each, str) for each in values)
+        if path[-1] not in known | _ANY_FIELD and all(isinstance(value, str) for value in values)
     }
 
 
 def _by_field(tree: ast.AST) -> _Found:
     """Return the literals by the last name of the attribute that is compared with them."""
-    found: _Found = {}
+    by_field: _Found = {}
     for node in ast.walk(tree):
         for subject, value in _compared(node):
             bare = None if subject is None else bare_value(subject)
             if isinstance(bare, ast.Attribute):
-                found.setdefault((bare.attr,), []).append(value)
-    return found
+                by_field.setdefault((bare.attr,), []).append(value)
+    return by_field
 
 
 def comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
@@ -460,34 +464,44 @@ def _compared(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
         for case in node.cases:
             for pattern in ast.walk(case.pattern):
                 if isinstance(pattern, ast.MatchValue):
-                    yield from ((node.subject, each) for each in _literals(pattern.value))
+                    yield from ((node.subject, literal) for literal in _literals(pattern.value))
         return
     if isinstance(node, ast.If | ast.IfExp) and (node.orelse or _returns_late(node)):
-        yield from ((asserted(node.test), each) for each in (True, False))
+        yield from ((asserted(node.test), truth) for truth in (True, False))
         return
     if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Dict):
-        yield from ((node.slice, each) for each in _keys(node.value))
+        yield from ((node.slice, key) for key in _keys(node.value))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
         if node.func.attr == "get" and isinstance(node.func.value, ast.Dict):
-            yield from ((node.args[0], each) for each in _keys(node.func.value))
+            yield from ((node.args[0], key) for key in _keys(node.func.value))
         if node.func.attr in ("startswith", "endswith"):
-            yield from ((node.func.value, each) for each in _literals(node.args[0]))
+            yield from ((node.func.value, literal) for literal in _literals(node.args[0]))
         return
     if not isinstance(node, ast.Compare) or len(node.ops) != 1:
         return
     left, operator, right = node.left, node.ops[0], node.comparators[0]
     if isinstance(operator, ast.Eq | ast.NotEq | ast.In | ast.NotIn):
         # What is unequal is most often turned away.
-        yield from ((left, each) for each in _literals(right))
-        yield from ((right, each) for each in _literals(left) if isinstance(operator, ast.Eq))
+        yield from ((left, literal) for literal in _literals(right))
+        yield from ((right, literal) for literal in _literals(left) if isinstance(operator, ast.Eq))
         if isinstance(operator, ast.In):
-            yield from ((right, each) for each in _literals(left) if not isinstance(each, bool))
+            yield from (
+                (right, literal) for literal in _literals(left) if not isinstance(literal, bool)
+            )
     elif isinstance(operator, ast.Gt | ast.GtE):
-        yield from ((left, _beyond(each, +1)) for each in _literals(right) if _is_number(each))
-        yield from ((right, _beyond(each, -1)) for each in _literals(left) if _is_number(each))
+        yield from (
+            (left, _beyond(literal, +1)) for literal in _literals(right) if _is_number(literal)
+        )
+        yield from (
+            (right, _beyond(literal, -1)) for literal in _literals(left) if _is_number(literal)
+        )
     elif isinstance(operator, ast.Lt | ast.LtE):
-        yield from ((left, _beyond(each, -1)) for each in _literals(right) if _is_number(each))
-        yield from ((right, _beyond(each, +1)) for each in _literals(left) if _is_number(each))
+        yield from (
+            (left, _beyond(literal, -1)) for literal in _literals(right) if _is_number(literal)
+        )
+        yield from (
+            (right, _beyond(literal, +1)) for literal in _literals(left) if _is_number(literal)
+        )
 
 
 def _returns_late(node: ast.AST) -> bool:
@@ -507,26 +521,26 @@ def _beyond(value: float, side: int) -> float:
 
 def _keys(mapping: ast.Dict) -> Iterator[Any]:
     """Yield the keys of a mapping that are literals or constants."""
-    yield from (each for key in mapping.keys if key is not None for each in _literals(key))
+    yield from (literal for key in mapping.keys if key is not None for literal in _literals(key))
 
 
 def _literals(node: ast.expr) -> Iterator[Any]:
     if isinstance(node, ast.List | ast.Tuple | ast.Set):
-        named = [each for each in node.elts if _is_constant(each)]
+        named = [element for element in node.elts if _is_constant(element)]
         if named:
-            yield from (each for item in node.elts for each in _literals(item))
+            yield from (literal for item in node.elts for literal in _literals(item))
             return
     if _is_constant(node):
         yield _Constant(last_name(node))
         return
     value = literal_value(node)
     several = value if isinstance(value, list | tuple | set | dict) else (value,)
-    if stops := _EMERGENCY & {each for each in several if isinstance(each, str)}:
+    if stops := _EMERGENCY & {word for word in several if isinstance(word, str)}:
         # Other words listed with an emergency word mean the same.
-        several = tuple(each for each in several if each in stops)
-    for each in several:
-        if isinstance(each, bool | int | float | str) and each != "":
-            yield each
+        several = tuple(entry for entry in several if entry in stops)
+    for entry in several:
+        if isinstance(entry, bool | int | float | str) and entry != "":
+            yield entry
 
 
 def _is_constant(node: ast.expr) -> bool:

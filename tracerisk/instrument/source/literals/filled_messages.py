@@ -34,7 +34,7 @@ def filled_fields(source: str, kind: str, need: str) -> tuple[dict[str, Any], in
     names: set[str] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign) and is_made(node.value):
-            names |= {ast.unparse(each) for each in node.targets}
+            names |= {ast.unparse(item) for item in node.targets}
         if isinstance(node, ast.Call) and is_made(node):
             for keyword in node.keywords:
                 if keyword.arg and (value := _literal(keyword.value)) is not None:
@@ -46,7 +46,7 @@ def filled_fields(source: str, kind: str, need: str) -> tuple[dict[str, Any], in
         for target in node.targets:
             owner = next((n for n in sorted(names) if ast.unparse(target).startswith(f"{n}.")), "")
             path = ast.unparse(target)[len(owner) + 1 :].split(".")
-            if owner and all(each.isidentifier() for each in path):
+            if owner and all(text.isidentifier() for text in path):
                 _put(fields, path, value)
                 first = first or node.lineno
     return fields, first
@@ -57,18 +57,18 @@ def listed_names(tree: ast.AST | None) -> dict[str, tuple[str, ...]]:
 
     `request.angle = [command.force, command.position]` gives `angle: (force, position)`.
     """
-    found: dict[str, tuple[str, ...]] = {}
+    texts: dict[str, tuple[str, ...]] = {}
     for node in () if tree is None else ast.walk(tree):
         given: list[tuple[str, ast.expr]] = []
         if isinstance(node, ast.Assign):
-            fields = (each for each in node.targets if isinstance(each, ast.Attribute))
-            given = [(each.attr, node.value) for each in fields]
+            fields = (target for target in node.targets if isinstance(target, ast.Attribute))
+            given = [(field.attr, node.value) for field in fields]
         elif isinstance(node, ast.Call):
-            given = [(each.arg, each.value) for each in node.keywords if each.arg]
+            given = [(keyword.arg, keyword.value) for keyword in node.keywords if keyword.arg]
         for name, value in given:
             if isinstance(value, ast.List | ast.Tuple) and value.elts:
-                found.setdefault(name, tuple(last_name(each) for each in value.elts))
-    return found
+                texts.setdefault(name, tuple(last_name(element) for element in value.elts))
+    return texts
 
 
 def largest_given(tree: ast.AST | None) -> dict[str, float]:

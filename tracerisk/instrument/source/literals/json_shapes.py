@@ -87,7 +87,7 @@ class _Reading:
 
     def of(self, callback: _Function) -> JsonShape | None:
         """Return the shape of the JSON that a callback, or a function that it calls, reads."""
-        called = {last_name(each.func) for each in ast.walk(callback) if isinstance(each, ast.Call)}
+        called = {last_name(item.func) for item in ast.walk(callback) if isinstance(item, ast.Call)}
         within = (callback, *(f for name, f in self._functions.items() if name in called))
         loaded = [
             node
@@ -129,7 +129,7 @@ class _Reading:
             self._shape(node)
 
     def _hand_on(self, call: ast.Call) -> None:
-        given = [self._shape(each) for each in call.args]
+        given = [self._shape(argument) for argument in call.args]
         if isinstance(call.func, ast.Attribute) and call.func.attr in _PUTS and given[:1] != [None]:
             place = self._place(call.func.value)
             if place is not None and given:
@@ -163,7 +163,8 @@ class _Reading:
             place = self._place(node)
             return None if place is None else self._shapes.get(place)
         if isinstance(node, ast.BoolOp):
-            return next((each for each in map(self._shape, node.values) if each is not None), None)
+            shapes = map(self._shape, node.values)
+            return next((shape for shape in shapes if shape is not None), None)
         if isinstance(node, ast.IfExp):
             return self._shape(node.body) or self._shape(node.orelse)
         if isinstance(node, ast.Subscript):
@@ -183,7 +184,7 @@ class _Reading:
             return None
         if name == "get" and call.args:
             shape = self._part(owner, call.args[0])
-            shape.defaults += [each for each in map(_literal, call.args[1:2]) if each is not None]
+            shape.defaults += [item for item in map(_literal, call.args[1:2]) if item is not None]
             return shape
         if name in _TAKES:
             return owner.one()

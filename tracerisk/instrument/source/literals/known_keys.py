@@ -20,14 +20,14 @@ def known_keys(place: Location | None) -> tuple[str, ...]:
     tree = source_tree(place)
     if tree is None:
         return ()
-    found = sorted(
+    rows = sorted(
         (node.lineno, node.col_offset, place_in_text, key)
-        for each in ast.walk(tree)
-        for node, keys in _keys_of(each)
+        for item in ast.walk(tree)
+        for node, keys in _keys_of(item)
         for place_in_text, key in enumerate(keys)
         if _is_key(key)
     )
-    return ordered_answers(key for *_, key in found)
+    return ordered_answers(key for *_, key in rows)
 
 
 def _keys_of(node: ast.AST) -> Iterator[tuple[ast.expr, tuple[str, ...]]]:
@@ -41,7 +41,7 @@ def _keys_of(node: ast.AST) -> Iterator[tuple[ast.expr, tuple[str, ...]]]:
     elif isinstance(node, ast.MatchValue):
         yield from _texts((node.value,))
     elif isinstance(node, ast.Dict):
-        keys = [each for each in node.keys if each is not None]
+        keys = [key for key in node.keys if key is not None]
         texts = list(_texts(keys))
         if len(texts) == len(node.keys) and all(_is_key(text) for _, (text,) in texts):
             yield from texts
@@ -55,9 +55,9 @@ def _members(side: ast.expr) -> Iterator[tuple[ast.expr, tuple[str, ...]]]:
 
 
 def _texts(nodes: Iterable[ast.expr]) -> Iterator[tuple[ast.expr, tuple[str, ...]]]:
-    for each in nodes:
-        if isinstance(each, ast.Constant) and isinstance(each.value, str):
-            yield each, (each.value,)
+    for node in nodes:
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node, (node.value,)
 
 
 def _is_key(text: str) -> bool:

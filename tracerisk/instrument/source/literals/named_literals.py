@@ -85,15 +85,15 @@ class _Inlined(ast.NodeTransformer):
 
     def _found(self, node: ast.expr) -> ast.expr | None:
         """Return the literal that a name or a setting stands for, None for what is neither."""
-        found = self._named.get(dotted_name(node))
-        if found is None and (key := _setting(node)) is not None:
-            found = self._settings().get(key)
-        return found
+        setting = self._named.get(dotted_name(node))
+        if setting is None and (key := _setting(node)) is not None:
+            setting = self._settings().get(key)
+        return setting
 
     def visit_Compare(self, node: ast.Compare) -> ast.AST:
         self.generic_visit(node)
         node.left = self._value(node.left)
-        node.comparators = [self._value(each) for each in node.comparators]
+        node.comparators = [self._value(comparator) for comparator in node.comparators]
         return node
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
@@ -110,32 +110,32 @@ class _Inlined(ast.NodeTransformer):
 
     def visit_match_case(self, node: ast.match_case) -> ast.AST:
         self.generic_visit(node)
-        for each in ast.walk(node.pattern):
-            if isinstance(each, ast.MatchValue):
-                each.value = self._value(each.value)
+        for item in ast.walk(node.pattern):
+            if isinstance(item, ast.MatchValue):
+                item.value = self._value(item.value)
         return node
 
     def _mapping(self, node: ast.expr) -> ast.expr:
-        found = self._found(node)
-        if not isinstance(found, ast.Dict):
+        result = self._found(node)
+        if not isinstance(result, ast.Dict):
             return node
-        return ast.Dict(self._keys(found), found.values)
+        return ast.Dict(self._keys(result), result.values)
 
     def _keys(self, mapping: ast.Dict) -> list[ast.expr | None]:
-        return [None if each is None else self._value(each) for each in mapping.keys]
+        return [None if key is None else self._value(key) for key in mapping.keys]
 
     def _value(self, node: ast.expr) -> ast.expr:
         """Return the literal that a name in a comparison stands for; what is no name as it is."""
         named = node
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and not node.args:
             named = node.func.value if node.func.attr == "keys" else node
-        found = self._found(named) or node
-        if isinstance(found, ast.Dict):
-            parts = [e for e in self._keys(found) if isinstance(e, ast.Constant | ast.Attribute)]
+        result = self._found(named) or node
+        if isinstance(result, ast.Dict):
+            parts = [e for e in self._keys(result) if isinstance(e, ast.Constant | ast.Attribute)]
             return ast.List(list(parts), ast.Load())
-        if isinstance(found, ast.List | ast.Tuple | ast.Set):
-            return ast.List([self._value(each) for each in found.elts], ast.Load())
-        return found
+        if isinstance(result, ast.List | ast.Tuple | ast.Set):
+            return ast.List([self._value(element) for element in result.elts], ast.Load())
+        return result
 
 
 def _setting(node: ast.expr) -> str | None:
@@ -159,18 +159,18 @@ def counted_names(node: ast.AST) -> tuple[str, ...]:
     loop = node.generators[0]
     if loop.ifs or not isinstance(loop.target, ast.Name):
         return ()
-    texts = [_text(node.elt, loop.target.id, each) for each in _counted(loop.iter)]
-    return tuple(each for each in texts if each is not None)
+    texts = [_text(node.elt, loop.target.id, number) for number in _counted(loop.iter)]
+    return tuple(text for text in texts if text is not None)
 
 
 def _counted(node: ast.expr) -> Sequence[int]:
     if isinstance(node, ast.Call) and dotted_name(node.func) == "range":
-        bounds = [_number(each, "", 0) for each in node.args]
+        bounds = [_number(argument, "", 0) for argument in node.args]
         if 1 <= len(bounds) <= 3 and None not in bounds and 0 not in bounds[2:]:
-            return range(*(each or 0 for each in bounds))[:_MOST_COUNTED]
+            return range(*(bound or 0 for bound in bounds))[:_MOST_COUNTED]
     if isinstance(node, ast.List | ast.Tuple):
-        numbers = [_number(each, "", 0) for each in node.elts]
-        return [each for each in numbers if each is not None]
+        numbers = [_number(element, "", 0) for element in node.elts]
+        return [number for number in numbers if number is not None]
     return ()
 
 
@@ -192,7 +192,7 @@ def _text(node: ast.expr, name: str, value: int) -> str | None:
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         parts = [node.value]
     elif isinstance(node, ast.JoinedStr):
-        parts = [_text(each, name, value) for each in node.values]
+        parts = [_text(item, name, value) for item in node.values]
     elif isinstance(node, ast.FormattedValue) and node.format_spec is None:
         parts = [_shown(node.value, name, value)]
     elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
@@ -205,7 +205,7 @@ def _text(node: ast.expr, name: str, value: int) -> str | None:
             parts = [_filled(node.func.value, ("{}", "{0}"), shown)]
         elif dotted_name(node.func) == "str":
             parts = [shown]
-    return None if None in parts else "".join(each or "" for each in parts)
+    return None if None in parts else "".join(part or "" for part in parts)
 
 
 def _shown(node: ast.expr, name: str, value: int) -> str | None:

@@ -31,14 +31,14 @@ def package_settings(file: Path) -> Mapping[str, ast.expr]:
 
 @lru_cache(maxsize=8)
 def _settings_in(folder: Path) -> Mapping[str, ast.expr]:
-    found: dict[str, ast.expr | None] = {}
+    table: dict[str, ast.expr | None] = {}
     for path in sorted(folder.rglob("*.y*ml"))[:_MOST_FILES]:
         for key, value in _entries(_read(path)):
             literal = _literal(value)
-            if key in found and not _are_same(found[key], literal):
+            if key in table and not _are_same(table[key], literal):
                 literal = None
-            found[key] = literal
-    return {key: literal for key, literal in found.items() if literal is not None}
+            table[key] = literal
+    return {key: literal for key, literal in table.items() if literal is not None}
 
 
 def _read(path: Path) -> Any:
@@ -65,11 +65,11 @@ def _literal(value: Any) -> ast.expr | None:
     if isinstance(value, str | int | float):
         return ast.Constant(value)
     if isinstance(value, list) and len(value) <= _LONGEST:
-        plain = [each for each in value if isinstance(each, str | int | float)]
-        return ast.List([ast.Constant(each) for each in plain], ast.Load())
+        plain = [item for item in value if isinstance(item, str | int | float)]
+        return ast.List([ast.Constant(item) for item in plain], ast.Load())
     if isinstance(value, dict) and len(value) <= _LONGEST:
-        keys = [each for each in value if isinstance(each, str | int | float)]
-        return ast.Dict([ast.Constant(each) for each in keys], [ast.Constant(None) for _ in keys])
+        keys = [item for item in value if isinstance(item, str | int | float)]
+        return ast.Dict([ast.Constant(key) for key in keys], [ast.Constant(None) for _ in keys])
     return None
 
 

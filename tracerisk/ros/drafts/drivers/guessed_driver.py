@@ -122,15 +122,15 @@ def guessed_driver(
     `doubted` are the dimensions in which numbers were too large for SI units: angle, length.
     """
     parts = tuple(parts_of(asked.request, comments or {}))
-    found = (
+    grip = (
         grip_of(asked, parts)
         or _named(asked, parts, states)
         or _motion(asked, parts, joints)
         or _named_by_field(asked, parts, states)
     )
-    if found is None:
+    if grip is None:
         return None
-    effect, roles, what = found
+    effect, roles, what = grip
     units, assumed = _units(parts, roles, effect, doubted)
     speed = next((part for part in parts if _is_speed(part)), None)
     left_out = ""
@@ -190,8 +190,8 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
     if not is_named and not _may_be_heard(asked):
         return None
     in_space = bool(_IN_SPACE.search(called))
-    found = _of_whole(asked.request) or _of_messages(parts)
-    if found is None:
+    of_whole = _of_whole(asked.request) or _of_messages(parts)
+    if of_whole is None:
         lists = _ANY_LIST if _IN_JOINTS.search(called) else _JOINT_LIST
         by_joints, in_pose = _of_joints(parts, joints, lists), _of_pose(parts)
         if by_joints and in_pose and not in_space:
@@ -199,10 +199,10 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
             if by_joints[0]["joints"] != in_pose[0].get("pose"):
                 return None
             in_pose = None
-        found = in_pose or by_joints
-    if found is None:
+        of_whole = in_pose or by_joints
+    if of_whole is None:
         return None
-    roles, what = found
+    roles, what = of_whole
     if not is_named and what.endswith("in turn"):
         return None
     if _GRASPS.search(called):
@@ -303,10 +303,10 @@ def _of_pose(parts: tuple[Part, ...]) -> tuple[dict[str, Any], str] | None:
     if place:
         numbers = {part.name: part.path for part in parts if part.is_number}
         for names in _TURNS:
-            found = [_ending(numbers, name) for name in names]
-            if all(found):
-                words = f"`{place[0]}` to `{found[-1]}` are a pose of the tool"
-                return {"pose": [*place, *found]}, words
+            texts = [_ending(numbers, name) for name in names]
+            if all(texts):
+                words = f"`{place[0]}` to `{texts[-1]}` are a pose of the tool"
+                return {"pose": [*place, *texts]}, words
         shown = ", ".join(f"`{path}`" for path in place)
         return {"position": place}, f"{shown} are a place of the tool"
     for part in _lists(parts, _POSE_LIST):
@@ -326,8 +326,8 @@ def _axes(parts: tuple[Part, ...]) -> list[str]:
             continue
         owner = part.path.rpartition(".")[0]
         places.setdefault((f"{owner}.{match[1]}", match[3] or ""), {})[match[2]] = part.path
-    found = next((each for each in places.values() if len(each) == len("xyz")), {})
-    return [found[axis] for axis in sorted(found)]
+    texts = next((place for place in places.values() if len(place) == len("xyz")), {})
+    return [texts[axis] for axis in sorted(texts)]
 
 
 def _ending(numbers: Mapping[str, str], name: str) -> str:
@@ -338,13 +338,13 @@ def _ending(numbers: Mapping[str, str], name: str) -> str:
 
 def _lists(parts: tuple[Part, ...], names: re.Pattern[str]) -> list[Part]:
     """Return the lists of numbers with such names, those that are called after joints first."""
-    found = [
+    lists = [
         part
         for part in parts
         if part.field.is_array and part.field.base in FLOATS
         and names.search(part.name) and not _NO_PLACE.search(part.name)
     ]  # fmt: skip
-    return sorted(found, key=lambda part: not re.search(r"joint|ax[ie]s|angle|pose|tcp", part.name))
+    return sorted(lists, key=lambda part: not re.search(r"joint|ax[ie]s|angle|pose|tcp", part.name))
 
 
 def _is_frame(part: Part) -> bool:
@@ -396,23 +396,23 @@ def _units(
 
 def _answer(reply: Mapping[str, Any], codes: dict[str, Any]) -> dict[str, Any]:
     """Return how an answer is filled; the values of its number go into `codes`."""
-    found: dict[str, Any] = {}
+    answer: dict[str, Any] = {}
     for name, value in reply.items():
         called = snake_case(name)
         if isinstance(value, bool):
-            found[name] = "$success" if _SUCCESS.search(called) else value
+            answer[name] = "$success" if _SUCCESS.search(called) else value
         elif isinstance(value, int) and not codes and _CODE.search(called):
-            found[name] = "$code"
+            answer[name] = "$code"
             codes |= {"succeeded": value, "failed": value - 1 if value > 0 else value + 1}
         elif isinstance(value, str) and value:
             # The word of success that the code knows is no answer of a motion that failed.
-            found[name] = {"value": "$success", "map": {"true": value, "else": ""}}
+            answer[name] = {"value": "$success", "map": {"true": value, "else": ""}}
         elif isinstance(value, str) and _TEXT.search(called):
-            found[name] = "$message"
+            answer[name] = "$message"
         elif isinstance(value, int | float):
-            found[name] = value
+            answer[name] = value
         elif isinstance(value, Mapping) and value.keys() == {"data"}:
             # A message of ROS in the place of its only value.
             inner = _answer({name: value["data"]}, codes)
-            found |= {f"{name}.data": output for output in inner.values()}
-    return found
+            answer |= {f"{name}.data": output for output in inner.values()}
+    return answer
