@@ -13,13 +13,15 @@ from typing import Any
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 from tracerisk.instrument.source.literals.compared_values import (
-    asserted,
-    bare_value,
     calls_at,
-    comparisons,
     functions_of,
     parameter_name,
     source_tree,
+)
+from tracerisk.instrument.source.literals.comparisons import (
+    asserted,
+    bare_value,
+    comparisons,
 )
 
 _FURTHEST = 3  # functions through which a result is followed

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
+from tracerisk.instrument.source.literals.comparisons import is_number
 from tracerisk.instrument.source.literals.named_literals import literal_value
 
 LENGTH = "len()"
@@ -155,8 +156,7 @@ def _length(operator: ast.cmpop, value: int, is_refused: bool) -> int | None:
 
 def _number(node: ast.expr) -> float | None:
     value = literal_value(node)
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return value if is_number else None
+    return value if is_number(value) else None
 
 
 def _asked(node: ast.expr) -> int | None:

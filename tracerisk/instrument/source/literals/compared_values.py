@@ -27,18 +27,22 @@ from tracerisk.instrument.source.literals.bounds import (
     whole,
     within,
 )
-from tracerisk.instrument.source.literals.named_literals import literal_value, with_named_literals
+from tracerisk.instrument.source.literals.comparisons import (
+    EMERGENCY,
+    Constant,
+    bare_value,
+    beyond,
+    compared,
+    is_number,
+)
+from tracerisk.instrument.source.literals.named_literals import with_named_literals
 from tracerisk.instrument.source.literals.package_settings import package_settings
 
 _DEEPEST = 3  # of functions to which a value is handed on
-_METHODS = frozenset({"lower", "upper", "strip", "rstrip", "lstrip", "title", "casefold"})
-_CASTS = frozenset({"str", "int", "float", "bool", "round"})
 _ENDS = frozenset(
     {"q", "quit", "exit", "x", "n", "no", "stop", "end", "\x03", "\x04", "\x1b"}
     | {"esc", "escape", "estop", "e_stop", "emergency_stop", "emergency", "halt", "abort"}
 )
-_EMERGENCY = frozenset({"estop", "e_stop", "e-stop", "emergency_stop", "emergency"})
-"""Words for the stop of an emergency, after which nothing is to move."""
 _ANY_FIELD = frozenset({"data", "name", "id", "frame_id", "child_frame_id", "type"})
 """Fields that many messages have, each with another meaning."""
 _THROUGH = frozenset({"enumerate", "list", "reversed", "sorted"})
@@ -63,7 +67,7 @@ class Compared:
 
     def numbers(self, path: tuple[str, ...]) -> tuple[float, ...]:
         """Return the numbers with which a field is compared."""
-        return tuple(number for number in self._of(path) if _is_number(number))
+        return tuple(number for number in self._of(path) if is_number(number))
 
     def length(self, path: tuple[str, ...]) -> int | None:
         """Return the length that the code asks of a list; None where it asks none."""
@@ -77,7 +81,7 @@ class Compared:
         """Return for items of a list one number each with which the code compares it."""
         numbers: dict[int, float] = {}
         for inner, values in self.values.items():
-            number = next((value for value in values if _is_number(value)), None)
+            number = next((value for value in values if is_number(value)), None)
             if inner[:-1] == path and (match := _INDEX.fullmatch(inner[-1])) and number is not None:
                 numbers[int(match[1])] = number
         return numbers
@@ -138,11 +142,6 @@ def compared_in_file(place: Location | None) -> Compared:
     return Compared() if tree is None else Compared(_frozen(_by_field(tree)))
 
 
-def asserted(test: ast.expr) -> ast.expr:
-    """Return what a test asks, without a `not` before it."""
-    return test.operand if isinstance(test, ast.UnaryOp) else test
-
-
 def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
     """Return answers in the order in which a user would give them: what ends the program last."""
     texts = list(dict.fromkeys(str(value) for value in values if not isinstance(value, bool)))
@@ -151,7 +150,7 @@ def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
 
 def without_emergency(answers: Sequence[str]) -> tuple[str, ...]:
     """Return answers without those for an emergency, unless there are no others."""
-    calm = tuple(answer for answer in answers if answer.lower() not in _EMERGENCY)
+    calm = tuple(answer for answer in answers if answer.lower() not in EMERGENCY)
     return calm or tuple(answers)
 
 
@@ -181,14 +180,6 @@ def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
         return None
 
 
-@dataclass(frozen=True, slots=True)
-class _Constant:
-    """A constant by its name, `GRASP` of `Task.GRASP`, whose value a message's text says."""
-
-    name: str
-    """The name of the constant."""
-
-
 def _frozen(
     found: _Found, constants: Mapping[str, Any] | None = None
 ) -> dict[tuple[str, ...], tuple[Any, ...]]:
@@ -197,9 +188,9 @@ def _frozen(
     frozen = {
         path: tuple(
             dict.fromkeys(
-                known[value.name] if isinstance(value, _Constant) else value
+                known[value.name] if isinstance(value, Constant) else value
                 for value in values
-                if not isinstance(value, _Constant) or value.name in known
+                if not isinstance(value, Constant) or value.name in known
             )
         )
         for path, values in found.items()
@@ -382,7 +373,7 @@ def _item(target: ast.expr, iterated: ast.expr) -> str:
 
 
 def _compare(node: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Found) -> None:
-    for subject, value in _compared(node):
+    for subject, value in compared(node):
         path = None if subject is None else _path(subject, known)
         if path:
             found.setdefault(path, []).append(value)
@@ -408,7 +399,7 @@ def _bound(function: ast.AST, known: Mapping[str, tuple[str, ...]], found: _Foun
         for subject, low, high in bounds(test, is_refused=is_refused):
             path, value = _path(subject, known), within(low, high)
             if value is None and is_refused:
-                value = _beyond(low, +1) if low is not None else _beyond(high, -1)
+                value = beyond(low, +1) if low is not None else beyond(high, -1)
             for item in (path, _item_path(subject, known)):
                 if item and value is not None:
                     found.setdefault(item, []).append(value)
@@ -444,126 +435,11 @@ def _by_field(tree: ast.AST) -> _Found:
     """Return the literals by the last name of the attribute that is compared with them."""
     by_field: _Found = {}
     for node in ast.walk(tree):
-        for subject, value in _compared(node):
+        for subject, value in compared(node):
             bare = None if subject is None else bare_value(subject)
             if isinstance(bare, ast.Attribute):
                 by_field.setdefault((bare.attr,), []).append(value)
     return by_field
-
-
-def comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
-    """Yield what is compared and a literal for which the comparison holds."""
-    for subject, value in _compared(node):
-        if not isinstance(value, _Constant):
-            yield subject, value
-
-
-def _compared(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
-    """Yield what is compared and a literal or constant for which the comparison holds."""
-    if isinstance(node, ast.Match):
-        for case in node.cases:
-            for pattern in ast.walk(case.pattern):
-                if isinstance(pattern, ast.MatchValue):
-                    yield from ((node.subject, literal) for literal in _literals(pattern.value))
-        return
-    if isinstance(node, ast.If | ast.IfExp) and (node.orelse or _returns_late(node)):
-        yield from ((asserted(node.test), truth) for truth in (True, False))
-        return
-    if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Dict):
-        yield from ((node.slice, key) for key in _keys(node.value))
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
-        if node.func.attr == "get" and isinstance(node.func.value, ast.Dict):
-            yield from ((node.args[0], key) for key in _keys(node.func.value))
-        if node.func.attr in ("startswith", "endswith"):
-            yield from ((node.func.value, literal) for literal in _literals(node.args[0]))
-        return
-    if not isinstance(node, ast.Compare) or len(node.ops) != 1:
-        return
-    left, operator, right = node.left, node.ops[0], node.comparators[0]
-    if isinstance(operator, ast.Eq | ast.NotEq | ast.In | ast.NotIn):
-        # What is unequal is most often turned away.
-        yield from ((left, literal) for literal in _literals(right))
-        yield from ((right, literal) for literal in _literals(left) if isinstance(operator, ast.Eq))
-        if isinstance(operator, ast.In):
-            yield from (
-                (right, literal) for literal in _literals(left) if not isinstance(literal, bool)
-            )
-    elif isinstance(operator, ast.Gt | ast.GtE):
-        yield from (
-            (left, _beyond(literal, +1)) for literal in _literals(right) if _is_number(literal)
-        )
-        yield from (
-            (right, _beyond(literal, -1)) for literal in _literals(left) if _is_number(literal)
-        )
-    elif isinstance(operator, ast.Lt | ast.LtE):
-        yield from (
-            (left, _beyond(literal, -1)) for literal in _literals(right) if _is_number(literal)
-        )
-        yield from (
-            (right, _beyond(literal, +1)) for literal in _literals(left) if _is_number(literal)
-        )
-
-
-def _returns_late(node: ast.AST) -> bool:
-    """Return whether a branch does something and returns: what follows it is the other one."""
-    if not isinstance(node, ast.If) or len(node.body) < 2:
-        return False
-    return isinstance(node.body[-1], ast.Return)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _beyond(value: float, side: int) -> float:
-    return value + side * max(abs(value) / 10, 1 if isinstance(value, int) else 0.1)
-
-
-def _keys(mapping: ast.Dict) -> Iterator[Any]:
-    """Yield the keys of a mapping that are literals or constants."""
-    yield from (literal for key in mapping.keys if key is not None for literal in _literals(key))
-
-
-def _literals(node: ast.expr) -> Iterator[Any]:
-    if isinstance(node, ast.List | ast.Tuple | ast.Set):
-        named = [element for element in node.elts if _is_constant(element)]
-        if named:
-            yield from (literal for item in node.elts for literal in _literals(item))
-            return
-    if _is_constant(node):
-        yield _Constant(last_name(node))
-        return
-    value = literal_value(node)
-    several = value if isinstance(value, list | tuple | set | dict) else (value,)
-    if stops := _EMERGENCY & {word for word in several if isinstance(word, str)}:
-        # Other words listed with an emergency word mean the same.
-        several = tuple(entry for entry in several if entry in stops)
-    for entry in several:
-        if isinstance(entry, bool | int | float | str) and entry != "":
-            yield entry
-
-
-def _is_constant(node: ast.expr) -> bool:
-    return isinstance(node, ast.Attribute) and node.attr.isupper()
-
-
-def bare_value(node: ast.expr) -> ast.expr:
-    """Return an expression without the conversions around it: `str(a.b).lower()` is `a.b`."""
-    while isinstance(node, ast.Call):
-        if isinstance(node.func, ast.Attribute) and node.func.attr in _METHODS:
-            node = node.func.value
-        elif _is_cast(node) and len(node.args) == 1:
-            node = node.args[0]
-        else:
-            break
-    return node
-
-
-def _is_cast(call: ast.Call) -> bool:
-    """Return whether a call keeps what a value says: `int(a)`, and `Task(a)` of an Enum."""
-    return last_name(call.func) in _CASTS or (
-        isinstance(call.func, ast.Name) and call.func.id[:1].isupper() and not call.keywords
-    )
 
 
 def _path(node: ast.expr, known: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:

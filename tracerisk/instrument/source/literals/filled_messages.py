@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.literals.comparisons import is_number
 from tracerisk.instrument.source.literals.named_literals import literal_value
 from tracerisk.instrument.source.python_source import parsed
 
@@ -85,7 +86,7 @@ def largest_given(tree: ast.AST | None) -> dict[str, float]:
             pairs = [(keyword.arg, keyword.value) for keyword in node.keywords if keyword.arg]
         for name, value in pairs:
             number = _literal(value)
-            if name and isinstance(number, int | float) and not isinstance(number, bool):
+            if name and is_number(number):
                 given.setdefault(name, []).append(float(number))
     return {
         name: max(numbers)

@@ -15,11 +15,11 @@ from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
 from tracerisk.instrument.source.literals.compared_values import (
     calls_at,
-    comparisons,
     functions_of,
     parameter_name,
     source_tree,
 )
+from tracerisk.instrument.source.literals.comparisons import comparisons
 from tracerisk.instrument.source.literals.named_literals import literal_value
 
 _PASSES = 3  # over the file: a name may be read above the line that gives it
