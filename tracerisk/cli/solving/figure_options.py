@@ -101,7 +101,7 @@ def add_what_if(parser: argparse.ArgumentParser) -> None:
         metavar="TEXT",
         action="append",
         default=[],
-        help="what is asked of a chain, in PRISM's words: 'P=? [F<=10 \"failed\"]'; repeatable",
+        help="a property of a chain as PRISM writes it: 'P=? [F<=10 \"failed\"]'; repeatable",
     )
     group.add_argument(
         "--properties", dest="property_file", metavar="FILE", help="a file of such properties"
