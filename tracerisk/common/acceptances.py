@@ -34,17 +34,17 @@ def _acceptance(entry: Any, number: int, fail: Callable[[str], NoReturn]) -> Acc
     for key in entry:
         if key not in _KEYS:
             fail(f"entry {number}: unknown key '{key}'; {one_of(_KEYS, str(key))}")
-    texts = {key: entry.get(key, "") for key in _KEYS}
-    for key, text in texts.items():
+    given = {key: entry.get(key, "") for key in _KEYS}
+    for key, text in given.items():
         if not isinstance(text, str):
             fail(f"entry {number}: {key} is {text!r}; expected a string")
         if text == "*" or ("*" in text and key in ("code", "function")):
             fail(f"entry {number}: {key} is {text!r}; wildcards are not allowed")
-    if texts["code"] not in ACCEPTABLE:
+    if given["code"] not in ACCEPTABLE:
         fail(
-            f"entry {number}: code '{texts['code']}' cannot be accepted; "
-            f"{one_of(ACCEPTABLE, texts['code'])}"
+            f"entry {number}: code '{given['code']}' cannot be accepted; "
+            f"{one_of(ACCEPTABLE, given['code'])}"
         )
-    if not texts["words"].strip():
-        fail(f"entry {number}: words are missing; say why {texts['code']} is accepted")
-    return Acceptance(texts["code"], texts["function"], texts["object"], texts["words"].strip())
+    if not given["words"].strip():
+        fail(f"entry {number}: words are missing; say why {given['code']} is accepted")
+    return Acceptance(given["code"], given["function"], given["object"], given["words"].strip())

@@ -142,8 +142,8 @@ class KnownBlock:
         before = [
             written_component.components.get(component) for written_component in self._written()
         ]
-        texts = [item.values.get(PROBABILITY.key) for item in before if item is not None]
-        if any(text is not None and PROBABILITY.read(text) == value for text in texts):
+        figures = [item.values.get(PROBABILITY.key) for item in before if item is not None]
+        if any(text is not None and PROBABILITY.read(text) == value for text in figures):
             return "tool"
         names = self._possible_names()
         if any(

@@ -40,34 +40,34 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    texts: dict[str, str] = {
+    shown: dict[str, str] = {
         "tracerisk": __version__,
         "python": f"{platform.python_version()} ({sys.platform})",
     }
     faults: dict[str, str] = {}
-    _packages(texts, faults)
+    _packages(shown, faults)
     missing = missing_extras()
     for extra in missing:
-        texts[f"extra {extra}"] = f"not installed: {install_command(extra)}"
+        shown[f"extra {extra}"] = f"not installed: {install_command(extra)}"
     if "sim" not in missing:
-        _look(texts, faults, "engine", _engine)
-        _look(texts, faults, "physics", _physics)
-    _look(texts, faults, "robots", _robots)
-    _look(texts, faults, "sandbox", _sandbox)
+        _look(shown, faults, "engine", _engine)
+        _look(shown, faults, "physics", _physics)
+    _look(shown, faults, "robots", _robots)
+    _look(shown, faults, "sandbox", _sandbox)
     settings: dict[str, dict[str, Any]] = {}
     if options.controller is None:
-        texts["installed ROS"] = _of_environment()
+        shown["installed ROS"] = _of_environment()
     else:
         given = {"robot": options.robot, "sandbox": options.sandbox}
         controller = api.load_controller(options.controller)
         in_use = api.load_settings(controller, given)
-        texts.update(_of_controller(controller, in_use))
+        shown.update(_of_controller(controller, in_use))
         settings = _settings(controller, in_use, given)
     code = ExitCode.INTERNAL_FAULT if faults else ExitCode.FINE
     if options.json:
-        print_json("doctor", exit_code=int(code), found=texts, settings=settings, faults=faults)
+        print_json("doctor", exit_code=int(code), found=shown, settings=settings, faults=faults)
         return int(code)
-    for name, text in texts.items():
+    for name, text in shown.items():
         show(*_wrapped(f"{name}: {text}"))
     if settings:
         show("settings:")

@@ -11,14 +11,14 @@ def assumed_sources(hardware: Hardware) -> dict[str, str]:
     A figure's source is its own, else that of its component, else that of the description; it
     is assumed where that begins with the word.
     """
-    texts = {}
+    sources_of = {}
     for component in hardware.components:
         default = component.source or hardware.source
         stated = [figure.source or default for figure in component.figures]
         stated += component.law_sources
         assumed = [source for source in stated if source is not None and is_assumed(source)]
         if assumed:
-            texts[component.name] = "; ".join(
+            sources_of[component.name] = "; ".join(
                 " ".join(name.split()) for name in dict.fromkeys(assumed)
             )
-    return texts
+    return sources_of

@@ -233,8 +233,8 @@ def _outcome(data: Mapping[str, Any]) -> Outcome:
     cell: list[CellUse] = []
     known: list[Rest] = []
     arms = tuple(map(_read_arm, data.get("arms", ())))
-    texts = [text for line in data.get("way", ()) for text in line.split(_STEP)]
-    for order, text in enumerate(texts):
+    steps = [text for line in data.get("way", ()) for text in line.split(_STEP)]
+    for order, text in enumerate(steps):
         letter, _, rest = text.partition(" ")
         if letter[0] in "r=":
             rests.append(_read_rest(letter, rest, order, known, arms))

@@ -253,8 +253,8 @@ def _interpreter() -> list[Path]:
     paths = sysconfig.get_paths()
     named = [paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")]
     program = Path(sys.executable)
-    texts = [sys.prefix, sys.base_prefix, sys.exec_prefix, *named]
-    return list(dict.fromkeys([*map(Path, texts), program.parent, program.resolve().parent]))
+    folders = [sys.prefix, sys.base_prefix, sys.exec_prefix, *named]
+    return list(dict.fromkeys([*map(Path, folders), program.parent, program.resolve().parent]))
 
 
 def _within(place: Path) -> list[tuple[str, bool]]:

@@ -203,22 +203,22 @@ def hand_set(controller: Controller) -> tuple[str, ...]:
 
     Raises BlockError when a block cannot be read.
     """
-    texts = []
+    changed = []
     for placed in read_blocks(controller.source, str(controller.path)):
         block = placed.block
         if block.added:
-            texts.append(f"{block.location}: the block of {block.name}")
+            changed.append(f"{block.location}: the block of {block.name}")
         fields = [("callSequence", block.call_sequence), ("next", block.next)]
         for component in block.components:
             if component.added or component.omitted:
-                texts.append(f"{component.location}: {block.name}.{component.name}")
+                changed.append(f"{component.location}: {block.name}.{component.name}")
             fields += [
                 (f"{component.name}.{kind.key}", value)
                 for kind, value in component_fields(component)
             ]
-        texts += [
+        changed += [
             f"{value.location}: {block.name}.{key}"
             for key, value in fields
             if value is not None and value.pinned
         ]
-    return tuple(texts)
+    return tuple(changed)

@@ -123,14 +123,14 @@ class _Blobs:
         )
         # Each is `:mode mode blob blob status`, then the path.
         heads = [part for part in _texts(log) if part.lstrip("\n").startswith(":")]
-        texts = [name for head in heads for name in head.split(" ")[2:4]]
+        blobs = [name for head in heads for name in head.split(" ")[2:4]]
         staged = repository.output("ls-files", "-s", "-u", "-c", "-z", "--", path)
-        texts += [part.split(" ")[1] for part in _texts(staged) if part]
+        blobs += [part.split(" ")[1] for part in _texts(staged) if part]
         for commit in self._loose:
             entry = repository.read(f"{commit}:{path}")
             if entry is not None and entry[1] == "blob":
-                texts.append(entry[0])
-        names = [name for name in dict.fromkeys(texts) if name.strip("0")]
+                blobs.append(entry[0])
+        names = [name for name in dict.fromkeys(blobs) if name.strip("0")]
         return names, self._are_all_known and len(heads) < _MOST_COMMITS
 
     def _loose_commits(self) -> tuple[list[str], bool]:

@@ -365,9 +365,9 @@ def _notes(
 def _left_out(best: _Candidate, asked: Asked) -> list[tuple[str, str]]:
     """Return the parameters that were not evaluated and that the source may ask for."""
     words = asked.names | asked.literals
-    texts = dict([*best.node.left_out, *best.reading.left_out])
+    reasons = dict([*best.node.left_out, *best.reading.left_out])
     return [
         (name, reason)
-        for name, reason in texts.items()
+        for name, reason in reasons.items()
         if name == "*" or name in words or f"~{name.rpartition('/')[2]}" in words
     ]

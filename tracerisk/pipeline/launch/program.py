@@ -77,15 +77,15 @@ def program_of(script: Path, root: Path, workspace: Workspace) -> Program:
         if script.is_relative_to(folder)
     ]
     _, package, folder = max(holders, default=(0, root.resolve().name, root.resolve()))
-    texts = {script.name}
+    names = {script.name}
     claimed: set[str] = set()
     for console_script in console_scripts(folder):
-        (texts if console_script.module == script.stem else claimed).add(console_script.name)
+        (names if console_script.module == script.stem else claimed).add(console_script.name)
     for match in _RENAMED.finditer(read_or_nothing(folder / "CMakeLists.txt")):
-        (texts if Path(match["file"]).name == script.name else claimed).add(match["name"])
+        (names if Path(match["file"]).name == script.name else claimed).add(match["name"])
     if script.stem not in claimed:
-        texts.add(script.stem)
-    return Program(script, package, frozenset(texts - {""}))
+        names.add(script.stem)
+    return Program(script, package, frozenset(names - {""}))
 
 
 def shown(paths: Sequence[Path], root: Path) -> tuple[str, ...]:

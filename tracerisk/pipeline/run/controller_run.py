@@ -242,8 +242,8 @@ def _workspace(request: RunRequest) -> tuple[str, ...]:
     around = (root, Project(root).top, Path(request.controller).parent, Path(os.curdir).absolute())
     installed = map(str, readable_of(request.prefixes))
     packages = request.packages.values()
-    texts = (*map(str, around), *packages, *installed, *named, *companions, *files)
-    return tuple(dict.fromkeys(name for name in texts if name is not None))
+    read = (*map(str, around), *packages, *installed, *named, *companions, *files)
+    return tuple(dict.fromkeys(name for name in read if name is not None))
 
 
 def _run_child(

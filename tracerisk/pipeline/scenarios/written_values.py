@@ -95,12 +95,12 @@ class WrittenValues:
     @cached_property
     def arguments(self) -> tuple[tuple[tuple[str, ...], str], ...]:
         """The command lines with which the controller is started, each with its place."""
-        texts: dict[tuple[str, ...], str] = {}
+        places: dict[tuple[str, ...], str] = {}
         for command in self._commands(_RUNS):
             rest = self._rest(command.words)
             if rest and not any(_PLACEHOLDER.search(name) for name in rest):
-                texts.setdefault(rest, command.place)
-        return tuple(texts.items())
+                places.setdefault(rest, command.place)
+        return tuple(places.items())
 
     def _rest(self, words: tuple[str, ...]) -> tuple[str, ...]:
         for at, word in enumerate(words[:6]):

@@ -164,7 +164,7 @@ def _robots(
 
     if given is not None:
         return {load_named(given).name: controllers}, ""
-    texts: dict[str, list[str]] = {}
+    robots: dict[str, list[str]] = {}
     why = "" if controllers else "no controller was found"
     for text in controllers[:_MOST_READ]:
         try:
@@ -176,8 +176,8 @@ def _robots(
         if robot.name == GENERIC:
             why = why or f"{text} names none that is known"
             continue
-        texts.setdefault(robot.name, []).append(text)
-    return {name: tuple(files) for name, files in texts.items()}, why
+        robots.setdefault(robot.name, []).append(text)
+    return {name: tuple(files) for name, files in robots.items()}, why
 
 
 def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...]]:

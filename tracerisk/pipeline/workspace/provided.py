@@ -137,13 +137,13 @@ def _constants(tree: ast.Module) -> dict[str, str]:
 
 def _declared(tree: ast.Module) -> dict[str, str]:
     """Return the parameters of a node of ROS 2 whose default is a text."""
-    texts: dict[str, str] = {}
+    declared: dict[str, str] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and last_name(node.func) == "declare_parameter":
             name, default = (_constant(argument) for argument in (*node.args, None, None)[:2])
             if name and default:
-                texts[name] = default
-    return texts
+                declared[name] = default
+    return declared
 
 
 def _literal(node: ast.expr, declared: dict[str, str]) -> str:

@@ -67,6 +67,6 @@ def assessment_text(assessment: Assessment) -> str:
 
 
 def _notes(assessment: Assessment) -> list[str]:
-    texts = [*assessment.assumptions, *assessment.findings]
-    more = len(texts) - _MOST_NOTES
-    return [*texts[:_MOST_NOTES], f"and {more} more"] if more > 0 else texts
+    notes = [*assessment.assumptions, *assessment.findings]
+    more = len(notes) - _MOST_NOTES
+    return [*notes[:_MOST_NOTES], f"and {more} more"] if more > 0 else notes

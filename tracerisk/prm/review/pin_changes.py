@@ -74,10 +74,10 @@ def _change(path: str, old: _Pin | None, new: _Pin | None) -> PinChange | None:
 def _drifted(old: _Pin, new: _Pin) -> bool:
     if new.kind is None or old.computed is None or new.computed is None:
         return False
-    texts = (old.computed, new.computed)
-    if NOTHING_COMPUTED in texts:
-        return texts[0] != texts[1]
-    earlier, later = map(new.kind.read, texts)
+    figures = (old.computed, new.computed)
+    if NOTHING_COMPUTED in figures:
+        return figures[0] != figures[1]
+    earlier, later = map(new.kind.read, figures)
     if new.kind.is_noisy:
         return not is_noise(earlier, later)
     return not new.kind.same(earlier, later)

@@ -342,8 +342,8 @@ def marks(change: RiskChange) -> str:
 
 def places(review: Review, change: RiskChange) -> str:
     """Return where the fields of a change stand, at most three of them."""
-    texts = [review.place(field.location, is_gone=field.is_gone) for field in change.fields]
-    return some([place for place in texts if place])
+    places = [review.place(field.location, is_gone=field.is_gone) for field in change.fields]
+    return some([place for place in places if place])
 
 
 def some(names: Sequence[str], most: int = 3) -> str:

@@ -32,13 +32,13 @@ def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ..
     comes last.
     """
     numbers = numbers_answer(place, values)
-    texts = ordered_answers((*compared_results(place, "input"), *_keys(place)))
-    leaving = tuple(answer for answer in texts if answer in _leaving(place))
+    answers = ordered_answers((*compared_results(place, "input"), *_keys(place)))
+    leaving = tuple(answer for answer in answers if answer in _leaving(place))
     if numbers is not None:
         return (numbers, *leaving)
-    if not texts or set(texts) <= set(leaving):
-        texts = (*(answer for answer in _printed(place) if answer not in leaving), *leaving)
-    return (*(answer for answer in texts if answer not in leaving), *leaving)
+    if not answers or set(answers) <= set(leaving):
+        answers = (*(answer for answer in _printed(place) if answer not in leaving), *leaving)
+    return (*(answer for answer in answers if answer not in leaving), *leaving)
 
 
 def _leaving(place: Location | None) -> frozenset[str]:
@@ -101,7 +101,7 @@ def _looked_up(node: ast.AST) -> tuple[ast.AST | None, ast.expr | None]:
 
 def _printed(place: Location | None) -> tuple[str, ...]:
     """Return the options of the menu that is printed around the question: `1. Home`, `[q] quit`."""
-    texts: dict[str, str] = {}
+    labels: dict[str, str] = {}
     for tree, call in calls_of(place, "input"):
         around = [
             node
@@ -112,8 +112,8 @@ def _printed(place: Location | None) -> tuple[str, ...]:
         for node in ast.walk(around[-1] if around else tree):
             if isinstance(node, ast.Call) and last_name(node.func) in ("print", "input"):
                 for text in _texts(node):
-                    texts |= {match[1]: match[2] for match in _OPTION.finditer(text)}
-    options = {option: label for option, label in texts.items() if len(texts) > 1}
+                    labels |= {match[1]: match[2] for match in _OPTION.finditer(text)}
+    options = {option: label for option, label in labels.items() if len(labels) > 1}
     return tuple(sorted(options, key=lambda option: _LEAVES.search(options[option]) is not None))
 
 

@@ -47,8 +47,8 @@ class DeclaredController:
     def of_joints(self, fits: Callable[[frozenset[str]], bool]) -> DeclaredController | None:
         """Return it with the first of its lists of joints that fits, `None` where none does."""
         lists = (self.joints, *self.others)
-        texts = next((names for names in lists if fits(frozenset(names))), None)
-        return None if texts is None else replace(self, joints=texts)
+        joints = next((names for names in lists if fits(frozenset(names))), None)
+        return None if joints is None else replace(self, joints=joints)
 
     @property
     def quantity(self) -> str:

@@ -87,7 +87,7 @@ class InstalledLibraries(MetaPathFinder):
 
         Where a package has its sources, only its Python packages would be installed.
         """
-        texts: dict[str, list[str]] = {}
+        tops: dict[str, list[str]] = {}
         for folder in self._folders:
             is_source = Path(folder, _PACKAGE_FILE).is_file()
             for name in _names_in(folder):
@@ -96,8 +96,8 @@ class InstalledLibraries(MetaPathFinder):
                     continue
                 is_messages = match[1] in self._interfaces and not _has_code(folder, match[1])
                 if not is_messages:
-                    texts.setdefault(match[1], []).append(folder)
-        return texts
+                    tops.setdefault(match[1], []).append(folder)
+        return tops
 
 
 class _SourceLoader(SourceFileLoader):

@@ -160,7 +160,7 @@ def canonical(text: str, package: str, *, is_ros1: bool) -> str:
 
 def field_comments(definition: Definition) -> dict[str, str]:
     """Return the comments of the fields before the first line `---`: beside them, or just above."""
-    texts: dict[str, str] = {}
+    comments: dict[str, str] = {}
     above: list[str] = []
     for line in interface_text(definition).splitlines():
         code, _, comment = line.partition("#")
@@ -168,9 +168,9 @@ def field_comments(definition: Definition) -> dict[str, str]:
             break
         words = code.split()
         if len(words) > 1 and "=" not in code:
-            texts[words[1]] = comment.strip() or " ".join(above)
+            comments[words[1]] = comment.strip() or " ".join(above)
         above = [*above, comment.strip()] if not words and comment else []
-    return texts
+    return comments
 
 
 def _is_separator(line: str) -> bool:

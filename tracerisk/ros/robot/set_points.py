@@ -219,14 +219,14 @@ class SetPoints(TrajectoryNode):
         )
         if any(subscription.node != self.node for subscription in self._graph.subscriptions(topic)):
             return
+        if not fits:
+            words = f"messages on {topic} moved nothing: no known controller takes them"
+            self._commands.report("unprovided", words, object_name=topic)
+            return
         joints = tuple(joint.name for joint in arm)
-        kind, words = "unprovided", "moved nothing: no known controller takes them"
-        if fits:
-            kind = "answer_assumed"
-            words = f"go to a forward position controller of {', '.join(joints)}, which is assumed"
-        self._commands.report(kind, f"messages on {topic} {words}", object_name=topic)
-        if fits:
-            self._command(topic, joints, np.array(values), _GROUP_COMMAND)
+        words = f"go to a forward position controller of {', '.join(joints)}, which is assumed"
+        self._commands.report("answer_assumed", f"messages on {topic} {words}", object_name=topic)
+        self._command(topic, joints, np.array(values), _GROUP_COMMAND)
 
     def _command(self, topic: str, joints: tuple[str, ...], values: Array, kind: str) -> None:
         """Bring joints to positions, or move them at velocities, as the topic means its numbers."""

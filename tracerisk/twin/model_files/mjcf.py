@@ -114,11 +114,11 @@ class _Reader:
     def _actuators(self, robot: Robot) -> Mapping[str, tuple[str, ...]]:
         """Return the joints that each named actuator of the robot moves, in the file's order."""
         moving = {joint.name for joint in robot.joints}
-        texts = {
+        joints_of = {
             name: tuple(self._joints[index] for index in moved if self._joints[index] in moving)
             for name, moved in self._drives.actuators.items()
         }
-        return MappingProxyType({name: joints for name, joints in texts.items() if joints})
+        return MappingProxyType({name: joints for name, joints in joints_of.items() if joints})
 
     def sensors(self, robot: Robot, felt: Collection[str]) -> tuple[Sensor, ...]:
         """Return the sensors of forces at some sites, each in the link that bears the site."""

@@ -79,13 +79,13 @@ def read_mjcf_document(text: bytes, file: Path, shown: str, folder: ModelFolder)
 
 def _felt(root: XmlElement) -> tuple[str, ...]:
     """Return the sites at which the document's sensors measure a force or a torque, sorted."""
-    texts = {
+    names = {
         child.attributes.get("site", "")
         for section in root.all("sensor")
         for child in section.children
         if child.tag in ("force", "torque")
     }
-    return tuple(sorted(texts - {""}))
+    return tuple(sorted(names - {""}))
 
 
 class _Reader:

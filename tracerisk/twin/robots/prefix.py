@@ -21,10 +21,10 @@ def prefix_in(words: Iterable[str], robots: Iterable[RobotNames]) -> str:
     Of several prefixes none is taken: they are of several arms.
     """
     known = frozenset(words)
-    texts = set[str]()
+    prefixes = set[str]()
     for group in {joints for robot in robots for joints in robot.groups.values()}:
-        texts |= _before(group, known)
-    return texts.pop() if len(texts) == 1 else ""
+        prefixes |= _before(group, known)
+    return prefixes.pop() if len(prefixes) == 1 else ""
 
 
 def prefix_before(joints: Sequence[str], words: Iterable[str]) -> str:

@@ -86,14 +86,14 @@ def words_in(strings: Iterable[str]) -> frozenset[str]:
 
 def _phrases(robots: Mapping[str, RobotNames]) -> list[tuple[str, set[str]]]:
     """Return what robots are called in plain words, with those called so, longer ones first."""
-    texts: dict[str, set[str]] = {}
+    phrases: dict[str, set[str]] = {}
     for name, robot in robots.items():
         for called in {robot.name, *robot.aliases} - EVERYDAY:
             phrase = " ".join(_split(called.lower()))
             apart = re.sub(r"(?<=[a-z])(?=\d)", " ", phrase)
             for text in (phrase, apart):
-                texts.setdefault(text, set()).add(name)
-    return sorted(texts.items(), key=lambda item: (-len(item[0]), item[0]))
+                phrases.setdefault(text, set()).add(name)
+    return sorted(phrases.items(), key=lambda item: (-len(item[0]), item[0]))
 
 
 def _plain(text: str) -> str:

@@ -83,18 +83,18 @@ def _looks_so(joint: UrdfJoint, tree: Tree) -> bool:
 
 def _linkage(joint: UrdfJoint, tree: Tree) -> frozenset[str]:
     """Return the joints that move as one with a joint, itself included: who mimics whom."""
-    texts = {joint.name}
+    linked = {joint.name}
     pairs = [
         (urdf_joint.name, urdf_joint.mimic[0])
         for urdf_joint in tree.moving
         if urdf_joint.mimic is not None
     ]
     for _ in pairs:
-        more = {name for pair in pairs if texts & set(pair) for name in pair}
-        if more <= texts:
+        more = {name for pair in pairs if linked & set(pair) for name in pair}
+        if more <= linked:
             break
-        texts |= more
-    return frozenset(name for name in texts if tree.joint(name) is not None)
+        linked |= more
+    return frozenset(name for name in linked if tree.joint(name) is not None)
 
 
 def _is_hand(together: frozenset[str], tree: Tree) -> bool:

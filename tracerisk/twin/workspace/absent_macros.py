@@ -115,10 +115,10 @@ class _Drawing:
             stem = name.rpartition("/")[2].partition(".")[0]
             family = ARMS.get(package, ())
             named = mentioned(stem, self._robots) or mentioned(package, self._robots)
-            texts = [text for text in family if text in named] or sorted(named) or list(family)
-            if not texts:
+            alike = [text for text in family if text in named] or sorted(named) or list(family)
+            if not alike:
                 continue
-            robot = load_robot(texts[0])
+            robot = load_robot(alike[0])
             links = self._links()
             base = robot.base_link
             if (links - {base}) & set(robot.link_names):
@@ -133,12 +133,12 @@ class _Drawing:
                 self._root.append(_fixed(parent, base, None))
             self._anchor = base
             self.notes.append(
-                f"'{name}' of '{package}', which is absent, is the shipped robot '{texts[0]}'"
+                f"'{name}' of '{package}', which is absent, is the shipped robot '{alike[0]}'"
             )
-            if len(texts) > 1:
-                others = ", ".join(texts[1:])
+            if len(alike) > 1:
+                others = ", ".join(alike[1:])
                 self.doubts.append(
-                    f"the absent file '{name}' may be {others} as well as {texts[0]}"
+                    f"the absent file '{name}' may be {others} as well as {alike[0]}"
                 )
             return
 

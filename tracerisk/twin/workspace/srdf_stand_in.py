@@ -133,22 +133,22 @@ class _Drawing:
         self, arms: Iterable[SrdfGroup], members: Mapping[str, tuple[str, ...]]
     ) -> dict[str, str]:
         """Return what the links behind joints are called, by chains and links of groups."""
-        texts: dict[str, str] = {}
+        children: dict[str, str] = {}
         for group in arms:
             names = members[group.name]
             if names and group.chains:
-                texts.setdefault(names[-1], group.chains[-1][1])
+                children.setdefault(names[-1], group.chains[-1][1])
             for joint, link in zip(names, group.links, strict=False):
                 if len(names) == len(group.links):
-                    texts.setdefault(joint, link)
+                    children.setdefault(joint, link)
             for other in members.values():
                 # The link behind the joint before an arm is the one that its chain begins at.
                 before = other.index(names[0]) if names and names[0] in other else 0
                 if before and group.chains:
-                    texts.setdefault(other[before - 1], group.chains[0][0])
+                    children.setdefault(other[before - 1], group.chains[0][0])
         taken: set[str] = set()
         kept = {}
-        for joint, link in texts.items():
+        for joint, link in children.items():
             if link not in taken:
                 kept[joint] = link
                 taken.add(link)

@@ -58,7 +58,7 @@ def listed_names(tree: ast.AST | None) -> dict[str, tuple[str, ...]]:
 
     `request.angle = [command.force, command.position]` gives `angle: (force, position)`.
     """
-    texts: dict[str, tuple[str, ...]] = {}
+    names_of: dict[str, tuple[str, ...]] = {}
     for node in () if tree is None else ast.walk(tree):
         given: list[tuple[str, ast.expr]] = []
         if isinstance(node, ast.Assign):
@@ -68,8 +68,8 @@ def listed_names(tree: ast.AST | None) -> dict[str, tuple[str, ...]]:
             given = [(keyword.arg, keyword.value) for keyword in node.keywords if keyword.arg]
         for name, value in given:
             if isinstance(value, ast.List | ast.Tuple) and value.elts:
-                texts.setdefault(name, tuple(last_name(element) for element in value.elts))
-    return texts
+                names_of.setdefault(name, tuple(last_name(element) for element in value.elts))
+    return names_of
 
 
 def largest_given(tree: ast.AST | None) -> dict[str, float]:

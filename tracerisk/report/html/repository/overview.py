@@ -155,13 +155,13 @@ def report_links(names: Sequence[str], reports: Mapping[str, str]) -> dict[str, 
     That of `cell/pick.py` is `cell/pick.html`; `pick.html` is where no other controller has the
     same name.
     """
-    texts = {}
+    links = {}
     stems = [name.rpartition("/")[2].rpartition(".")[0] for name in names]
     for name, stem in zip(names, stems, strict=True):
         wanted = [f"{name.rpartition('.')[0]}.html"]
         if stems.count(stem) == 1:
             wanted.append(f"{stem}.html")
         for key in wanted:
-            if key in reports and name not in texts:
-                texts[name] = reports[key]
-    return texts
+            if key in reports and name not in links:
+                links[name] = reports[key]
+    return links

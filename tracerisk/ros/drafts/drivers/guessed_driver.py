@@ -303,10 +303,10 @@ def _of_pose(parts: tuple[Part, ...]) -> tuple[dict[str, Any], str] | None:
     if place:
         numbers = {part.name: part.path for part in parts if part.is_number}
         for names in _TURNS:
-            texts = [_ending(numbers, name) for name in names]
-            if all(texts):
-                words = f"`{place[0]}` to `{texts[-1]}` are a pose of the tool"
-                return {"pose": [*place, *texts]}, words
+            fields = [_ending(numbers, name) for name in names]
+            if all(fields):
+                words = f"`{place[0]}` to `{fields[-1]}` are a pose of the tool"
+                return {"pose": [*place, *fields]}, words
         shown = ", ".join(f"`{path}`" for path in place)
         return {"position": place}, f"{shown} are a place of the tool"
     for part in _lists(parts, _POSE_LIST):
@@ -326,8 +326,8 @@ def _axes(parts: tuple[Part, ...]) -> list[str]:
             continue
         owner = part.path.rpartition(".")[0]
         places.setdefault((f"{owner}.{match[1]}", match[3] or ""), {})[match[2]] = part.path
-    texts = next((place for place in places.values() if len(place) == len("xyz")), {})
-    return [texts[axis] for axis in sorted(texts)]
+    axes = next((place for place in places.values() if len(place) == len("xyz")), {})
+    return [axes[axis] for axis in sorted(axes)]
 
 
 def _ending(numbers: Mapping[str, str], name: str) -> str:

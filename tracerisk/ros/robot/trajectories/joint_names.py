@@ -38,8 +38,8 @@ class JointNames:
 
     def notes(self, names: Sequence[str]) -> dict[str, str]:
         """Return those of some names that move nothing on the twin, each with the reason."""
-        texts = {name: self._names[name].note for name in names if name in self._names}
-        return {name: note for name, note in texts.items() if note}
+        notes = {name: self._names[name].note for name in names if name in self._names}
+        return {name: note for name, note in notes.items() if note}
 
     def has_any(self, names: Sequence[str]) -> bool:
         """Return whether some names are a driver's, and not the robot's."""

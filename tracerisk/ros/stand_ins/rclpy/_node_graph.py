@@ -131,13 +131,13 @@ class NodeGraph(NodeNames):
     ) -> list[tuple[str, list[str]]]:
         """Return the services that a node of the controller calls, with their types."""
         name = self._known(node_name, node_namespace)
-        texts = {
+        types_of = {
             client._full_name: _full_type(client.srv_type._ros_type, "srv")
             for node in run().nodes
             if node.get_fully_qualified_name() == name
             for client in node.clients
         }
-        return [(service, [type_name]) for service, type_name in sorted(texts.items())]
+        return [(service, [type_name]) for service, type_name in sorted(types_of.items())]
 
     def get_publishers_info_by_topic(
         self, topic_name: str, no_mangle: bool = False

@@ -207,10 +207,10 @@ class _Reader:
 
     def _find(self, named: dict[str, str]) -> dict[str, str]:
         """Return what each name in a formula stands for: events, and tops of fault trees."""
-        texts = {ALWAYS: ALWAYS, NEVER: NEVER} | named
-        texts |= {name: name for name in self._events}
-        texts |= {name: name for name in self._houses}
-        return texts
+        events = {ALWAYS: ALWAYS, NEVER: NEVER} | named
+        events |= {name: name for name in self._events}
+        events |= {name: name for name in self._houses}
+        return events
 
     def _report_duplicates(self, gate: Gate, place: Element) -> None:
         if len(set(gate.inputs)) < len(gate.inputs):

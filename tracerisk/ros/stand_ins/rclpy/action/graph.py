@@ -48,7 +48,7 @@ def _of_node(ends: Any, node: Any, name: str, namespace: str) -> NamesAndTypes:
 
 
 def _listed(pairs: dict[tuple[str, str], None]) -> NamesAndTypes:
-    texts: dict[str, list[str]] = {}
+    types_of: dict[str, list[str]] = {}
     for name, type_name in sorted(pairs):
-        texts.setdefault(name, []).append(type_name.replace("/", "/action/", 1))
-    return list(texts.items())
+        types_of.setdefault(name, []).append(type_name.replace("/", "/action/", 1))
+    return list(types_of.items())
