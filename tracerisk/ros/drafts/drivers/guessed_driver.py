@@ -122,15 +122,15 @@ def guessed_driver(
     `doubted` are the dimensions in which numbers were too large for SI units: angle, length.
     """
     parts = tuple(parts_of(asked.request, comments or {}))
-    grip = (
+    shown = (
         grip_of(asked, parts)
         or _named(asked, parts, states)
         or _motion(asked, parts, joints)
         or _named_by_field(asked, parts, states)
     )
-    if grip is None:
+    if shown is None:
         return None
-    effect, roles, what = grip
+    effect, roles, what = shown
     units, assumed = _units(parts, roles, effect, doubted)
     speed = next((part for part in parts if _is_speed(part)), None)
     left_out = ""
@@ -190,8 +190,8 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
     if not is_named and not _may_be_heard(asked):
         return None
     in_space = bool(_IN_SPACE.search(called))
-    of_whole = _of_whole(asked.request) or _of_messages(parts)
-    if of_whole is None:
+    motion = _of_whole(asked.request) or _of_messages(parts)
+    if motion is None:
         lists = _ANY_LIST if _IN_JOINTS.search(called) else _JOINT_LIST
         by_joints, in_pose = _of_joints(parts, joints, lists), _of_pose(parts)
         if by_joints and in_pose and not in_space:
@@ -199,10 +199,10 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
             if by_joints[0]["joints"] != in_pose[0].get("pose"):
                 return None
             in_pose = None
-        of_whole = in_pose or by_joints
-    if of_whole is None:
+        motion = in_pose or by_joints
+    if motion is None:
         return None
-    roles, what = of_whole
+    roles, what = motion
     if not is_named and what.endswith("in turn"):
         return None
     if _GRASPS.search(called):
