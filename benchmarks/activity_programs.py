@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.twin.motion.execution import Motion
-from tracerisk.twin.motion.timing import along_path, resample
+from tracerisk.twin.motion.interpolation import resample
+from tracerisk.twin.motion.timing import along_path
 from tracerisk.twin.physics.motion import STEP_S, JointTrajectory, Pose
 from tracerisk.twin.robots.robot import Robot, Scaling
 from tracerisk.twin.simulation.twin import Twin

@@ -11,7 +11,7 @@ import pytest
 
 from tests.slow import slow_but
 from tracerisk.common.geometry.frames import rotation
-from tracerisk.twin.motion.execution import FINGER_LENGTH_M
+from tracerisk.twin.motion.gripper_track import FINGER_LENGTH_M
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.gripper_ends import gripper_ends, pad_centres, width_at
 from tracerisk.twin.robots.robot import Gripper, Robot, load_robot

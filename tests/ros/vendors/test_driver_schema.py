@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tracerisk.errors import DriverError
-from tracerisk.ros.vendors import description_reader, value_reader
+from tracerisk.ros.vendors import description_keys, value_reader
 from tracerisk.ros.vendors.description import EFFECTS
 from tracerisk.ros.vendors.description_reader import read_driver
 
@@ -44,11 +44,11 @@ def test_descriptions_that_are_read_fit_the_schema(path):
 
 
 def test_keys_that_the_schema_completes_are_those_that_the_reader_knows():
-    assert set(SCHEMA["properties"]) == set(description_reader.TOP)
-    for kind, keys in description_reader.OF_KIND.items():
+    assert set(SCHEMA["properties"]) == set(description_keys.TOP)
+    for kind, keys in description_keys.OF_KIND.items():
         known = set(SCHEMA["$defs"][kind]["properties"])
-        assert known - set(description_reader.CASE) == set(keys)
-        assert known - set(keys) <= set(description_reader.CASE)
+        assert known - set(description_keys.CASE) == set(keys)
+        assert known - set(keys) <= set(description_keys.CASE)
     for effect, roles in EFFECTS.items():
         assert set(SCHEMA["$defs"][effect]["properties"]) == set(roles)
     (_, _, _, full) = SCHEMA["$defs"]["value"]["anyOf"]

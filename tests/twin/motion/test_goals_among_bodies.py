@@ -7,10 +7,11 @@ import pytest
 
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.motion.clearance import Clearance
+from tracerisk.twin.motion.interpolation import resample
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.planning import Planner
 from tracerisk.twin.motion.rrt_connect import FINE, connect, segment_is_free
-from tracerisk.twin.motion.timing import along_free_path, along_path, resample
+from tracerisk.twin.motion.timing import along_free_path, along_path
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.robots.robot import load_robot

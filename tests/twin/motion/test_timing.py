@@ -8,7 +8,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.slow import slow_but
-from tracerisk.twin.motion.timing import PATH_TOLERANCE, _sampled, along_path, resample
+from tracerisk.twin.motion.interpolation import resample
+from tracerisk.twin.motion.timing import PATH_TOLERANCE, _sampled, along_path
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.simulation.twin import Twin

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -20,6 +19,7 @@ from tracerisk.common.text.yaml_reader import plain_yaml
 from tracerisk.instrument.source.literals.compared_values import ordered_answers, without_emergency
 from tracerisk.instrument.source.literals.filled_messages import filled_fields, plain_value
 from tracerisk.pipeline.launch.program import Program
+from tracerisk.pipeline.scenarios.shell_words import command_words, is_named, positional_words
 from tracerisk.pipeline.scenarios.written_frames import (
     COMMAND,
     PROGRAM,
@@ -34,9 +34,7 @@ from tracerisk.ros.controller.needs import Need
 _MOST_FILES = 4000
 _MOST_BYTES = 512 * 1024
 _MOST_IN_TURN = 16  # messages that one file shows
-_MOST_LINES = 60  # of one command, with the message that it holds
 _TEXTS = (".md", ".rst", ".txt", ".sh", ".bash", ".py", ".yml", ".yaml", ".launch", ".xml")
-_NAMED = 1  # words before those that may be numbers: the verb and the name
 _PUBLISHES = re.compile(
     r"(?:rostopic|ros2\s+topic)\s+pub\b|(?:rosservice|ros2\s+service)\s+call\b|"
     r"ros2\s+action\s+send_goal\b|rosparam\s+set\b|ros2\s+param\s+set\b"
@@ -46,8 +44,6 @@ _RUNS = re.compile(
     r"(?:usage|example|e\.g\.)\s*:\s*(?=[\w./-]+\.py\s)",
     re.IGNORECASE,
 )
-_TAKES = frozenset({"-r", "--rate", "-n", "--node-name", "-t", "--times", "-w", "-p", "-s"})
-_ENDS_COMMAND = frozenset({"&&", "||", ";", "|", "&", ">", ">>", "#"})
 _PLACEHOLDER = re.compile(r"^[\[<{].*[\]>}]?$|^\.\.\.$|[<>{}\[\]$|]")
 
 
@@ -126,8 +122,8 @@ class WrittenValues:
     def _sent_all(self, need: Need) -> Iterator[Written]:
         kinds = {"topic": ("pub",), "call": ("call",), "goal": ("send_goal",)}[need.kind]
         for command in self._commands(_PUBLISHES):
-            words = _positional(command.words)
-            if len(words) < 2 or words[0] not in kinds or not _is_named(words[1], need.name):
+            words = positional_words(command.words)
+            if len(words) < 2 or words[0] not in kinds or not is_named(words[1], need.name):
                 continue
             rest = words[2:]
             if rest and "/" in rest[0] and not rest[0].startswith(("{", "'", '"')):
@@ -140,8 +136,8 @@ class WrittenValues:
 
     def _set_parameter(self, need: Need) -> Written | None:
         for command in self._commands(_PUBLISHES):
-            words = _positional(command.words)
-            if words[:1] == ("set",) and len(words) > 2 and _is_named(words[-2], need.name):
+            words = positional_words(command.words)
+            if words[:1] == ("set",) and len(words) > 2 and is_named(words[-2], need.name):
                 value = _yaml(words[-1])
                 if value is not None and _is_of_kind(value, need.type_name):
                     return Written(value, command.place)
@@ -154,11 +150,11 @@ class WrittenValues:
             lines = text.splitlines()
             for number, line in enumerate(lines):
                 for match in pattern.finditer(line):
-                    words = _words(lines, number, match.start())
+                    words = command_words(lines, number, match.start())
                     if path.suffix == ".py":
                         # The text in which it stands ends on its line, but for one of many lines.
                         cut = _within_text(line, match.start())
-                        words = words if cut == line else _words([cut], 0, match.start())
+                        words = words if cut == line else command_words([cut], 0, match.start())
                     if words:
                         yield _Command(words, self._place(path, number + 1))
 
@@ -332,58 +328,6 @@ def _within_text(line: str, start: int) -> str:
         if before.count(quote) % 2:
             rest = rest.partition(quote)[0]
     return line[:start] + rest.partition("\\n")[0]
-
-
-def _words(lines: Sequence[str], number: int, start: int) -> tuple[str, ...]:
-    """Return the words of a command that begins on a line, and may go on over the next ones."""
-    text = lines[number][start:].rstrip()
-    indent = len(lines[number]) - len(lines[number].lstrip())
-    # The quote or tick in which a text holds the command ends it too.
-    before = lines[number][start - 1 : start] if start else ""
-    if before in ("`", '"', "'") and before in text:
-        text = text[: text.index(before)] if before == "`" else text
-    for more in range(number + 1, min(number + 1 + _MOST_LINES, len(lines) + 1)):
-        try:
-            lexer = shlex.shlex(text.rstrip("\\"), posix=True, punctuation_chars=False)
-            lexer.whitespace_split, lexer.commenters = True, "#"
-            words = list(lexer)
-        except ValueError:
-            words = []
-        if words and not text.endswith("\\"):
-            end = next((at for at, word in enumerate(words) if word in _ENDS_COMMAND), len(words))
-            return tuple(words[:end])
-        if more >= len(lines):
-            break
-        # A message that goes on over lines is as far in as the command itself.
-        following = lines[more].rstrip()
-        following = following[min(indent, len(following) - len(following.lstrip())) :]
-        if text.endswith("\\"):
-            text = f"{text[:-1].rstrip()} {following.strip()}"
-        else:
-            text = f"{text}\n{following}"
-    return ()
-
-
-def _positional(words: Sequence[str]) -> tuple[str, ...]:
-    """Return the verb of a command of ROS and what follows it, without options."""
-    verbs = {"pub", "call", "send_goal", "set"}
-    at = next((at for at, word in enumerate(words) if word in verbs), None)
-    if at is None:
-        return ()
-    positional: list[str] = []
-    rest = iter(words[at:])
-    for word in rest:
-        if word in _TAKES and len(positional) < 4:
-            next(rest, None)
-        elif not word.startswith("-") or (len(positional) > _NAMED and re.match(r"-[\d.]", word)):
-            # `-1` before the name is an option, behind it a number.
-            positional.append(word)
-    return tuple(positional)
-
-
-def _is_named(written: str, full: str) -> bool:
-    plain = written.strip("/~")
-    return bool(plain) and f"/{full.strip('/~')}".endswith(f"/{plain}")
 
 
 def _is_message(value: dict[Any, Any]) -> bool:

@@ -8,16 +8,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice, pairwise
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.common.geometry.frames import triple
 from tracerisk.errors import one_of
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Bounds, Kinematics, turned_near
 from tracerisk.twin.motion.plausible_units import shown_limits
+from tracerisk.twin.motion.straight_lines import straight_steps
 from tracerisk.twin.motion.timing import (
     MIN_ANGLE_CHANGE,
     PATH_TOLERANCE,
@@ -28,8 +28,6 @@ from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningE
 from tracerisk.twin.robots.robot import Joint, Robot, Scaling
 
 _LIMIT_SLACK = 1e-6  # a target this far past a limit is a rounding error [rad or m]
-_MAX_WAYPOINTS = 20_000  # of one Cartesian path
-_TURN_STEP = 0.1  # the greatest turn between two points of a Cartesian path [rad]
 _JUMP = 0.8  # a joint that turns further between them has changed branch [rad]
 _LEAVING = 0.5 * math.pi  # how far one may turn to leave the singularity in which a path begins
 _OTHER = 0.2  # another posture differs more than this in a joint [rad or m]
@@ -231,7 +229,7 @@ class Planner:
         if tip is None:
             raise PlanningError("bad_request", f"group '{group}' has no tip link; name one")
         here = self._kinematics.forward(start, tip)
-        targets = _straight_steps([here, *waypoints], eef_step)
+        targets = straight_steps([here, *waypoints], eef_step)
         path = [np.array([start[name] for name in names])]
         for target in targets:
 
@@ -374,49 +372,3 @@ def _within(joint: Joint, value: float, near: float) -> float:
             f"{shown_limits(joint, value)}",
         )
     return min(max(float(value), joint.lower), joint.upper)
-
-
-def _straight_steps(corners: Sequence[Pose], eef_step: float) -> list[Pose]:
-    steps: list[Pose] = []
-    for begin, end in pairwise(corners):
-        a, b = np.array(begin.position), np.array(end.position)
-        qa, qb = _unit(begin.orientation), _unit(end.orientation)
-        if float(qa @ qb) < 0.0:
-            qb = -qb
-        angle = 2 * math.acos(min(1.0, float(qa @ qb)))
-        distance = float(np.linalg.norm(b - a))
-        if not math.isfinite(distance):
-            raise PlanningError("bad_request", f"waypoint {end.position} is not finite")
-        count = max(math.ceil(distance / eef_step), math.ceil(angle / _TURN_STEP), 1)
-        if len(steps) + count > _MAX_WAYPOINTS:
-            raise PlanningError(
-                "bad_request",
-                f"eef_step {eef_step:g} m cuts the path into more than {_MAX_WAYPOINTS} points; "
-                "give a longer step",
-            )
-        for i in range(1, count + 1):
-            part = i / count
-            qx, qy, qz, qw = (float(value) for value in _slerp(qa, qb, angle / 2, part))
-            steps.append(Pose(triple(a + part * (b - a)), (qx, qy, qz, qw)))
-    return steps
-
-
-def _unit(orientation: Sequence[float]) -> NDArray[np.float64]:
-    quaternion = np.array(orientation, dtype=np.float64)
-    norm = float(np.linalg.norm(quaternion))
-    if not math.isfinite(norm) or norm < 1e-6:
-        raise PlanningError(
-            "bad_request", f"orientation {tuple(orientation)} is not a quaternion (x, y, z, w)"
-        )
-    return quaternion / norm
-
-
-def _slerp(
-    a: NDArray[np.float64], b: NDArray[np.float64], half_angle: float, part: float
-) -> NDArray[np.float64]:
-    mixed: NDArray[np.float64]
-    if half_angle < 1e-6:
-        mixed = a + part * (b - a)
-    else:
-        mixed = math.sin((1 - part) * half_angle) * a + math.sin(part * half_angle) * b
-    return _unit(mixed.tolist())

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from tracerisk.errors import LogError
 from tracerisk.trace import Element
-from tracerisk.twin.motion.execution import FINGER_LENGTH_M, servo_lead
+from tracerisk.twin.motion.execution import servo_lead
+from tracerisk.twin.motion.gripper_track import FINGER_LENGTH_M
 from tracerisk.twin.recording.contact_pairs import between_pads
 from tracerisk.twin.recording.joint_motion import LEVER_M, SetPoint, motion_steps
 from tracerisk.twin.recording.samples import Samples

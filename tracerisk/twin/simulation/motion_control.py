@@ -12,13 +12,13 @@ from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.motion.execution import (
     ArmTrack,
     GoalTolerance,
-    GripperTrack,
     Motion,
     TimedWay,
     Track,
     check_trajectory,
 )
-from tracerisk.twin.motion.timing import resample
+from tracerisk.twin.motion.gripper_track import GripperTrack
+from tracerisk.twin.motion.interpolation import resample
 from tracerisk.twin.physics.motion import STEP_S, JointTrajectory, MotionOutcome, PlanningError
 from tracerisk.twin.robots.robot import Gripper, Robot
 from tracerisk.twin.simulation.simulation import Simulation

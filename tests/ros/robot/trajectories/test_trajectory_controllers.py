@@ -28,7 +28,7 @@ from tracerisk.ros.robot.trajectory_messages import TrajectoryCode, TrajectoryRe
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.twin_interfaces import TwinInterfaces
-from tracerisk.twin.motion.timing import states_at
+from tracerisk.twin.motion.interpolation import states_at
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.simulation.twin import Twin

@@ -22,7 +22,8 @@ from tracerisk.ros.drafts.drivers.asked import (
     parts_of,
 )
 from tracerisk.ros.drafts.drivers.grips import ends_of, grip_of
-from tracerisk.ros.messages.fields import FLOATS, snake_case, type_of
+from tracerisk.ros.drafts.drivers.guessed_answers import guessed_answer, units_of_fields
+from tracerisk.ros.messages.fields import FLOATS, type_of
 
 _MOVES = re.compile(
     r"move|motion|traj|manipulat"
@@ -82,19 +83,6 @@ _TURNS = (("rx", "ry", "rz"), ("roll", "pitch", "yaw"), ("a", "b", "c"), ("qx", 
 _SPEED = re.compile(r"vel|speed|override")
 _SPEED_UNITS = ("percent", "deg/s", "rad/s", "mm/s", "cm/s", "m/s")
 
-_UNITS = {
-    "angle": (("deg", re.compile("deg|°")), ("rad", re.compile("rad"))),
-    "length": (
-        ("mm", re.compile(r"(^|[\W_])mm($|[\W_])|millimet")),
-        ("cm", re.compile(r"(^|[\W_])cm($|[\W_])|centimet")),
-        ("m", re.compile(r"(^|[\W_])m($|[\W_])|met(er|re)")),
-    ),
-}
-
-_SUCCESS = re.compile(r"succ|ok|done|res(ult)?$|(^|_)(ret|reached|finished|accepted)(_|$)")
-_CODE = re.compile(r"(^|_)(ret|res|result|code|err(or)?(_?(code|id|no))?|status)(_|$)")
-_TEXT = re.compile(r"mess|msg|text|reason|info|error")
-
 
 @dataclass(frozen=True, slots=True)
 class Guess:
@@ -131,7 +119,7 @@ def guessed_driver(
     if shown is None:
         return None
     effect, roles, what = shown
-    units, assumed = _units(parts, roles, effect, doubted)
+    units, assumed = units_of_fields(parts, roles, effect, doubted)
     speed = next((part for part in parts if _is_speed(part)), None)
     left_out = ""
     if effect == "move" and speed is not None and "trajectory" not in roles:
@@ -143,7 +131,7 @@ def guessed_driver(
     interface: dict[str, Any] = {"type": asked.type_name, effect: roles}
     codes: dict[str, Any] = {}
     if reply:
-        answer = _answer(reply, codes)
+        answer = guessed_answer(reply, codes)
         if set(answer) - {"success", "message"}:
             interface["result" if asked.kind == "actions" else "response"] = answer
     name = asked.name.strip("/")
@@ -361,58 +349,3 @@ def _speed_unit(part: Part) -> str | None:
     if re.search(r"scal|factor|ratio|fraction|0(\.0)?\s*(-|to|\.\.)\s*1(\.0)?\b", part.words):
         return "fraction"
     return next((unit for unit in _SPEED_UNITS if unit in part.words.replace(" ", "")), None)
-
-
-def _units(
-    parts: tuple[Part, ...], roles: Mapping[str, Any], effect: str, doubted: Collection[str]
-) -> tuple[dict[str, str], str]:
-    """Return the units of a description, and in words what of them is assumed."""
-    keys = (key for key in ("joints", "pose", "position", "width") if key in roles)
-    role = roles.get(next(keys, ""))
-    paths = role if isinstance(role, list) else [role]
-    used = [part for part in parts if part.path in paths and part.field.message is None]
-    if not used or (effect == "grip" and "width" not in roles):
-        return {}, ""
-    words = " ".join(part.words for part in used)
-    units: dict[str, str] = {}
-    assumed: list[str] = []
-    large: list[str] = []
-    for dimension, plain, other, is_there in (
-        ("length", "m", "mm", "joints" not in roles),
-        ("angle", "rad", "deg", effect == "move" and "position" not in roles),
-    ):
-        written = next((unit for unit, text in _UNITS[dimension] if text.search(words)), "")
-        unit = written or (other if dimension in doubted else plain)
-        if is_there and unit != plain:
-            units[dimension] = unit
-        if is_there and not written:
-            assumed.append(unit)
-            large += [plain] if dimension in doubted else []
-    if not assumed:
-        return units, ""
-    why = f" (some numbers are too large for {' and '.join(large)})" if large else ""
-    return units, f" in {' and '.join(assumed)}{why}"
-
-
-def _answer(reply: Mapping[str, Any], codes: dict[str, Any]) -> dict[str, Any]:
-    """Return how an answer is filled; the values of its number go into `codes`."""
-    answer: dict[str, Any] = {}
-    for name, value in reply.items():
-        called = snake_case(name)
-        if isinstance(value, bool):
-            answer[name] = "$success" if _SUCCESS.search(called) else value
-        elif isinstance(value, int) and not codes and _CODE.search(called):
-            answer[name] = "$code"
-            codes |= {"succeeded": value, "failed": value - 1 if value > 0 else value + 1}
-        elif isinstance(value, str) and value:
-            # The word of success that the code knows is no answer of a motion that failed.
-            answer[name] = {"value": "$success", "map": {"true": value, "else": ""}}
-        elif isinstance(value, str) and _TEXT.search(called):
-            answer[name] = "$message"
-        elif isinstance(value, int | float):
-            answer[name] = value
-        elif isinstance(value, Mapping) and value.keys() == {"data"}:
-            # A message of ROS in the place of its only value.
-            inner = _answer({name: value["data"]}, codes)
-            answer |= {f"{name}.data": output for output in inner.values()}
-    return answer

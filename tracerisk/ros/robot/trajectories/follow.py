@@ -26,8 +26,8 @@ from tracerisk.ros.robot.trajectory_messages import (
     twin_trajectory,
 )
 from tracerisk.twin.motion.execution import Motion
+from tracerisk.twin.motion.interpolation import states_at
 from tracerisk.twin.motion.plausible_units import past_limits
-from tracerisk.twin.motion.timing import states_at
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 
 if TYPE_CHECKING:
