@@ -4,7 +4,8 @@ import pytest
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import SourceError
-from tracerisk.instrument.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
+from tracerisk.instrument.source.call_graph import CallGraph, call_graph
+from tracerisk.instrument.source.motion_reach import motion_reaching, uncovered
 
 MOTION = {"go", "execute", "publish"}
 

@@ -5,10 +5,8 @@ import ast
 import pytest
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.literals.compared_values import (
-    compared_in_callback,
-    without_emergency,
-)
+from tracerisk.instrument.source.literals.answers import without_emergency
+from tracerisk.instrument.source.literals.compared_values import compared_in_callback
 from tracerisk.instrument.source.literals.named_literals import counted_names
 
 SOURCE = """\

@@ -5,12 +5,12 @@ YAML 1.2 as `ruamel.yaml` reads it: `1e-7` is a number, `yes` a string.
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar, cast
 
+from tracerisk.common.text.yaml_kinds import is_finite, is_map, kind_of, short
 from tracerisk.common.text.yaml_repeated_keys import fold_repeated
 from tracerisk.errors import InputError, Location, one_of
 
@@ -71,7 +71,7 @@ class YamlMap:
             if key not in map_:
                 break
             place = map_.key_location(key)
-            if not _is_map(map_.get(key)):
+            if not is_map(map_.get(key)):
                 break
             map_ = map_.map(key)
         return place
@@ -117,8 +117,8 @@ class YamlMap:
     def map(self, key: str) -> YamlMap:
         """Return the mapping at `key`."""
         value = self.require(key)
-        if not _is_map(value):
-            self.fail(key, f"expected a mapping, found {_kind(value)}")
+        if not is_map(value):
+            self.fail(key, f"expected a mapping, found {kind_of(value)}")
         return YamlMap(value, self._file, self.name_of(key), self._error)
 
     def optional_map(self, key: str) -> YamlMap | None:
@@ -139,8 +139,8 @@ class YamlMap:
         value = self._list(key)
         yaml_maps = []
         for index, entry in enumerate(value):
-            if not _is_map(entry):
-                self._fail_entry(key, index, f"expected a mapping, found {_kind(entry)}")
+            if not is_map(entry):
+                self._fail_entry(key, index, f"expected a mapping, found {kind_of(entry)}")
             yaml_maps.append(
                 YamlMap(entry, self._file, f"{self.name_of(key)}[{index}]", self._error)
             )
@@ -152,7 +152,7 @@ class YamlMap:
             return default
         value = self.require(key)
         if not isinstance(value, str):
-            self.fail(key, f"expected a string, found {_kind(value)}; put it in quotes")
+            self.fail(key, f"expected a string, found {kind_of(value)}; put it in quotes")
         return str(value)
 
     def choice(
@@ -183,7 +183,7 @@ class YamlMap:
         value = self._list(key)
         for index, entry in enumerate(value):
             if not isinstance(entry, str):
-                message = f"expected a list of strings, found {_kind(entry)} in it"
+                message = f"expected a list of strings, found {kind_of(entry)} in it"
                 self._fail_entry(key, index, message)
         return [str(entry) for entry in value]
 
@@ -200,9 +200,9 @@ class YamlMap:
             return default
         value = self.require(key)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            self.fail(key, f"expected a number, found {_kind(value)}")
-        if not _is_finite(value):
-            self.fail(key, f"expected a finite number, found {_short(value)}")
+            self.fail(key, f"expected a number, found {kind_of(value)}")
+        if not is_finite(value):
+            self.fail(key, f"expected a finite number, found {short(value)}")
         number = float(value)
         low = minimum is not None and number < minimum
         high = maximum is not None and number > maximum
@@ -218,7 +218,7 @@ class YamlMap:
             return default
         value = self.require(key)
         if isinstance(value, bool) or not isinstance(value, int):
-            self.fail(key, f"expected a whole number, found {_kind(value)}")
+            self.fail(key, f"expected a whole number, found {kind_of(value)}")
         if minimum is not None and value < minimum:
             self.fail(key, f"{value} is below {minimum}")
         return int(value)
@@ -229,7 +229,7 @@ class YamlMap:
             return default
         value = self.require(key)
         if not isinstance(value, bool):
-            self.fail(key, f"expected true or false, found {_kind(value)}")
+            self.fail(key, f"expected true or false, found {kind_of(value)}")
         return bool(value)
 
     def numbers(self, key: str, *, length: int | None = None) -> list[float]:
@@ -239,9 +239,9 @@ class YamlMap:
             if (
                 isinstance(entry, bool)
                 or not isinstance(entry, int | float)
-                or not _is_finite(entry)
+                or not is_finite(entry)
             ):
-                message = f"expected a list of finite numbers, found {_kind(entry)} in it"
+                message = f"expected a list of finite numbers, found {kind_of(entry)} in it"
                 self._fail_entry(key, index, message)
         if length is not None and len(value) != length:
             self.fail(key, f"expected {length} numbers, found {len(value)}")
@@ -266,7 +266,7 @@ class YamlMap:
             return []
         value = self.require(key)
         if not isinstance(value, list):
-            self.fail(key, f"expected a list, found {_kind(value)}")
+            self.fail(key, f"expected a list, found {kind_of(value)}")
         return list(value)
 
 
@@ -362,33 +362,17 @@ def _text(path: Path, file: str, error: type[InputError]) -> str:
 
 
 def _top(node: Any, file: str, error: type[InputError]) -> YamlMap:
-    if not _is_map(node):
-        raise error(f"expected a mapping at the top, found {_kind(node)}", Location(file, 1))
+    if not is_map(node):
+        raise error(f"expected a mapping at the top, found {kind_of(node)}", Location(file, 1))
     _check_keys(node, file, error, set())
     return YamlMap(node, file, "", error)
-
-
-def _is_finite(value: float) -> bool:
-    try:
-        return math.isfinite(value)
-    except OverflowError:  # a whole number above all floats
-        return False
-
-
-def _short(value: float) -> str:
-    text = str(value)
-    return text if len(text) < 40 else f"one of {len(text)} digits"
-
-
-def _is_map(value: Any) -> bool:
-    return isinstance(value, dict) and hasattr(value, "lc")
 
 
 def _check_keys(node: Any, file: str, error: type[InputError], seen: set[int]) -> None:
     """Raise at a key that is not a string; what stands behind several anchors is looked at once."""
     if id(node) in seen:
         return
-    if _is_map(node):
+    if is_map(node):
         seen.add(id(node))
         for key in node:
             if not isinstance(key, str):
@@ -402,17 +386,3 @@ def _check_keys(node: Any, file: str, error: type[InputError], seen: set[int]) -
         seen.add(id(node))
         for entry in node:
             _check_keys(entry, file, error, seen)
-
-
-def _kind(value: Any) -> str:
-    if value is None:
-        return "nothing"
-    if isinstance(value, bool):
-        return f"the truth value {str(value).lower()}"
-    if isinstance(value, int | float):
-        return f"the number {_short(value)}"
-    if isinstance(value, str):
-        return f"the string '{value}'"
-    if isinstance(value, list):
-        return "a list"
-    return "a mapping" if isinstance(value, dict) else f"a {type(value).__name__}"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
-from tracerisk.instrument.source.literals.compared_values import source_tree
+from tracerisk.instrument.source.literals.called_functions import source_tree
 
 _SERVICES = "srv"
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.text.yaml_reader import plain_yaml
-from tracerisk.instrument.source.literals.compared_values import ordered_answers, without_emergency
+from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
 from tracerisk.instrument.source.literals.filled_messages import filled_fields, plain_value
 from tracerisk.pipeline.launch.program import Program
 from tracerisk.pipeline.scenarios.shell_words import command_words, is_named, positional_words

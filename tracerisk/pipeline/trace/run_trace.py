@@ -17,8 +17,9 @@ from tracerisk.instrument.marks.call_log import Site
 from tracerisk.instrument.motion_calls import MOTION_CALLS, calls_at
 from tracerisk.instrument.ownership import Attribution, attribute
 from tracerisk.instrument.recording import Recording
-from tracerisk.instrument.source.call_graph import CallGraph, call_graph, motion_reaching, uncovered
+from tracerisk.instrument.source.call_graph import CallGraph, call_graph
 from tracerisk.instrument.source.function_definitions import MODULE
+from tracerisk.instrument.source.motion_reach import motion_reaching, uncovered
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
 from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran

@@ -12,7 +12,7 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
-from tracerisk.instrument.source.literals.compared_values import (
+from tracerisk.instrument.source.literals.called_functions import (
     calls_at,
     functions_of,
     parameter_name,

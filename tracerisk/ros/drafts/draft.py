@@ -9,13 +9,12 @@ from typing import Any
 
 from tracerisk.common.text.near_names import likely_meant
 from tracerisk.errors import InputError, Location
+from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
+from tracerisk.instrument.source.literals.called_functions import source_tree
 from tracerisk.instrument.source.literals.compared_values import (
     Compared,
     compared_in_callback,
     compared_in_file,
-    ordered_answers,
-    source_tree,
-    without_emergency,
 )
 from tracerisk.instrument.source.literals.filled_messages import largest_given, listed_names
 from tracerisk.instrument.source.literals.known_keys import known_keys

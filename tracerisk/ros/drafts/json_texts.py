@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.literals.compared_values import ordered_answers, without_emergency
+from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
 from tracerisk.instrument.source.literals.json_shapes import JsonShape, json_shape
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.posture_numbers import numbers_of

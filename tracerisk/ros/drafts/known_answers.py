@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
-from tracerisk.instrument.source.literals.compared_values import ordered_answers
+from tracerisk.instrument.source.literals.answers import ordered_answers
 from tracerisk.instrument.source.literals.comparisons import comparisons
 from tracerisk.ros.drafts.asked_results import (
     calls_of,

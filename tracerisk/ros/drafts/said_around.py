@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
-from tracerisk.instrument.source.literals.compared_values import calls_at, source_tree
+from tracerisk.instrument.source.literals.called_functions import calls_at, source_tree
 
 _RANGE = re.compile(r"(?<![\w.])0(?:\.0*)?\s*(?:-|~|\.\.|,|to)\s*(\d+(?:\.\d*)?)(?![\w.]*\d)")
 _OPEN_AT_0 = re.compile(r"(?<![\w.])0(?:\.0*)?\s*[:=(]?\s*(?:is|means)?\s*(?:fully )?open")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
-from tracerisk.instrument.source.literals.compared_values import source_tree
+from tracerisk.instrument.source.literals.called_functions import source_tree
 
 _DICTIONARY = re.compile(r"DICT_\w+")
 _NUMBER = re.compile(r"(^|_)ids?$|(marker|tag|aruco)_?(id|number)", re.IGNORECASE)

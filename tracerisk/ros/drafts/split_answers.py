@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
-from tracerisk.instrument.source.literals.compared_values import calls_at, source_tree
+from tracerisk.instrument.source.literals.called_functions import calls_at, source_tree
 from tracerisk.ros.drafts.asked_results import held_by
 from tracerisk.ros.drafts.named_numbers import Units, numbers_in_place, units_of
 from tracerisk.ros.drafts.said_around import said_at

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.dotted_names import dotted_name, imported_names, last_name
+from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 from tracerisk.instrument.source.literals.bounds import (
     LEAST,
     LENGTH,
@@ -27,22 +26,23 @@ from tracerisk.instrument.source.literals.bounds import (
     whole,
     within,
 )
+from tracerisk.instrument.source.literals.called_functions import (
+    Function,
+    calls_at,
+    functions_imported,
+    functions_of,
+    parameter_name,
+    source_tree,
+)
 from tracerisk.instrument.source.literals.comparisons import (
-    EMERGENCY,
     Constant,
     bare_value,
     beyond,
     compared,
     is_number,
 )
-from tracerisk.instrument.source.literals.named_literals import with_named_literals
-from tracerisk.instrument.source.literals.package_settings import package_settings
 
 _DEEPEST = 3  # of functions to which a value is handed on
-_ENDS = frozenset(
-    {"q", "quit", "exit", "x", "n", "no", "stop", "end", "\x03", "\x04", "\x1b"}
-    | {"esc", "escape", "estop", "e_stop", "emergency_stop", "emergency", "halt", "abort"}
-)
 _ANY_FIELD = frozenset({"data", "name", "id", "frame_id", "child_frame_id", "type"})
 """Fields that many messages have, each with another meaning."""
 _THROUGH = frozenset({"enumerate", "list", "reversed", "sorted"})
@@ -107,13 +107,13 @@ def compared_in_callback(
     tree = source_tree(place)
     if tree is None or place is None:
         return Compared()
-    functions = {**_imported_functions(tree, Path(place.file)), **functions_of(tree)}
+    functions = {**functions_imported(tree, Path(place.file)), **functions_of(tree)}
     calls = list(calls_at(tree, place.line))
     for call in (*calls, *_made_before(tree, calls)):
         for value in (*call.args, *(keyword.value for keyword in call.keywords)):
             # The callback itself, or within `partial(self.on, ...)`.
             for node in ast.walk(value):
-                function: _Function | None = functions.get(last_name(node))
+                function: Function | None = functions.get(last_name(node))
                 if isinstance(node, ast.Lambda):
                     function = node
                 name = None if function is None else parameter_name(function, argument)
@@ -142,42 +142,7 @@ def compared_in_file(place: Location | None) -> Compared:
     return Compared() if tree is None else Compared(_frozen(_by_field(tree)))
 
 
-def ordered_answers(values: Iterable[Any]) -> tuple[str, ...]:
-    """Return answers in the order in which a user would give them: what ends the program last."""
-    texts = list(dict.fromkeys(str(value) for value in values if not isinstance(value, bool)))
-    return tuple(sorted((text for text in texts if text), key=lambda text: text.lower() in _ENDS))
-
-
-def without_emergency(answers: Sequence[str]) -> tuple[str, ...]:
-    """Return answers without those for an emergency, unless there are no others."""
-    calm = tuple(answer for answer in answers if answer.lower() not in EMERGENCY)
-    return calm or tuple(answers)
-
-
 _Found = dict[tuple[str, ...], list[Any]]
-
-
-def source_tree(place: Location | None) -> ast.Module | None:
-    """Return the tree of the source in which a place is; None where it cannot be read."""
-    if place is None:
-        return None
-    try:
-        stat = Path(place.file).stat()
-    except (OSError, ValueError):
-        return None
-    return _parsed(place.file, stat.st_mtime_ns, stat.st_size)
-
-
-@lru_cache(maxsize=32)
-def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
-    """Return the tree of a source as it is; `changed_ns` and `size` are keys of the cache."""
-    del changed_ns, size
-    try:
-        path = Path(file)
-        settings = partial(package_settings, path)
-        return with_named_literals(ast.parse(path.read_bytes()), settings)
-    except (OSError, SyntaxError, ValueError, RecursionError):
-        return None
 
 
 def _frozen(
@@ -198,54 +163,10 @@ def _frozen(
     return {path: values for path, values in frozen.items() if values}
 
 
-def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:
-    """Yield the calls of a tree that stand, or go on, at a line."""
-    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
-    for call in calls if line is not None else ():
-        if call.lineno <= (line or 0) <= (call.end_lineno or call.lineno):
-            yield call
-
-
-_Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
-
-
-def functions_of(tree: ast.AST) -> dict[str, _Function]:
-    """Return the functions of a source by name."""
-    return {
-        node.name: node
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
-    }
-
-
-def _imported_functions(tree: ast.Module, file: Path) -> dict[str, _Function]:
-    """Return the functions of a source that it has from files near it, with what these call."""
-    imported_functions: dict[str, _Function] = {}
-    for name, there, path in imported_names(tree, file):
-        inner = source_tree(Location(str(path)))
-        own = {} if inner is None else functions_of(inner)
-        if there in own:
-            imported_functions |= {
-                other: function
-                for other, function in own.items()
-                if other not in imported_functions
-            }
-            imported_functions[name] = own[there]
-    return imported_functions
-
-
-def parameter_name(function: _Function, number: int) -> str | None:
-    """Return the name of a parameter, counted from 0 behind `self`; None where there is none."""
-    names = [parameter.arg for parameter in (*function.args.posonlyargs, *function.args.args)]
-    if names[:1] in (["self"], ["cls"]):
-        del names[0]
-    return names[number] if number < len(names) else None
-
-
 def _flow(
-    function: _Function,
+    function: Function,
     roots: Mapping[str, tuple[str, ...]],
-    functions: Mapping[str, _Function],
+    functions: Mapping[str, Function],
     tree: ast.AST,
     depth: int = 0,
 ) -> _Found:
@@ -297,8 +218,8 @@ def _given(targets: Iterable[ast.expr]) -> Iterator[tuple[str, bool]]:
 def _follow_call(
     node: ast.AST,
     known: Mapping[str, tuple[str, ...]],
-    function: _Function,
-    functions: Mapping[str, _Function],
+    function: Function,
+    functions: Mapping[str, Function],
     tree: ast.AST,
     depth: int,
     found: _Found,
@@ -318,7 +239,7 @@ def _follow_call(
 
 
 def _read_out(
-    value: ast.expr, known: Mapping[str, tuple[str, ...]], functions: Mapping[str, _Function]
+    value: ast.expr, known: Mapping[str, tuple[str, ...]], functions: Mapping[str, Function]
 ) -> tuple[str, ...] | None:
     """Return the path of a text that a function of the controller turns into the assigned value."""
     if not isinstance(value, ast.Call) or last_name(value.func) not in functions:
@@ -327,7 +248,7 @@ def _read_out(
     return path or None
 
 
-def _refused(function: _Function) -> Iterator[ast.AST]:
+def _refused(function: Function) -> Iterator[ast.AST]:
     """Yield the comparisons that hold for what a function refuses: `if mode == 9: return False`."""
     for node in ast.walk(function):
         if not isinstance(node, ast.If) or node.orelse:

@@ -13,7 +13,7 @@ from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
-from tracerisk.instrument.source.literals.compared_values import (
+from tracerisk.instrument.source.literals.called_functions import (
     calls_at,
     functions_of,
     parameter_name,

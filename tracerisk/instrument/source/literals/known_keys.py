@@ -6,7 +6,8 @@ import ast
 from collections.abc import Iterable, Iterator
 
 from tracerisk.errors import Location
-from tracerisk.instrument.source.literals.compared_values import ordered_answers, source_tree
+from tracerisk.instrument.source.literals.answers import ordered_answers
+from tracerisk.instrument.source.literals.called_functions import source_tree
 
 _ESCAPE = "\x1b"
 _LONGEST_CODE = 6
