@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 from typing import IO, Any
 
+from tracerisk.common.sandbox.process import read_regular
+from tracerisk.errors import Location
+from tracerisk.pipeline.trace.run_files import MOST_TEXT
+
+_STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 _END_OF_OUTPUT = 2000  # bytes that are kept of it
 
 
@@ -67,3 +74,20 @@ def _has_descriptor(stream: Any) -> bool:
     except (AttributeError, OSError, ValueError):
         return False
     return True
+
+
+def place_in(stacks: Path, root: Path) -> Location | None:
+    """Return the innermost place of the controller among the stacks that the child sent."""
+    try:
+        text = read_regular(stacks, MOST_TEXT).decode(errors="replace")
+    except OSError:
+        return None
+    threads = text.split("\n\n")
+    current = [name for name in threads if name.startswith("Current thread")]
+    for thread in [*current, *threads]:
+        for line in thread.splitlines():
+            matched = _STACK_LINE.match(line)
+            if matched is not None and Path(matched["file"]).is_relative_to(root):
+                file = Path(matched["file"]).relative_to(root).as_posix()
+                return Location(file, int(matched["line"]))
+    return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import re
 import signal
 import subprocess
 import time
@@ -21,17 +20,14 @@ from tracerisk.common.sandbox.process import (
     end,
     is_contained,
     passed_environment,
-    read_regular,
 )
 from tracerisk.common.sandbox.process import start as start_process
 from tracerisk.config import Settings
-from tracerisk.errors import Location
-from tracerisk.pipeline.run.child_output import PassingOn
+from tracerisk.pipeline.run.child_output import PassingOn, place_in
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, ProcessEnd, RunOptions, ended_run
 from tracerisk.pipeline.run.run_folders import run_folders
 from tracerisk.pipeline.trace.run_files import (
     EVENTS,
-    MOST_TEXT,
     ROBOT,
     STACKS,
     TEMPORARY,
@@ -58,7 +54,6 @@ _LIVE = "tracerisk.pipeline.run.live.child"
 _FIGURES = "module://tracerisk.ros.controller.unseen_windows"
 """The backend of matplotlib in a run, which has no screen."""
 _GRACE_S = 2.0
-_STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 
 
 @dataclass(frozen=True, slots=True)
@@ -382,20 +377,3 @@ def _stop(
     time.sleep(POLL_S)
     end(child)
     return ProcessEnd(child.returncode, limit, place_in(stacks, Path(request.root)))
-
-
-def place_in(stacks: Path, root: Path) -> Location | None:
-    """Return the innermost place of the controller among the stacks that the child sent."""
-    try:
-        text = read_regular(stacks, MOST_TEXT).decode(errors="replace")
-    except OSError:
-        return None
-    threads = text.split("\n\n")
-    current = [name for name in threads if name.startswith("Current thread")]
-    for thread in [*current, *threads]:
-        for line in thread.splitlines():
-            matched = _STACK_LINE.match(line)
-            if matched is not None and Path(matched["file"]).is_relative_to(root):
-                file = Path(matched["file"]).relative_to(root).as_posix()
-                return Location(file, int(matched["line"]))
-    return None

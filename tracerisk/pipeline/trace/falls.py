@@ -92,3 +92,17 @@ def _free_spans(held: Flags, begin: int) -> Iterator[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(np.concatenate(([True], held[begin:], [True])).astype(np.int8)))
     for start, stop in edges.reshape(-1, 2):
         yield begin + int(start), begin + int(stop)
+
+
+def how_it_fell(fall: Fall) -> tuple[str, str]:
+    """Return the code of a reason, and its words."""
+    fell = f"fell {1000.0 * fall.height_m:.0f} mm" if fall.height_m > FALL_M else ""
+    done = " and ".join(filter(None, (fell, "tipped over" if fall.is_tipped else "")))
+    if fall.slipped_from:
+        slipped = f"slipped out of {fall.slipped_from}, which was not opened"
+        return "object-slipped", ", and ".join(filter(None, (slipped, done)))
+    how = "after it was let go" if fall.was_held else "after the robot touched it"
+    code = "object-tipped"
+    if fell:
+        code = "object-dropped" if fall.was_held else "object-knocked"
+    return code, f"{done} {how}"

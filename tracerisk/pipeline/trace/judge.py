@@ -24,10 +24,9 @@ from tracerisk.common.verdict import (
 from tracerisk.common.verdict_codes import CODES
 from tracerisk.errors import Location
 from tracerisk.instrument.recording import is_near
+from tracerisk.pipeline.trace.falls import how_it_fell
 from tracerisk.pipeline.trace.gripper_faults import gripper_faults
 from tracerisk.pipeline.trace.recorded_run import (
-    FALL_M,
-    Fall,
     IssuedCommand,
     MissedCommand,
     MissedCondition,
@@ -314,7 +313,7 @@ def _of_falls(run: RecordedRun) -> Iterator[Reason]:
     for fall in run.falls:
         before = [command for command in run.commands if command.issue_s <= fall.time_s]
         cause = before[-1] if before else None
-        code, words = _how_it_fell(fall)
+        code, words = how_it_fell(fall)
         yield _reason(
             code,
             f"'{fall.object}' {words}",
@@ -323,20 +322,6 @@ def _of_falls(run: RecordedRun) -> Iterator[Reason]:
             time_s=fall.time_s,
             location=cause.location if cause else None,
         )
-
-
-def _how_it_fell(fall: Fall) -> tuple[str, str]:
-    """Return the code of a reason, and its words."""
-    fell = f"fell {1000.0 * fall.height_m:.0f} mm" if fall.height_m > FALL_M else ""
-    done = " and ".join(filter(None, (fell, "tipped over" if fall.is_tipped else "")))
-    if fall.slipped_from:
-        slipped = f"slipped out of {fall.slipped_from}, which was not opened"
-        return "object-slipped", ", and ".join(filter(None, (slipped, done)))
-    how = "after it was let go" if fall.was_held else "after the robot touched it"
-    code = "object-tipped"
-    if fell:
-        code = "object-dropped" if fall.was_held else "object-knocked"
-    return code, f"{done} {how}"
 
 
 # What was not there

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
-    from tracerisk.ros.graph.actions import ActionClientEnd, ActionServerEnd
+    from tracerisk.ros.graph.action_ends import ActionClientEnd, ActionServerEnd
 
 
 class GoalState(enum.Enum):

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from tracerisk.ros.graph.action_ends import ActionClientEnd
 from tracerisk.ros.graph.action_goal import ActionGoal
-from tracerisk.ros.graph.actions import ActionChange, ActionClientEnd, Actions
+from tracerisk.ros.graph.actions import ActionChange, Actions
 from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.topic_ends import Publication

@@ -17,9 +17,9 @@ from typing import Any
 from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime, StartMark
 from tracerisk.common.sandbox.process import read_regular
 from tracerisk.config import Settings
+from tracerisk.pipeline.run.child_output import place_in
 from tracerisk.pipeline.run.controller_run import (
     RunningChild,
-    place_in,
     reached_limit,
     simulated_so_far,
     size_of,

@@ -13,8 +13,9 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.ros.graph.action_ends import ActionClientEnd
 from tracerisk.ros.graph.action_goal import ActionGoal
-from tracerisk.ros.graph.actions import ActionClientEnd, Actions
+from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode, Execution, TrajectoryExecution
 from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.messages import TwinMessages

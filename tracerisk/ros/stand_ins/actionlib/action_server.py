@@ -9,8 +9,9 @@ from typing import Any
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray  # noqa: F401 - names of this module too
 
+from tracerisk.ros.graph.action_ends import ActionServerEnd
 from tracerisk.ros.graph.action_goal import ActionGoal
-from tracerisk.ros.graph.actions import Actions, ActionServerEnd
+from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.callback_thread import CallbackThread
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.imports.exported import defined as _defined

@@ -13,8 +13,9 @@ from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from unique_identifier_msgs.msg import UUID
 
+from tracerisk.ros.graph.action_ends import ActionClientEnd
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
-from tracerisk.ros.graph.actions import ActionChange, ActionClientEnd
+from tracerisk.ros.graph.actions import ActionChange
 from tracerisk.ros.graph.services import ServiceServer
 from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.time.clock import EPOCH_NS
