@@ -22,7 +22,7 @@ import numpy as np
 import quick
 from numpy.typing import NDArray
 
-from tracerisk.ros.robot.command_streams import VelocityStream
+from tracerisk.ros.robot.streams.command_streams import VelocityStream
 from tracerisk.trace import WEAR_EXPONENTS
 from tracerisk.twin.motion.streams import SetPointStream
 from tracerisk.twin.physics.builder import compile_model

@@ -25,7 +25,7 @@ from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.controllers import ControllerManager
 from tracerisk.ros.robot.grippers import GripperServer
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.robot.set_points import SetPoints
+from tracerisk.ros.robot.streams.set_points import SetPoints
 from tracerisk.ros.robot.trajectories.follow import TYPE as FOLLOW
 from tracerisk.ros.robot.trajectories.follow import FollowServer
 from tracerisk.ros.robot.wrench import WrenchTopics

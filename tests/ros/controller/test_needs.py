@@ -10,7 +10,7 @@ import pytest
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need, NeedLedger
-from tracerisk.ros.drafts.draft import drafts
+from tracerisk.ros.drafts.drafting import drafts
 from tracerisk.ros.drafts.posture_numbers import numbers_of
 from tracerisk.ros.drafts.usable_values import UsableValues, is_on
 from tracerisk.ros.messages.ros1 import Interfaces

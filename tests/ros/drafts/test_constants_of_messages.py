@@ -5,7 +5,7 @@ import pytest
 from tests.ros.drafts.test_guards import values  # noqa: F401
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need
-from tracerisk.ros.drafts.draft import drafts
+from tracerisk.ros.drafts.drafting import drafts
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 

@@ -4,7 +4,7 @@ import pytest
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need
-from tracerisk.ros.drafts.draft import drafts
+from tracerisk.ros.drafts.drafting import drafts
 from tracerisk.ros.drafts.named_numbers import SI, Units, units_said
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.messages.ros1 import Interfaces

@@ -6,7 +6,7 @@ import pytest
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need
-from tracerisk.ros.drafts.draft import drafts, drafts_instead
+from tracerisk.ros.drafts.drafting import drafts, drafts_instead
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.twin.motion.kinematics import Kinematics

@@ -15,7 +15,8 @@ from tracerisk.pipeline.trace.run_files import DRAFTS, UNMET, DraftsNoted
 from tracerisk.pipeline.workspace.needs_in_source import reads_command_line
 from tracerisk.ros.controller.needs import Missed, Need, NeedKind
 from tracerisk.ros.drafts.commanding_messages import commands_something
-from tracerisk.ros.drafts.draft import COMMANDING, drafts, drafts_instead, names_command
+from tracerisk.ros.drafts.drafted_entries import COMMANDING, names_command
+from tracerisk.ros.drafts.drafting import drafts, drafts_instead
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions

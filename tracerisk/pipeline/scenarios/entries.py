@@ -11,7 +11,7 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.run.ended_run import ControllerRun
 from tracerisk.pipeline.scenarios.command_lines import CommandLine
 from tracerisk.ros.drafts.draft import Draft
-from tracerisk.ros.drafts.drafted_pictures import PICTURES
+from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.scenario.lines import entry_lines, word_lines
 from tracerisk.ros.scenario.scenario import Scenario

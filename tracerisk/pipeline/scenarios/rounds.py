@@ -48,8 +48,10 @@ from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.pipeline.trace.run_files import IDLE_S
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.ros.controller.needs import Need
-from tracerisk.ros.drafts.draft import Draft, move_aside, sent_in_turn, stands_free
+from tracerisk.ros.drafts.draft import Draft
+from tracerisk.ros.drafts.drafted_entries import sent_in_turn
 from tracerisk.ros.drafts.drafted_parameter import last_part
+from tracerisk.ros.drafts.drafting import move_aside, stands_free
 from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import shifted
 from tracerisk.ros.scenario.lines import entry_lines

@@ -17,7 +17,6 @@ from functools import cached_property
 from typing import Any
 
 from tracerisk.instrument.source.literals.compared_values import Compared
-from tracerisk.ros.drafts.drafted_pictures import PICTURES, cloud, picture
 from tracerisk.ros.drafts.named_numbers import (
     Reach,
     Units,
@@ -26,6 +25,7 @@ from tracerisk.ros.drafts.named_numbers import (
     units_of,
     units_said,
 )
+from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES, cloud, picture
 from tracerisk.ros.drafts.posture_numbers import numbers_of, roll_pitch_yaw, says_no_place
 from tracerisk.ros.messages.fields import (
     DURATIONS,

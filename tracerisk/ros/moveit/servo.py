@@ -27,7 +27,7 @@ from tracerisk.ros.messages.dialect import nanoseconds
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.bring_up.launched import LaunchedControllers
-from tracerisk.ros.robot.command_streams import CommandStreams
+from tracerisk.ros.robot.streams.command_streams import CommandStreams
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.transforms.poses import rotate

@@ -20,8 +20,8 @@ from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.bring_up.states import robot_controllers
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE, is_command_topic
 from tracerisk.ros.robot.state_order import StateOrder
+from tracerisk.ros.robot.streams.command_topics import JOINT_STATE_TYPE, is_command_topic
 from tracerisk.ros.robot.trajectories.joint_names import JointNames
 from tracerisk.ros.robot.twin_node import JOINTS, TopicStream, TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS

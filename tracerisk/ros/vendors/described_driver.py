@@ -16,8 +16,8 @@ from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.messages import TwinMessages
-from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
 from tracerisk.ros.robot.state_topics import fill_joint_state
+from tracerisk.ros.robot.streams.command_topics import JOINT_STATE_TYPE
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.ros.vendors.answers import Result
 from tracerisk.ros.vendors.conventions import Conventions

@@ -10,9 +10,9 @@ import numpy as np
 from tracerisk.errors import DriverError, one_of
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.robot.arm_motion import ArmMotion
-from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.streams.command_streams import CommandStreams
 from tracerisk.ros.robot.trajectories.joint_names import JointNames
 from tracerisk.ros.robot.trajectories.trajectory_rules import TrajectoryRules
 from tracerisk.ros.vendors.answers import Answers

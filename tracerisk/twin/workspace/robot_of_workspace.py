@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from tracerisk.common.limits import DEFAULT_LIMITS, Limits
@@ -43,32 +43,11 @@ from tracerisk.twin.workspace.srdf_pairing import (
     setup_assistant,
     shipped_with_srdf,
 )
+from tracerisk.twin.workspace.taken_description import Taken, doubted
 
 _TESTS = frozenset({"test", "tests"})
 _RANKS = {"controller": 0, "package": 1, "named": 2}
 _UNNAMED = 3  # the rank of a file that no launch file near the controller names
-
-
-@dataclass(frozen=True, slots=True)
-class _Taken:
-    """A robot that was read."""
-
-    robot: Robot
-    """The robot."""
-    reason: str
-    """The files, and what names them, for messages."""
-    files: tuple[DescriptionFile, ...]
-    """An SRDF, if there is one, and a URDF."""
-    left_out: str = ""
-    """What is before its joints, and not where the controller names them."""
-    is_only: bool = False
-    """Whether there is no other of its kind."""
-    srdf: Srdf | None = None
-    """The SRDF, where there is no URDF."""
-    like: tuple[str, ...] = ()
-    """The shipped robots with its joints."""
-    prefix: str = ""
-    """What it has before the names of these joints."""
 
 
 def find_workspace_robots(
@@ -137,7 +116,7 @@ class _Search:
         listed = {name for name in self._spoken.joints if not is_finger_name(name)}
         return not listed <= {joint.name for joint in robot.joints}
 
-    def _described(self, found: _Taken) -> DescribedRobot:
+    def _described(self, found: Taken) -> DescribedRobot:
         robot = found.robot
         files = [path for file in found.files for path in self._texts.read_for(file)]
         read = tuple(dict.fromkeys([*(file.path for file in found.files), *files]))
@@ -173,7 +152,7 @@ class _Search:
             read = read if path is None else (*read, path)
         return robot, read
 
-    def _from_srdf(self) -> _Taken | None:
+    def _from_srdf(self) -> Taken | None:
         files = [file for file in self._files if file.is_srdf]
         read: list[tuple[DescriptionFile, Srdf]] = []
         for file in sorted(files, key=self._rank):
@@ -205,12 +184,12 @@ class _Search:
             if result is not None:
                 robot, urdf = result
                 origin = f"{file.shown} with {urdf.shown} in the workspace ({why})"
-                return _Taken(robot, origin, (file, urdf), is_only=is_only)
+                return Taken(robot, origin, (file, urdf), is_only=is_only)
             like, prefix = shipped_like(srdf.words)
             if like:
                 origin = f"{file.shown} in the workspace ({why})"
                 robot = shipped_with_srdf(like[0], prefix, srdf)
-                return _Taken(
+                return Taken(
                     robot, origin, (file,), is_only=is_only, srdf=srdf, like=like, prefix=prefix
                 )
             origin = f"no URDF or known robot has its joints{self._absent(file)}"
@@ -256,9 +235,9 @@ class _Search:
                 return self._texts.completed(completed_as_ours(robot), urdf), urdf
         return None
 
-    def _from_urdf(self) -> _Taken | None:
+    def _from_urdf(self) -> Taken | None:
         names_of = {file.robot_name for file in self._urdf_files if not self._is_of_tests(file)}
-        best: tuple[tuple[bool, int, int, bool, int], _Taken] | None = None
+        best: tuple[tuple[bool, int, int, bool, int], Taken] | None = None
         for file in sorted(self._urdf_files, key=self._rank):
             starts = self._launched_as(file) == 0
             only = len(names_of) == 1 and not self._is_of_tests(file)
@@ -291,7 +270,7 @@ class _Search:
                 why = f"names {', '.join(sorted(speaks)[:4])}" if speaks else "by its name"
                 if starts and not speaks:
                     why = f"by {self._launched[file.path].file}"
-                best = weight, _Taken(robot, f"{why}{prefixed}", (file,), left_out, only)
+                best = weight, Taken(robot, f"{why}{prefixed}", (file,), left_out, only)
             is_whole = {one.name.removeprefix(left_out) for one in robot.arm_joints} <= of_joints
             if is_whole and of_joints >= self._spoken.exactly(self._spoken.joints):
                 break
@@ -302,14 +281,14 @@ class _Search:
         completed = self._texts.completed(grouped, taken.files[0])
         if taken.left_out:
             origin = f"the controller names its joints without the prefix '{taken.left_out}'"
-            completed = _doubted(without_prefix(completed, taken.left_out), origin)
+            completed = doubted(without_prefix(completed, taken.left_out), origin)
         elif rivals := [*self._rivals_of(taken)]:
             origin = f"{', '.join(rivals)} in the workspace would fit as well; name it with --robot"
-            completed = _doubted(completed, origin)
+            completed = doubted(completed, origin)
         origin = f"{taken.files[0].shown} in the workspace ({taken.reason})"
         return replace(taken, robot=completed, reason=origin)
 
-    def _rivals_of(self, taken: _Taken) -> Iterator[str]:
+    def _rivals_of(self, taken: Taken) -> Iterator[str]:
         """Yield the files of other arms with the same joints, for which as much speaks."""
         (own,) = taken.files
         for file in self._urdf_files:
@@ -405,7 +384,3 @@ class _Search:
         self._skipped.append(f"{file.shown}: {reason}")
         if is_meant and not self._is_of_tests(file):
             self._unreadable.append(self._skipped[-1])
-
-
-def _doubted(robot: Robot, doubt: str) -> Robot:
-    return replace(robot, doubt="; ".join(name for name in (robot.doubt, doubt) if name))

@@ -1,4 +1,4 @@
-"""Which of the answers that a source knows a person would give first."""
+"""The order in which answers that a source knows are tried."""
 
 from __future__ import annotations
 

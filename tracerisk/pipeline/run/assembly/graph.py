@@ -28,8 +28,8 @@ from tracerisk.ros.messages.interface_texts import ENDINGS, InterfaceText
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.robot.frames import TwinFrames
-from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
 from tracerisk.ros.robot.state_topics import TwinTopics
+from tracerisk.ros.robot.streams.command_topics import JOINT_STATE_TYPE
 from tracerisk.ros.scenario.cell_log import CellLog
 from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.ros.scenario.world import ScenarioWorld

@@ -16,8 +16,8 @@ import numpy as np
 
 from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.robot.arm_motion import ArmMotion
-from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.streams.command_streams import CommandStreams
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.ros.transforms.poses import compose, shifted
 from tracerisk.ros.vendors.dobot.queue import (

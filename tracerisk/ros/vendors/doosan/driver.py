@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.topic_ends import Publication
-from tracerisk.ros.robot.command_streams import SHORT_S, CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.streams.command_streams import SHORT_S, CommandStreams
 from tracerisk.ros.vendors.doosan.motion import pose_of
 from tracerisk.ros.vendors.doosan.reports import DoosanReports, Handler
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose

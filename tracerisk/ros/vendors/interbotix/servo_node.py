@@ -13,10 +13,10 @@ import numpy as np
 
 from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.topic_ends import Publication
-from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.motion_profiles import at_velocities
-from tracerisk.ros.robot.set_points import JOINT_STATE_TYPE
+from tracerisk.ros.robot.streams.command_streams import CommandStreams
+from tracerisk.ros.robot.streams.command_topics import JOINT_STATE_TYPE
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.vendors.interbotix.dynamixel import LARGEST, SETTINGS, Servo, linkage_of
 from tracerisk.ros.vendors.interbotix.motion import InterbotixMotion

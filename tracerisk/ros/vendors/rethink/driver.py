@@ -20,9 +20,9 @@ from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.moveit.messages import set_pose
 from tracerisk.ros.moveit.path_constraints import message_pose
-from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.grippers import measured_grip
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.streams.command_streams import CommandStreams
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import PlanningError

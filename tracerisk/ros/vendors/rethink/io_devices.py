@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.messages.dialect import set_time
-from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.grippers import measured_grip
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.streams.command_streams import CommandStreams
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import PlanningError

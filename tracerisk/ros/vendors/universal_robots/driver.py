@@ -18,9 +18,9 @@ from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.bring_up.states import ControllerStates
-from tracerisk.ros.robot.command_streams import CommandStreams
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
+from tracerisk.ros.robot.streams.command_streams import CommandStreams
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.transforms.poses import compose, inverse, rotate, shifted
 from tracerisk.ros.vendors.conventions import Conventions

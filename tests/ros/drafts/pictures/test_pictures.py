@@ -6,7 +6,7 @@ from types import ModuleType
 import pytest
 
 from tracerisk.errors import ScenarioError
-from tracerisk.ros.drafts import drafted_pictures
+from tracerisk.ros.drafts.pictures import drafted_pictures
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.scenario.message import MessageTemplate
 from tracerisk.ros.scenario.scenario import read_scenario

@@ -4,7 +4,7 @@ import pytest
 
 from tracerisk.common import trace_json
 from tracerisk.ros.robot.motion_profiles import at_velocities
-from tracerisk.ros.robot.set_points import group_joints, single_joint
+from tracerisk.ros.robot.streams.command_topics import group_joints, single_joint
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm
 from tracerisk.twin.robots.robot import load_robot

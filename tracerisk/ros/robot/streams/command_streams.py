@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.instrument.helper_rule import call_path
-from tracerisk.ros.robot.commands import DWELL_NS, LiveCommand, TwinCommands
+from tracerisk.ros.robot.commands import DWELL_NS, TwinCommands
+from tracerisk.ros.robot.live_command import LiveCommand
 from tracerisk.ros.robot.motion_profiles import at_velocities
 from tracerisk.twin.motion.plausible_units import speed_guess
 from tracerisk.twin.motion.streams import SetPointStream

@@ -7,7 +7,7 @@ import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from tracerisk.ros.drafts.seen_in_pictures import Seen
+from tracerisk.ros.drafts.pictures.seen_in_pictures import Seen
 from tracerisk.ros.messages.pictures import PICTURE
 
 _SMALL, _LARGE = (16, 12), (640, 480)  # [pixels]

@@ -1,0 +1,376 @@
+"""What a scenario could hold for one need of a controller."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from tracerisk.common.text.near_names import likely_meant
+from tracerisk.errors import Location
+from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
+from tracerisk.instrument.source.literals.called_functions import source_tree
+from tracerisk.instrument.source.literals.compared_values import (
+    Compared,
+    compared_in_callback,
+    compared_in_file,
+)
+from tracerisk.instrument.source.literals.filled_messages import largest_given, listed_names
+from tracerisk.instrument.source.literals.known_keys import known_keys
+from tracerisk.ros.controller.needs import KEYS, Need, NeedKind
+from tracerisk.ros.drafts.asked_results import used_as
+from tracerisk.ros.drafts.commanding_messages import commands_something
+from tracerisk.ros.drafts.draft import WELL
+from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter
+from tracerisk.ros.drafts.drivers.asked import Asked, parts_of
+from tracerisk.ros.drafts.drivers.guessed_driver import Guess, guessed_driver, names_motion
+from tracerisk.ros.drafts.json_texts import json_texts
+from tracerisk.ros.drafts.known_answers import known_answers
+from tracerisk.ros.drafts.named_numbers import named_number, units_of
+from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES, picture
+from tracerisk.ros.drafts.pictures.seen_in_pictures import seen_in_pictures
+from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
+from tracerisk.ros.drafts.said_around import ranges_said, said_at, said_in_callback
+from tracerisk.ros.drafts.usable_values import BOX, UsableValues
+from tracerisk.ros.messages.fields import (
+    action_parts,
+    fields_of,
+    goal_class,
+    known_constants,
+    service_parts,
+    type_of,
+)
+from tracerisk.twin.physics.motion import Pose
+
+_YES_OR_NO = re.compile(r"y/n|\byes\b", re.IGNORECASE)
+_SENSOR = re.compile(r"^(sensor_msgs/(?!JointState|Joy)|nav_msgs/Odometry|geometry_msgs/Wrench)")
+_COMMAND = re.compile(r"std_msgs/(Bool|Empty|String|U?Int\d+)$")
+TRANSITION = "lifecycle_msgs/ChangeState"
+_EACH_S = 10.0  # between two commands of which a controller knows several
+_FEW_WORDS = 6  # of more, keys of a keyboard, each moves a little
+_MOST_WORDS = 16
+_SHORT_S = 2.0  # between two of those
+_PRESSED_S = 1.0  # for how long each button of a game pad is pressed
+BROUGHT_UP = ({"id": 1, "label": "configure"}, {"id": 3, "label": "activate"})
+_MOVES = re.compile(r"(^|[/_])(arm|gripper|fingers?|hand|joints?|tool|trajectory|motion)([/_\d]|$)")
+_JOINTS = re.compile(
+    r"^(j|joint_?)\d$|^(joint_)?trajectory$|^joint_(names|values|angles|positions)$"
+)
+_FOOT = re.compile(r"(^|[/_])(base(_(link|footprint|frame))?|world|map|odom)$")
+_OF_DRIVERS = frozenset(
+    {
+        *("std_srvs/Empty", "std_srvs/SetBool", "std_srvs/Trigger", "sensor_msgs/JointState"),
+        *("std_msgs/Bool", "std_msgs/Empty", "std_msgs/Float32", "std_msgs/Float64"),
+    }
+)
+"""Types of ROS that drivers of arms and grippers take too."""
+COMMANDING = frozenset(
+    {
+        *("geometry_msgs/Pose", "geometry_msgs/PoseStamped"),
+        *("std_msgs/Float32MultiArray", "std_msgs/Float64MultiArray"),
+    }
+)
+"""Types of ROS that are no command unless the name of their topic says so."""
+_KINDS = {"services": "srv", "actions": "action", "subscribed_topics": "msg"}
+_ASKED_NUMBER = re.compile(r"\b([xyz]|roll|pitch|yaw|(joint|axis) ?\d|j\d|angle)\b")
+_ALARM = re.compile(
+    r"(^|[/_])(bumper|cliff|wheel_drop|e_?stop|emergency\w*|collisions?|alarms?|faults?)s?([/_]|$)",
+    re.IGNORECASE,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Lack:
+    """A need with what its entry is made from."""
+
+    need: Need
+    """The need that nothing met."""
+    place: Location | None
+    """The line of the controller that asks for it; `None` where none is known."""
+    interfaces: Any
+    """The definitions of messages, services and actions of the run."""
+    values: UsableValues
+    """The values that are usable on the robot of the run."""
+
+
+_Made = tuple[Any, str] | tuple[Any, str, Any]
+"""The value of an entry, `None` where no scenario can give one, and where it is from; of a driver
+that answers, what answers alone, too."""
+
+
+def _topic(lack: Lack) -> _Made:
+    need = lack.need
+    if need.type_name == "*":
+        unknown = {"topic": need.name, "type": "std_msgs/String", "message": {"data": ""}}
+        return unknown, "its type is not known"
+    if _ALARM.search(need.name) and not need.type_name.startswith("std_msgs/"):
+        return None, "an alarm, which no draft gives"
+    made, values = lack.interfaces.message(need.type_name), lack.values
+    compared = compared_in_callback(lack.place, constants=known_constants(made))
+    said, comments = said_in_callback(lack.place), _comments(lack, "msg")
+    message = values.fields(made, compared, need.name, said, comments)
+    entry: dict[str, Any] = {"topic": need.name, "type": need.type_name}
+    several: tuple[str | bool, ...] = ()
+    texts = json_texts(lack.place, values) if need.type_name == "std_msgs/String" else ()
+    if texts:
+        several, message = texts if len(texts) > 1 else (), {"data": texts[0]}
+    elif need.type_name == "std_msgs/String":
+        known = without_emergency(ordered_answers(compared.texts(("data",))))
+        several = known[:_MOST_WORDS]
+    elif need.type_name == "std_msgs/Bool" and message["data"]:
+        several = compared.truths(("data",))
+    if need.type_name == "sensor_msgs/Joy":
+        # A dead man's button, whichever it is, is held while the sticks are moved.
+        count = len(message["buttons"])
+        alone = [[int(at == index) for at in range(count)] for index in range(count)]
+        held = [{**message, "buttons": item} for item in (message["buttons"], *alone)]
+        timing = {"at": 1.0, "rate": 1 / _PRESSED_S, "count": len(held)}
+        entry = {**entry, "messages": held, **timing}
+        return entry, "the sticks moved, without a button and then with each"
+    field, in_turn = ("data", several) if several else _values_in_turn(need, message, compared)
+    if len(in_turn) > 1:
+        entry = sent_in_turn(entry, [{**message, field: item} for item in in_turn])
+        return entry, "the values that the code knows, in turn"
+    if _SENSOR.match(need.type_name):
+        words = _typed_text(need.type_name, compared.values, values)
+        seen = seen_in_pictures(lack.place) if need.type_name in PICTURES else None
+        if seen is not None:
+            parts = [field.name for field in fields_of(made)]
+            message = picture(need.type_name, parts, values.robot.base_link, need.name, seen)
+        return {**entry, "rate": 10.0, "until": 60.0, "message": message}, words
+    # A command finds that what was seen has come already.
+    after = 2.0 if _COMMAND.match(need.type_name) else 1.0
+    entry = {**entry, "after": after, "message": message}
+    if texts:
+        return entry, "JSON with what the code looks up"
+    return entry, _typed_text(need.type_name, compared.values, values)
+
+
+def sent_in_turn(entry: Mapping[str, Any], commands: Sequence[Any]) -> dict[str, Any]:
+    """Return the entry of a topic with several commands, each with time to be carried out."""
+    rate = 1 / (_EACH_S if len(commands) <= _FEW_WORDS else _SHORT_S)
+    kept = {key: entry[key] for key in ("topic", "type") if key in entry}
+    return {**kept, "messages": list(commands), "at": 1.0, "rate": rate, "count": len(commands)}
+
+
+def _values_in_turn(
+    need: Need, message: Mapping[str, Any], compared: Compared
+) -> tuple[str, Sequence[str | int]]:
+    """Return the field of a command that has several known values, and these; none for sensors."""
+    if _SENSOR.match(need.type_name):
+        return "", ()
+    for name, now in message.items():
+        known: Sequence[str | int] = ()
+        if isinstance(now, str):
+            known = without_emergency(ordered_answers(compared.texts((name,))))
+        elif type(now) is int:
+            known = [number for number in compared.numbers((name,)) if isinstance(number, int)]
+        if len(known) > 1 and now in known:
+            return name, known[:_MOST_WORDS]
+    return "", ()
+
+
+def _comments(lack: Lack, kind: str) -> Mapping[str, str]:
+    """Return the comments of the definition of what is lacking, by field."""
+    comments: Mapping[str, str] = lack.interfaces.comments(lack.need.type_name, kind)
+    return comments
+
+
+def _typed_text(type_name: str, compared: Any, values: UsableValues) -> str:
+    name = values.robot.name
+    if re.search(r"Joint", type_name):
+        return f"joints of {name}, a little away from where it begins"
+    if re.search(r"Pose|Point|Transform|Detection|Marker", type_name):
+        return f"a pose that {name} reaches"
+    return "as the code compares it" if compared else "a value of its type"
+
+
+def _service(lack: Lack) -> _Made:
+    need = lack.need
+    if not need.type_name:
+        return {"name": need.name, "reply": {}}, "its type is not known"
+    request, response = service_parts(lack.interfaces, need.type_name)
+    reply = lack.values.fields(response, compared_in_file(lack.place))
+    entry = {"name": need.name, "type": need.type_name, "reply": reply}
+    guess = _guess(Asked("services", need.name, need.type_name, request), reply, lack)
+    return (entry, WELL[need.kind]) if guess is None else (guess.entry, guess.words, entry)
+
+
+def _action(lack: Lack) -> _Made:
+    need = lack.need
+    goal = goal_class(lack.interfaces, need.type_name)
+    parts = action_parts(lack.interfaces, need.type_name)
+    result = lack.values.fields(parts[0], compared_in_file(lack.place))
+    entry = {"name": need.name, "type": need.type_name, "after": 1.0, "result": result}
+    guess = _guess(Asked("actions", need.name, need.type_name, goal), result, lack)
+    if guess is not None:
+        return guess.entry, guess.words, entry
+    if _moves_robot(need, goal):
+        return None, "moves the robot: a driver has to serve it, no scenario can"
+    return entry, WELL[need.kind]
+
+
+def _command(lack: Lack) -> _Made:
+    need = lack.need
+    message = lack.interfaces.message(need.type_name)
+    guess = _guess(Asked("subscribed_topics", need.name, need.type_name, message), {}, lack)
+    if guess is None:
+        return None, "nobody receives it"
+    return guess.entry, guess.words
+
+
+def names_command(need: Need, interfaces: Any) -> bool:
+    """Return whether the name of a topic, or of a field of its messages, says that it moves."""
+    message = interfaces.message(need.type_name)
+    asked = Asked("subscribed_topics", need.name, need.type_name, message)
+    return names_motion(asked, tuple(parts_of(message, {})))
+
+
+def _guess(asked: Asked, reply: Mapping[str, Any], lack: Lack) -> Guess | None:
+    """Return a driver for what the workspace has messages of its own for, or a gripper's switch."""
+    interfaces, values = lack.interfaces, lack.values
+    package = asked.type_name.partition("/")[0]
+    if asked.type_name in COMMANDING:
+        if not commands_something(asked.name, asked.type_name, asked.request):
+            return None
+    elif package not in interfaces.workspace and asked.type_name not in _OF_DRIVERS:
+        return None
+    group = None if values.group is None else values.group[0]
+    tree = source_tree(lack.place)
+    largest = {name: (number, False) for name, number in largest_given(tree).items()}
+    largest |= ranges_said(lack.place)
+    return guessed_driver(
+        replace(asked, elements=listed_names(tree), largest=largest),
+        reply,
+        joints=len(values.joints),
+        states=values.robot.named_states.get(group or "", {}),
+        comments=interfaces.comments(asked.type_name, _KINDS[asked.kind]),
+        doubted=values.doubted,
+    )
+
+
+def _moves_robot(need: Need, goal: Any) -> bool:
+    """Return whether an action is one of the arm's or the gripper's driver."""
+    return bool(_MOVES.search(need.name.lower())) or _holds_joints(goal, 3)
+
+
+def _holds_joints(message_class: Any, depth: int) -> bool:
+    if type_of(message_class) in ("trajectory_msgs/JointTrajectory", "sensor_msgs/JointState"):
+        return True
+    return any(
+        _JOINTS.match(field.name) is not None
+        or (field.message is not None and depth > 0 and _holds_joints(field.message, depth - 1))
+        for field in fields_of(message_class)
+    )
+
+
+def _call(lack: Lack) -> _Made:
+    need = lack.need
+    entry: dict[str, Any] = {"service": need.name, "type": need.type_name}
+    if need.type_name == TRANSITION:
+        entry |= {"request": {"transition": BROUGHT_UP[0]}, "wait": True}
+        return entry, "as who brings up a lifecycle node: configured, then activated"
+    request = service_parts(lack.interfaces, need.type_name)[0]
+    compared = compared_in_sent(need, lack.place, lack.interfaces)
+    said = said_in_callback(lack.place)
+    sent = lack.values.fields(request, compared, need.name, said, _comments(lack, "srv"))
+    return {**entry, "request": sent, "wait": True}, "one call, in its turn"
+
+
+def _sent_goal(lack: Lack) -> _Made:
+    need = lack.need
+    goal = goal_class(lack.interfaces, need.type_name)
+    compared = compared_in_sent(need, lack.place, lack.interfaces)
+    said = said_in_callback(lack.place)
+    sent = lack.values.fields(goal, compared, need.name, said, _comments(lack, "action"))
+    entry = {"action": need.name, "type": need.type_name, "goal": sent, "wait": True}
+    return entry, "one goal, in its turn"
+
+
+def _frame(lack: Lack) -> _Made:
+    need, values = lack.need, lack.values
+    mistake = likely_meant(need.name.strip("/"), values.robot.link_names)
+    if mistake:
+        return None, mistake
+    pose = values.pose
+    is_foot = _FOOT.search(need.name) is not None
+    if is_foot:
+        pose = Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    entry = {
+        "frame": need.name,
+        "parent": values.robot.base_link,
+        "xyz": list(pose.position),
+        "rpy": [round(value, 4) + 0.0 for value in roll_pitch_yaw(pose.orientation)],
+    }
+    name = values.robot.name
+    return entry, f"the base of {name}" if is_foot else f"a pose that {name} reaches"
+
+
+def _object(lack: Lack) -> _Made:
+    need, values = lack.need, lack.values
+    entry: dict[str, Any] = {"name": need.name, "box": list(BOX)}
+    if need.type_name == "attached" and values.hand is not None:
+        entry["xyz"], entry["attached"] = list(values.hand[1]), values.hand[0]
+        return entry, f"a box in the hand of {values.robot.name}"
+    entry |= {"xyz": list(values.pose.position), "known": True}
+    return entry, f"a box that {values.robot.name} reaches"
+
+
+def _start(lack: Lack) -> _Made:
+    start = dict(lack.values.start) or None
+    return start, f"a posture of {lack.values.robot.name} with room around its tool"
+
+
+def _answer(lack: Lack) -> _Made:
+    need = lack.need
+    if need.name == KEYS:
+        keys = list(known_keys(lack.place))
+        words = "each key that the code knows" if keys else "the code names no key"
+        return keys or None, words
+    answers = known_answers(lack.place, lack.values)
+    asked = _ASKED_NUMBER.search(need.name.lower())
+    if (
+        asked
+        and {*answers} <= {*map(str, ANY_NUMBER)}
+        and used_as(lack.place, "input") in ("int", "float")
+    ):
+        units = units_of("", f"{need.name} {said_at(lack.place)}")
+        number = named_number(asked[0].replace(" ", "_"), units, lack.values.reach)
+        if number is not None:
+            return [f"{number + 0.0:.4g}"], f"within reach of {lack.values.robot.name}"
+    if not answers:
+        answers = ("y",) if _YES_OR_NO.search(need.name) else ("1",)
+        return list(answers), f"an answer to {need.name}"
+    return list(answers), f"as the code compares the answer to {need.name}"
+
+
+def _module(lack: Lack) -> _Made:
+    words = f"a placeholder, whose numbers are a posture of {lack.values.robot.name}"
+    remedy = f"; {lack.need.type_name}" if lack.need.type_name else ""
+    return {"module": lack.need.name}, f"{words}{remedy}"
+
+
+ENTRIES: Mapping[NeedKind, Callable[[Lack], _Made]] = {
+    "topic": _topic,
+    "service": _service,
+    "action": _action,
+    "call": _call,
+    "goal": _sent_goal,
+    "frame": _frame,
+    "object": _object,
+    "start": _start,
+    "input": _answer,
+    "parameter": lambda lack: drafted_parameter(lack.need, lack.place, lack.values),
+    "command": _command,
+    "module": _module,
+}
+
+
+def compared_in_sent(need: Need, place: Location | None, interfaces: Any) -> Compared:
+    """Return the literals with which the code compares the fields of a request or a goal."""
+    if need.kind == "goal":
+        sent = goal_class(interfaces, need.type_name)
+    else:
+        sent = service_parts(interfaces, need.type_name)[0]
+    return compared_in_callback(place, constants=known_constants(sent))

@@ -1,0 +1,1 @@
+"""Pictures that a scenario can publish, and what a controller sees in them."""

@@ -1,0 +1,1 @@
+"""Topics that command joints, and the streams of set-points on them."""
