@@ -31,8 +31,9 @@ from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES, picture
 from tracerisk.ros.drafts.pictures.seen_in_pictures import seen_in_pictures
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
+from tracerisk.ros.drafts.reached_poses import BOX
 from tracerisk.ros.drafts.said_around import ranges_said, said_at, said_in_callback
-from tracerisk.ros.drafts.usable_values import BOX, UsableValues
+from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.messages.fields import (
     action_parts,
     fields_of,
