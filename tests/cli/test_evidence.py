@@ -20,7 +20,7 @@ from tracerisk.common.campaign import CampaignOptions
 from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.common.evidence.file import dump_evidence, merge_evidence, read_evidence
 from tracerisk.errors import ScenarioError
-from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 
 HARDWARE = """\
 robot: panda

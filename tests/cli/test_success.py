@@ -8,7 +8,7 @@ from ruamel.yaml import YAML
 from tracerisk.common.outcome.arm import Arm
 from tracerisk.common.outcome.outcome import CellUse, ObjectOutcome, Outcome, rest_of
 from tracerisk.pipeline.mission.drafted import drafted_conditions
-from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.twin.physics.scene import Goal
 

@@ -10,7 +10,7 @@ from lsprotocol import types as lsp
 from ruamel.yaml import YAML
 
 import tracerisk
-from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = json.loads(

@@ -36,7 +36,7 @@ from tracerisk.prm.other_models.formats.prism.prism_reader import read_prism_mod
 from tracerisk.prm.other_models.linked import linked
 from tracerisk.prm.other_models.properties import ask, parse_properties
 from tracerisk.ros.graph.parameter_files import read_parameters
-from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.vendors.description_reader import read_driver
 from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
 from tracerisk.twin.robots.robot_reader import read_robot

@@ -10,7 +10,8 @@ from tracerisk.errors import ScenarioError
 from tracerisk.pipeline.mission.asked_calls import AskedCall
 from tracerisk.pipeline.mission.judged import missed
 from tracerisk.pipeline.mission.named_objects import check_names, check_objects
-from tracerisk.ros.scenario.scenario import Scenario, read_scenario
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
+from tracerisk.ros.scenario.scenario import Scenario
 
 
 @pytest.fixture

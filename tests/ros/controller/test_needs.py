@@ -15,9 +15,9 @@ from tracerisk.ros.drafts.posture_numbers import numbers_of
 from tracerisk.ros.drafts.usable_values import UsableValues, is_on
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
-from tracerisk.ros.scenario.lines import scenario_lines
+from tracerisk.ros.scenario.file.lines import scenario_lines
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.message import MessageTemplate
-from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.ros.transforms.poses import compose
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.physics.motion import Pose

@@ -11,7 +11,7 @@ from tracerisk.ros.graph.runtime import Runtime, activate
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
-from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.time.patches import virtual_time

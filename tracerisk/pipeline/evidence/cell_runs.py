@@ -31,7 +31,7 @@ from tracerisk.pipeline.run.ended_run import ControllerRun, RunOptions
 from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
 from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
-from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples

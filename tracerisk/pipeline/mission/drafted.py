@@ -10,7 +10,7 @@ from typing import Any
 
 from tracerisk.common.outcome.outcome import MOVED_M, ObjectOutcome, Outcome
 from tracerisk.pipeline.mission.bodies import GOAL_HEIGHT_M, UPRIGHT_RAD, length_words
-from tracerisk.ros.scenario.lines import marked_entry
+from tracerisk.ros.scenario.file.lines import marked_entry
 from tracerisk.ros.scenario.success import Condition, times_words
 from tracerisk.twin.physics.scene import Goal
 

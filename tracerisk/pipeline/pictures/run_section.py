@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from tracerisk.common.hardware.binding import bind
 from tracerisk.pipeline.trace.run_files import ROBOT, RunRequest
 from tracerisk.report.html.run.replay import RecordedRun, make_replay
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.objects import with_objects
-from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.file import read_dumped_robot
 

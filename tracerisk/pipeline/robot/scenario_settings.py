@@ -15,7 +15,7 @@ def with_scenario(settings: Settings) -> Settings:
     """
     if settings.scenario is None or (settings.robot is not None and settings.args):
         return settings
-    from tracerisk.ros.scenario.scenario import read_scenario
+    from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 
     scenario = read_scenario(Path(settings.scenario))
     return replace(

@@ -21,7 +21,7 @@ from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
-from tracerisk.ros.scenario.lines import scenario_lines
+from tracerisk.ros.scenario.file.lines import scenario_lines
 from tracerisk.trace import GOOD_ENDS, EndCause
 
 _RECENT_NS = 1_000_000_000  # what was asked for last before an error may have led to it

@@ -13,7 +13,7 @@ from tracerisk.pipeline.scenarios.command_lines import CommandLine
 from tracerisk.ros.drafts.draft import Draft
 from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES
 from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
-from tracerisk.ros.scenario.lines import entry_lines, word_lines
+from tracerisk.ros.scenario.file.lines import entry_lines, word_lines
 from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.trace import Trace
 

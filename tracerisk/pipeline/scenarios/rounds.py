@@ -54,8 +54,9 @@ from tracerisk.ros.drafts.drafted_parameter import last_part
 from tracerisk.ros.drafts.drafting import move_aside, stands_free
 from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.shifted_poses import shifted
-from tracerisk.ros.scenario.lines import entry_lines
-from tracerisk.ros.scenario.scenario import Scenario, read_scenario
+from tracerisk.ros.scenario.file.lines import entry_lines
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
+from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.trace import UNUSED, CommandEnd, Trace
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from tracerisk.pipeline.run.ended_run import Progress, RunOptions
 from tracerisk.pipeline.run.fault_run import nominal_run
 from tracerisk.pipeline.scenarios.text import with_entries
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.ros.scenario.scenario import Scenario, read_scenario
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
+from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.trace import EndCause, Trace
 from tracerisk.twin.physics.scene import load_scene
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.errors import ScenarioError
 from tracerisk.ros.graph.parameter_files import plain
-from tracerisk.ros.scenario.lines import plain_lines, sections_text
+from tracerisk.ros.scenario.file.lines import plain_lines, sections_text
 
 
 def with_entries(

@@ -36,8 +36,8 @@ from tracerisk.pipeline.trace.recorded_run import (
 )
 from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
-from tracerisk.ros.scenario.marks import Unconfirmed
-from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.file.marks import Unconfirmed
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.trace import UNUSED, EndCause, Finding, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold

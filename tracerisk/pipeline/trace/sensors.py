@@ -28,7 +28,7 @@ def elements_of(robot: Robot, settings: Settings) -> tuple[Element, ...]:
     if settings.scenario is None:
         return robot.elements
     # Few runs have one, and reading it takes more modules than all else here.
-    from tracerisk.ros.scenario.scenario import read_scenario
+    from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 
     return (*robot.elements, *scenario_elements(robot, read_scenario(Path(settings.scenario))))
 

@@ -14,8 +14,8 @@ from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.services import ServiceFailedError, ServiceServer
 from tracerisk.ros.messages.fields import goal_class, service_parts
+from tracerisk.ros.scenario.file.scenario_reader import full_name, interface_type, written_at
 from tracerisk.ros.scenario.message import MessageTemplate
-from tracerisk.ros.scenario.scenario import full_name, interface_type, written_at
 from tracerisk.ros.scenario.schedule import Schedule
 from tracerisk.ros.scenario.topics import NODE
 

@@ -8,8 +8,8 @@ import pytest
 from tracerisk.errors import ScenarioError
 from tracerisk.ros.drafts.pictures import drafted_pictures
 from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.message import MessageTemplate
-from tracerisk.ros.scenario.scenario import read_scenario
 
 ENTRY = "publish:\n  - topic: /image\n    type: sensor_msgs/Image\n    message: {}\n"
 

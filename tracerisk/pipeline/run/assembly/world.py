@@ -13,8 +13,9 @@ from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.mission.named_objects import check_names
 from tracerisk.pipeline.trace.run_files import JOINTS_ASKED, ROBOT, RunRequest
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.objects import with_objects, with_start
-from tracerisk.ros.scenario.scenario import Scenario, read_scenario
+from tracerisk.ros.scenario.scenario import Scenario
 from tracerisk.ros.time.greenlet_baton import GreenletBaton
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.world.start import started_in

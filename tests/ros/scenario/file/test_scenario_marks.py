@@ -3,7 +3,7 @@
 import pytest
 
 from tracerisk.errors import ScenarioError
-from tracerisk.ros.scenario.scenario import read_scenario
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 
 
 def read(tmp_path, text: str):

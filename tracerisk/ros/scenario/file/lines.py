@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from tracerisk.ros.drafts.draft import SECTIONS, Draft
-from tracerisk.ros.scenario.marks import MARK
+from tracerisk.ros.scenario.file.marks import MARK
 
 _WIDTH = 88
 _PLAIN = re.compile(r"[A-Za-z/~][\w/.]*")

@@ -11,8 +11,8 @@ from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.objects import with_objects, with_start
-from tracerisk.ros.scenario.scenario import read_scenario
 from tracerisk.ros.scenario.world import ScenarioWorld
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.twin.physics.scene import load_scene
