@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tracerisk.errors import RobotError
 from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
-from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.topic_ends import Publication
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
 from tracerisk.ros.moveit.actions.goal_turns import GoalTurns
 from tracerisk.ros.moveit.goal_constraints import GoalReader, RequestError
 from tracerisk.ros.moveit.messages import (
-    attached_messages,
-    object_message,
     set_pose,
     state_message,
     trajectory_message,
@@ -24,7 +21,7 @@ from tracerisk.ros.moveit.messages import (
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.moveit.path_constraints import message_pose
 from tracerisk.ros.moveit.plan_records import RATED, Plan, PoseGoal, valid_fraction
-from tracerisk.ros.moveit.scene.topics import MONITORED, SceneTopics
+from tracerisk.ros.moveit.scene.interfaces import SceneInterfaces
 from tracerisk.ros.moveit.trajectory_execution import NOTHING, Asker, ErrorCode, Execution
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.robot.messages import TwinMessages
@@ -45,8 +42,6 @@ _ASKERS: Mapping[str, Asker] = {
 }
 EXECUTION_EVENTS = "/trajectory_execution_event"
 """The topic on which MoveIt takes `stop` for all that it executes."""
-# moveit_msgs/PlanningSceneComponents.
-_STATE, _ATTACHED, _NAMES, _GEOMETRY = 2, 4, 8, 16
 
 
 class MoveItInterfaces(TwinNode):
@@ -65,27 +60,18 @@ class MoveItInterfaces(TwinNode):
                 runtime, "execute-trajectory", self._execute_trajectory, self._stop
             ),
         }
-        changes = self._server.changes
-        self._takers = {
-            "moveit_msgs/CollisionObject": changes.apply,
-            "moveit_msgs/AttachedCollisionObject": changes.apply_attached,
-            "moveit_msgs/PlanningScene": changes.apply_scene,
-        }
         self._hear(EXECUTION_EVENTS, "std_msgs/String", self._on_event)
         for name, kind, handle in (
             ("compute_ik", "GetPositionIK", self._position_ik),
             ("compute_fk", "GetPositionFK", self._position_fk),
             ("compute_cartesian_path", "GetCartesianPath", self._cartesian_path),
             ("plan_kinematic_path", "GetMotionPlan", self._motion_plan),
-            ("apply_planning_scene", "ApplyPlanningScene", self._apply),
-            ("get_planning_scene", "GetPlanningScene", self._get),
             ("check_state_validity", "GetStateValidity", self._state_validity),
         ):
             self._offer(name, f"moveit_msgs/{kind}", handle)
         # As a move_group whose map is empty, for no camera fills it.
         self._offer("clear_octomap", "std_srvs/Empty", lambda *_: None)
-        self._graph.watch(self._on_change)
-        SceneTopics(runtime, messages, self._fill_scene)
+        SceneInterfaces(runtime, messages)
 
     # Actions
 
@@ -325,46 +311,6 @@ class MoveItInterfaces(TwinNode):
         response.error_code.val = int(plan.code)
         if plan.trajectory is not None:
             response.trajectory = self._trajectory(plan.trajectory)
-
-    # The planning scene
-
-    def _on_change(self, change: Change, name: str, type_name: str) -> None:
-        if name.endswith(f"/{MONITORED}"):
-            return  # it says what the scene is
-        if change == "advertised" and type_name in self._takers:
-            take = self._takers[type_name]
-            self._hear(name, type_name, lambda message, _: self._take(take, message))
-
-    def _take(self, take: Callable[[Any], bool], message: Any) -> None:
-        with self._server.by_topic():
-            take(message)
-
-    def _apply(self, request: Any, answer: Any) -> None:
-        answer.success = self._server.changes.apply_scene(request.scene)
-
-    def _get(self, request: Any, answer: Any) -> None:
-        # No bits ask for everything.
-        self._fill_scene(answer.scene, request.components.components or 0xFFFF)
-
-    def _fill_scene(self, scene: Any, wanted: int) -> None:
-        """Write the planning scene into a message, of its components those of the bits."""
-        kept = self._server.seen()
-        scene.name, scene.robot_model_name = "(noname)", self._server.robot.name
-        frame = self._server.planning_frame
-        if wanted & (_STATE | _ATTACHED):
-            positions = self._server.positions()
-            state = scene.robot_state.joint_state
-            state.header.frame_id = frame
-            state.name, state.position = list(positions), list(positions.values())
-        if wanted & _ATTACHED:
-            attached = attached_messages(self._messages.new, kept)
-            scene.robot_state.attached_collision_objects = attached
-        if wanted & (_NAMES | _GEOMETRY):
-            new = self._messages.new
-            scene.world.collision_objects = [
-                object_message(new, item, frame, with_shapes=bool(wanted & _GEOMETRY))
-                for _, item in sorted(kept.world.items())
-            ]
 
     # Planning
 
