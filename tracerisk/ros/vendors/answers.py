@@ -14,9 +14,9 @@ from tracerisk.ros.robot.arm_motion import ArmMotion
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.transforms.poses import compose, inverse, rotate, rpy_from_quaternion
 from tracerisk.ros.vendors.conventions import Conventions, Dimension, Quantity
+from tracerisk.ros.vendors.described.motion_queue import MotionQueue
 from tracerisk.ros.vendors.description import Driver, Output
 from tracerisk.ros.vendors.message_paths import FieldError, read, write
-from tracerisk.ros.vendors.motion_queue import MotionQueue
 from tracerisk.twin.physics.motion import Pose
 
 _OF_JOINTS = frozenset(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.twin_interfaces import TwinInterfaces
-from tracerisk.ros.vendors.described_driver import DescribedDriver
-from tracerisk.ros.vendors.described_parts import lacking_joint
+from tracerisk.ros.vendors.described.described_driver import DescribedDriver
+from tracerisk.ros.vendors.described.described_parts import lacking_joint
 from tracerisk.ros.vendors.description import Driver
 from tracerisk.ros.vendors.dobot.driver import DobotDriver
 from tracerisk.ros.vendors.doosan.driver import DoosanController

@@ -16,9 +16,9 @@ from tracerisk.ros.robot.streams.command_streams import CommandStreams
 from tracerisk.ros.robot.trajectories.joint_names import JointNames
 from tracerisk.ros.robot.trajectories.trajectory_rules import TrajectoryRules
 from tracerisk.ros.vendors.answers import Answers
-from tracerisk.ros.vendors.described_motions import DescribedMotions
+from tracerisk.ros.vendors.described.described_motions import DescribedMotions
+from tracerisk.ros.vendors.described.motion_queue import MotionQueue
 from tracerisk.ros.vendors.description import Case, Driver, Interface
-from tracerisk.ros.vendors.motion_queue import MotionQueue
 from tracerisk.ros.vendors.requests import Request
 from tracerisk.twin.physics.motion import PlanningError
 

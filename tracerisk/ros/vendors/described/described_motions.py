@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.errors import one_of
-from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.robot.arm_motion import ArmMotion, TwistFrame
 from tracerisk.ros.robot.motion_profiles import Ramp, ramp_of_speed, ramped
-from tracerisk.ros.robot.trajectories.joint_names import JointNames
 from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin_trajectory
-from tracerisk.ros.transforms.poses import compose, inverse, multiply
 from tracerisk.ros.vendors.answers import Result
+from tracerisk.ros.vendors.described.asked_goals import AskedGoals, asked_by
 from tracerisk.ros.vendors.description import Case, Driver, Value, is_share
-from tracerisk.ros.vendors.message_paths import is_of_ros
-from tracerisk.ros.vendors.requests import Goal, Request
+from tracerisk.ros.vendors.requests import Request
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 
@@ -26,7 +22,6 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
 _SAME = 1e-6  # postures of which no joint is further apart are one [rad or m]
-_MOTIONS = "motions"  # the parameters of play_motion: motions/NAME/{joints, points}
 
 Make = Callable[[], JointTrajectory | None]
 
@@ -43,6 +38,11 @@ class DescribedMotions:
     """The present values of the driver's state and parameters, by name."""
     _runtime: Runtime
     """The runtime of the run."""
+    _goals: AskedGoals = field(init=False)
+    """What reads goals of joints and poses from a request."""
+
+    def __post_init__(self) -> None:
+        self._goals = AskedGoals(self._driver, self._arm, self._runtime)
 
     # What is asked for
 
@@ -61,10 +61,10 @@ class DescribedMotions:
         if "trajectory" in roles:
             return lambda: self._trajectory(request.raw(roles["trajectory"]))
         if "joints" in roles or "named" in roles:
-            points = self._joint_goals(roles, request)
+            points = self._goals.joint_goals(roles, request)
 
             def by_joints() -> JointTrajectory:
-                goals = [self._full(point, is_relative=is_relative) for point in points]
+                goals = [self._goals.full(point, is_relative=is_relative) for point in points]
                 if is_line:
                     return self._line(
                         [self._arm.pose_at(goal) for goal in goals], speed, duration_s
@@ -73,10 +73,10 @@ class DescribedMotions:
 
             return by_joints
         frame = request.word(roles.get("frame"))
-        asked = self._asked_poses(roles, request)
+        asked = self._goals.asked_poses(roles, request)
 
         def by_pose() -> JointTrajectory:
-            poses = self._poses(asked, frame, is_relative=is_relative)
+            poses = self._goals.poses(asked, frame, is_relative=is_relative)
             if is_line:
                 return self._line(poses, speed, duration_s)
             goals: list[Sequence[float]] = []
@@ -97,15 +97,15 @@ class DescribedMotions:
             return None
         is_relative = request.flag(case.roles.get("relative"), default=False)
         if "joints" in case.roles or "named" in case.roles:
-            (goal, *more) = self._joint_goals(case.roles, request)
+            (goal, *more) = self._goals.joint_goals(case.roles, request)
             if more:
                 return None
-            full = self._full(goal, is_relative=is_relative)
+            full = self._goals.full(goal, is_relative=is_relative)
         else:
-            asked = self._asked_poses(case.roles, request)
+            asked = self._goals.asked_poses(case.roles, request)
             frame = request.word(case.roles.get("frame"))
             at = None if before is None else self._arm.pose_at(before)
-            (pose, *_) = self._poses(asked, frame, is_relative=is_relative, here=at)
+            (pose, *_) = self._goals.poses(asked, frame, is_relative=is_relative, here=at)
             full = self._arm.reach(pose, self._arm.positions())
         self._arm.check(full)
         return dict(zip(self._arm.joints, full, strict=True))
@@ -139,13 +139,13 @@ class DescribedMotions:
         if isinstance(goal, Mapping):
             named = goal
         else:
-            self._check_count(goal)
+            self._goals._check_count(goal)
             named = dict(zip(self._arm.joints, goal, strict=False))
-        named = self._by_joints(named)
-        self._check_names(named)
-        if self._is_in_degrees(value, request):
+        named = self._goals.by_joints(named)
+        self._goals.check_names(named)
+        if self._goals.is_in_degrees(value, request):
             degrees = [math.degrees(named.get(name, 0.0)) for name in self._arm.joints]
-            self._arm.look_at_degrees_per_s(_asked_by(value), degrees)
+            self._arm.look_at_degrees_per_s(asked_by(value), degrees)
         if not is_share(value.unit):
             return dict(named)
         rated = {joint.name: joint.velocity_limit for joint in self._arm.arm}
@@ -181,14 +181,16 @@ class DescribedMotions:
         """Return the pose that joints lead to, or joints that lead to a pose."""
         if "joints" in case.roles:
             (goal, *_) = request.goals(case.roles["joints"], None, "angle")
-            full = self._full(goal, is_relative=False)
+            full = self._goals.full(goal, is_relative=False)
             self._arm.check(full)
             return Result(pose=self._arm.pose_at(full))
-        (pose, *_) = self._poses(self._asked_poses(case.roles, request), None, is_relative=False)
+        (pose, *_) = self._goals.poses(
+            self._goals.asked_poses(case.roles, request), None, is_relative=False
+        )
         seed = None
         if "seed" in case.roles:
             (near, *_) = request.goals(case.roles["seed"], None, "angle")
-            seed = self._full(near, is_relative=False) if near else None
+            seed = self._goals.full(near, is_relative=False) if near else None
         return Result(joints=tuple(self._arm.reach(pose, seed)))
 
     # How
@@ -210,157 +212,6 @@ class DescribedMotions:
         if is_share(unit):
             return "share", min(max(number * factor, 1e-3), 1.0)
         return ("joints" if unit.startswith(("rad", "deg")) else "line"), number * factor
-
-    def _joint_goals(self, roles: Mapping[str, Value], request: Request) -> list[Goal]:
-        if "named" in roles:
-            return self._named(str(request.word(roles["named"])))
-        value = roles["joints"]
-        constant = value.constant
-        if isinstance(constant, int | float) and not isinstance(constant, bool):
-            value = replace(value, constant=[constant] * len(self._arm.joints))
-        goals = request.goals(value, roles.get("joint_names"), "angle")
-        for goal in goals:
-            if not isinstance(goal, Mapping):
-                self._check_count(goal)
-        is_relative = request.flag(roles.get("relative"), default=False)
-        if self._is_in_degrees(value, request) and not is_relative:
-            for goal in goals:
-                listed = goal.values() if isinstance(goal, Mapping) else goal
-                degrees = [math.degrees(item) for item in listed][: len(self._arm.joints)]
-                self._arm.look_at_degrees(_asked_by(value), degrees)
-        return goals
-
-    def _check_count(self, values: Sequence[float]) -> None:
-        """Raise PlanningError where there is not one value a joint; those of several arms' messages
-        have room for the joints of the longest."""
-        count = len(self._arm.joints)
-        if len(values) < count or any(values[count:]):
-            raise PlanningError("wrong_count", f"{len(values)} joint values for {count} joints")
-
-    def _is_in_degrees(self, value: Value, request: Request) -> bool:
-        """Return whether a value holds degrees that the sender wrote."""
-        unit = value.unit or self._driver.units.angle
-        return bool(value.paths) and unit.startswith("deg") and not is_of_ros(request.raw(value))
-
-    def _named(self, name: str) -> list[Goal]:
-        """Return the points of a motion in the parameters, or a named state of the robot."""
-        robot = self._arm.twin.robot
-        states = robot.named_states.get(self._arm.group or "", {})
-        tree = self._runtime.graph.parameters
-        ending = f"/{_MOTIONS}/{name}/joints"
-        names = [text for text in tree.names() if text.endswith(ending)]
-        # What the files around the controller hold is found by its whole name.
-        own = f"{self._driver.node}{ending}"
-        if not names and tree.has(own):
-            names = [own]
-        if not names and name in states:
-            state = states[name].items()
-            return [{key: value for key, value in state if key in self._arm.joints}]
-        if not names:
-            known = {text.split("/")[-2] for text in tree.names() if f"/{_MOTIONS}/" in text}
-            raise PlanningError(
-                "bad_request",
-                f"no named state or motion '{name}'; {one_of({*states, *known}, name)}",
-            )
-        motion = tree.get(names[0].removesuffix("/joints"))
-        try:
-            rows = [list(map(float, item["positions"])) for item in motion["points"]]
-            named = [dict(zip(motion["joints"], row, strict=True)) for row in rows]
-        except (KeyError, TypeError, ValueError) as error:
-            raise PlanningError("invalid_goal", f"motion '{name}' is malformed: {error}") from error
-        # A motion may move other joints too: those of a head, of a gripper.
-        arm = set(self._arm.joints)
-        return [{key: value for key, value in row.items() if key in arm} for row in named]
-
-    def _full(self, goal: Goal, *, is_relative: bool) -> list[float]:
-        """Return a goal of all joints: those that are not named stay where they are."""
-        here = self._arm.positions()
-        if isinstance(goal, Mapping):
-            goal = self._by_joints(goal)
-            self._check_names(goal)
-            stay = [0.0] * len(here) if is_relative else here
-            goal = [goal.get(name, at) for name, at in zip(self._arm.joints, stay, strict=True)]
-        # Messages of several arms have room for the joints of the longest.
-        values = list(goal)
-        if len(values) > len(here) and not any(values[len(here) :]):
-            values = values[: len(here)]
-        if is_relative and len(values) == len(here):
-            values = [a + b for a, b in zip(here, values, strict=True)]
-        return values
-
-    def _by_joints(self, named: Mapping[str, float]) -> Mapping[str, float]:
-        """Return values by the robot's own joints, where the driver has other names for some."""
-        return self._runtime.client(JointNames).spread([*named], [*named.values()])
-
-    def _check_names(self, named: Mapping[str, float]) -> None:
-        unknown = next((name for name in named if name not in self._arm.joints), None)
-        if unknown is not None:
-            raise PlanningError(
-                "invalid_goal",
-                f"robot '{self._arm.twin.robot.name}' has no joint '{unknown}'; "
-                f"{one_of(self._arm.joints, unknown)}",
-            )
-
-    def _asked_poses(
-        self, roles: Mapping[str, Value], request: Request
-    ) -> list[tuple[Any, Any, str]]:
-        """Return position, orientation (None: the present one) and frame of each pose."""
-        if "pose" in roles:
-            poses = request.poses(roles["pose"])
-            if not poses:
-                raise PlanningError("invalid_goal", "a list of 0 poses")
-            return [(pose.position, pose.orientation, frame) for pose, frame in poses]
-        position = request.position(roles["position"]) if "position" in roles else None
-        turn = request.orientation(roles["orientation"]) if "orientation" in roles else None
-        return [(position, turn, "")]
-
-    def _poses(
-        self,
-        asked: Sequence[tuple[Any, Any, str]],
-        frame: str | None,
-        *,
-        is_relative: bool,
-        here: Pose | None = None,
-    ) -> list[Pose]:
-        poses: list[Pose] = []
-        for position, turn, header in asked:
-            here = poses[-1] if poses else here or self._arm.tool_pose()
-            if frame == "tool":
-                step = Pose(position or (0.0, 0.0, 0.0), turn or (0.0, 0.0, 0.0, 1.0))
-                poses.append(compose(here, step))
-            elif is_relative:
-                x, y, z = (a + b for a, b in zip(here.position, position or (0, 0, 0), strict=True))
-                turned = multiply(turn, here.orientation) if turn else here.orientation
-                poses.append(Pose((x, y, z), turned))
-            else:
-                named = header or (frame if frame not in (None, "base") else None)
-                base = self._frame(named or self._driver.frame or "")
-                seen = compose(inverse(base), here)
-                poses.append(
-                    compose(base, Pose(position or seen.position, turn or seen.orientation))
-                )
-        return poses
-
-    def _frame(self, name: str) -> Pose:
-        from tracerisk.ros.moveit.move_group import MoveGroupServer
-
-        robot = self._arm.twin.robot
-        name = name.lstrip("/")
-        if not name or name == robot.base_link:
-            return Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
-        if name in robot.link_names:
-            return self._arm.twin.link_pose(name)
-        frame = None
-        if self._runtime.recorder is not None:
-            frame = self._runtime.client(MoveGroupServer).frame(name)
-        if frame is None:
-            if name == self._driver.frame:
-                # What the maker's own base is called where this robot's is called otherwise.
-                return Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
-            scheduler = self._runtime.scheduler
-            scheduler.needs.miss(Need("frame", name, parent=robot.base_link), scheduler.now_ns)
-            raise PlanningError("bad_request", f"unknown frame '{name}'")
-        return frame
 
     def _trajectory(self, message: Any) -> JointTrajectory:
         try:
@@ -440,11 +291,6 @@ class DescribedMotions:
         return JointTrajectory(
             line.joints, line.time * longer, line.position, line.velocity / longer
         )
-
-
-def _asked_by(value: Value) -> str:
-    """Return what the interface of a value is called: its key begins with kind and name."""
-    return value.key.split(".")[1].rsplit("/", 1)[-1]
 
 
 def _differ(one: Sequence[float], other: Sequence[float]) -> bool:

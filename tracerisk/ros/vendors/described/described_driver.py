@@ -21,7 +21,7 @@ from tracerisk.ros.robot.streams.command_topics import JOINT_STATE_TYPE
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.ros.vendors.answers import Result
 from tracerisk.ros.vendors.conventions import Conventions
-from tracerisk.ros.vendors.described_parts import (
+from tracerisk.ros.vendors.described.described_parts import (
     DescribedArm,
     DescribedStreams,
     DriverState,
@@ -30,10 +30,10 @@ from tracerisk.ros.vendors.described_parts import (
     short_name,
     take_rules,
 )
+from tracerisk.ros.vendors.described.motion_queue import Job
 from tracerisk.ros.vendors.description import Case, Driver, Interface, InterfaceKind, Output
 from tracerisk.ros.vendors.interface_checks import check_interface, types_in_use, unknown_package
 from tracerisk.ros.vendors.message_paths import content_of
-from tracerisk.ros.vendors.motion_queue import Job
 from tracerisk.ros.vendors.requests import Request
 from tracerisk.twin.physics.motion import PlanningError
 
