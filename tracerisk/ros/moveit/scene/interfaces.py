@@ -20,7 +20,7 @@ _STATE, _ATTACHED, _NAMES, _GEOMETRY = 2, 4, 8, 16
 
 
 class SceneInterfaces(TwinNode):
-    """Takes changes of the planning scene from topics and a service, and tells what is in it."""
+    """Takes changes of the planning scene from topics and a service, and reports what is in it."""
 
     node = "/move_group"
 
