@@ -1,11 +1,19 @@
-"""Pages of the documentation site that stand at the top of the repository, for mkdocs."""
+"""What mkdocs does not do by itself for the documentation site.
+
+It shows pages that stand at the top of the repository, names the version that they are of, and
+writes formulas as MathML, which browsers typeset without a script.
+"""
 
 from __future__ import annotations
 
+import html
+import os
 import posixpath
 import re
+from importlib.metadata import version
 from pathlib import Path
 
+from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
@@ -17,6 +25,16 @@ FROM_THE_TOP = {
 """What is shown of the top of the repository, and as which page."""
 
 _LINK = re.compile(r"\]\(([^)#:\s]+)(#[^)\s]*)?\)")
+_FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
+
+
+def on_config(config: MkDocsConfig) -> MkDocsConfig:
+    """Name the version, or let `mike`, which publishes several beside each other, offer them."""
+    if "MIKE_DOCS_VERSION" in os.environ:
+        config.extra["version"] = {"provider": "mike"}
+    else:
+        config.site_name += f" {version('tracerisk')}"
+    return config
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -33,6 +51,22 @@ def on_page_markdown(markdown: str, **_: object) -> str:
     for name, page in FROM_THE_TOP.items():
         markdown = markdown.replace(f"](../{name}", f"]({page}")
     return markdown
+
+
+def on_page_content(content: str, **_: object) -> str:
+    """Write formulas as MathML."""
+    return _FORMULA.sub(_mathml, content)
+
+
+def on_post_page(output: str, **_: object) -> str:
+    """Give the dialog of the search a name, which the theme leaves out."""
+    dialog = 'data-md-component="search" role="dialog"'
+    return output.replace(dialog, f'{dialog} aria-label="Search"')
+
+
+def _mathml(formula: re.Match[str]) -> str:
+    display = "block" if formula[1] == "div" else "inline"
+    return convert(html.unescape(formula[2]), display=display)
 
 
 def _from_docs(link: re.Match[str]) -> str:
