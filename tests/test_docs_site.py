@@ -4,10 +4,14 @@ import os
 import re
 import subprocess
 import sys
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from tests.browser import emulate, requests, violations
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([*(ROOT / "docs").glob("*.md"), *ROOT.glob("*.md")])
@@ -43,6 +47,80 @@ def test_the_site_asks_nothing_of_the_network(site):
     asked = re.compile(r"<(?:script|link|img|iframe)\b[^>]*?\b(?:src|href)=\"?(?:https?:)?//[^>]*>")
     for page in site.rglob("*.html"):
         assert asked.findall(page.read_text(encoding="utf-8")) == [], page.name
+
+
+@pytest.fixture
+def opened(browser, site):
+    """The site in the browser, from the disk; and what the browser fetched and complained of."""
+
+    def open_page(name: str, scheme: str = "light") -> Any:
+        browser.get("about:blank")
+        emulate(browser, scheme)
+        browser.get_log("performance")
+        browser.get_log("browser")
+        browser.get((site / name).as_uri())
+        browser.execute_script("localStorage.clear()")
+        return browser
+
+    yield open_page
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    emulate(browser, "light")
+
+
+def test_the_search_finds_pages_from_a_disk(opened, site):
+    page = opened("index.html")
+    page.execute_script("document.querySelector('#__search').click()")
+    page.find_element("css selector", ".md-search__input").send_keys("common cause")
+    wait = pytest.importorskip("selenium.webdriver.support.wait").WebDriverWait(page, 20)
+    hits = wait.until(lambda p: p.find_elements("css selector", ".md-search-result__link"))
+    assert any("theory.html" in hit.get_attribute("href") for hit in hits)
+    fetched = [url for url in requests(page) if not url.startswith("data:")]
+    assert len(fetched) > 3
+    assert [url for url in fetched if not url.startswith(site.as_uri())] == []
+    assert page.get_log("browser") == []
+
+
+def test_light_and_dark_are_chosen_in_turn(opened):
+    page = opened("index.html", "dark")
+    shown = "return getComputedStyle(document.body).backgroundColor"
+    dark, colours = page.execute_script(shown), []
+    for _ in range(3):
+        page.execute_script(
+            "[...document.querySelectorAll('[data-md-component=palette] label')]"
+            ".find(label => !label.hidden).click()"
+        )
+        colours.append(page.execute_script(shown))
+    light, chosen_dark, as_the_system = colours
+    assert light != dark
+    assert chosen_dark == as_the_system == dark
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", ["index", "theory", "command", "formats", "python"])
+def test_axe_finds_nothing_serious(opened, name, scheme):
+    page = opened(f"{name}.html", scheme)
+    serious, reported = violations(page, scheme)
+    assert not serious, reported
+
+
+@pytest.mark.parametrize("name", ["index", "theory", "behaviours", "hardware", "gallery"])
+def test_no_page_is_wider_than_a_phone(opened, name):
+    page = opened(f"{name}.html")
+    metrics = {"width": 400, "height": 900, "deviceScaleFactor": 1, "mobile": True}
+    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    assert page.execute_script("return document.documentElement.scrollWidth") <= 400
+
+
+def test_every_formula_is_typeset(site):
+    page = (site / "theory.html").read_text(encoding="utf-8")
+    assert page.count("<math") > 100
+    assert "arithmatex" not in page
+    assert re.findall(r"<m[io][^>]*>\\\w+</m[io]>", page) == [], "a command that is not known"
+
+
+def test_the_site_says_of_which_version_it_is(site):
+    name = re.escape(f"tracerisk {version('tracerisk')}")
+    assert re.search(f"<title>[^<]*{name}</title>", (site / "index.html").read_text("utf-8"))
 
 
 def headings(page: Path) -> set[str]:

@@ -1,8 +1,8 @@
 import base64
-import json
 
 import pytest
 
+from tests.browser import emulate, requests, violations
 from tracerisk.common.verdict import Coverage, Verdict
 from tracerisk.report.html.page import page
 from tracerisk.report.html.repository.history import history_section
@@ -22,7 +22,7 @@ def opened(browser, full_page, tmp_path_factory):
     browser.get_log("browser")
     browser.get(file.as_uri())
     browser.report = file.as_uri()
-    browser.requests = _requests(browser)
+    browser.requests = requests(browser)
     browser.complaints = browser.get_log("browser")
     return browser
 
@@ -36,35 +36,8 @@ def as_loaded(request):
             page.get(page.report)
         page.execute_script("tracerisk.select({}); localStorage.clear();")
         page.execute_script("document.querySelector('[data-theme-choice=auto]').click()")
-        _emulate(page, "light")
+        emulate(page, "light")
         page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-
-
-def _requests(browser):
-    messages = (json.loads(entry["message"])["message"] for entry in browser.get_log("performance"))
-    return [
-        message["params"]["request"]["url"]
-        for message in messages
-        if message["method"] == "Network.requestWillBeSent"
-    ]
-
-
-def _emulate(browser, scheme, media=""):
-    features = [
-        {"name": "prefers-color-scheme", "value": scheme},
-        {"name": "prefers-reduced-motion", "value": "reduce"},
-    ]
-    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": media, "features": features})
-
-
-def _violations(browser, scheme):
-    """What is serious on a page; where it is dark, of its colours, for the rest is the same."""
-    axe = pytest.importorskip("selenium_axe_python", reason="selenium-axe-python is missing").Axe
-    checker = axe(browser)
-    checker.inject()
-    rules = {"dark": {"runOnly": ["color-contrast"]}}
-    found = checker.run(options=rules.get(scheme))["violations"]
-    return [each for each in found if each["impact"] in ("serious", "critical")], axe.report(found)
 
 
 def _state_of(browser, selector, property_name):
@@ -90,17 +63,17 @@ def test_hostile_texts_do_nothing(browser, hostile_page, tmp_path):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing_serious(opened, scheme):
-    _emulate(opened, scheme)
+    emulate(opened, scheme)
     opened.execute_script(
         "for (const each of document.querySelectorAll('details')) each.open = true"
     )
-    serious, reported = _violations(opened, scheme)
+    serious, reported = violations(opened, scheme)
     assert not serious, reported
 
 
 def test_the_page_follows_the_scheme_until_a_theme_is_chosen(opened):
     light = _state_of(opened, "body", "backgroundColor")
-    _emulate(opened, "dark")
+    emulate(opened, "dark")
     dark = _state_of(opened, "body", "backgroundColor")
     assert light != dark
     opened.execute_script("document.querySelector('[data-theme-choice=light]').click()")
@@ -172,11 +145,11 @@ def test_a_link_unfolds_what_it_leads_to(opened):
 
 
 def test_print_is_light_and_shows_what_is_folded(opened):
-    _emulate(opened, "dark", "print")
+    emulate(opened, "dark", "print")
     red = _state_of(opened, "body", "color")
     assert red == "rgb(27, 29, 33)"
     assert _state_of(opened, ".contents", "display") == "none"
-    _emulate(opened, "dark")
+    emulate(opened, "dark")
     opened.execute_script(
         "for (const each of document.querySelectorAll('details')) each.open = false;"
         "window.unfolded = 0; addEventListener('beforeprint', () => "
@@ -208,9 +181,9 @@ def test_axe_finds_nothing_serious_on_the_page_over_all_controllers(
     text = page("All", lead, [overview_section(rows), history_section("arm.py", went)])
     file = tmp_path / "all.html"
     file.write_text(text, encoding="utf-8")
-    _emulate(browser, scheme)
+    emulate(browser, scheme)
     browser.get(file.as_uri())
-    serious, reported = _violations(browser, scheme)
+    serious, reported = violations(browser, scheme)
     assert not serious, reported
 
 
@@ -221,7 +194,7 @@ def test_what_is_wider_than_the_window_says_so_until_it_is_not(opened):
         metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
         opened.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
         wait.until(lambda it, reported=is_reported: bool(it.execute_script(wide)) is reported)
-    _emulate(opened, "light", "print")
+    emulate(opened, "light", "print")
     assert _state_of(opened, ".more-sideways", "display") == "none"
 
 
@@ -245,7 +218,7 @@ def test_a_name_without_room_goes_on_below_after_an_underscore(browser, arm, rep
 
 
 def test_the_foot_of_a_printed_page_stands_below_its_text(opened):
-    _emulate(opened, "light", "print")
+    emulate(opened, "light", "print")
     left = "return ['main', '.top', 'footer p'].map(e => document.querySelector(e)).map(e =>"
     left += " e.getBoundingClientRect().left + parseFloat(getComputedStyle(e).paddingLeft))"
     assert len(set(opened.execute_script(left))) == 1
