@@ -96,7 +96,7 @@ def test_light_and_dark_are_chosen_in_turn(opened):
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("name", ["index", "theory", "command", "formats", "python"])
+@pytest.mark.parametrize("name", ["index", "tutorial", "command", "formats", "python"])
 def test_axe_finds_nothing_serious(opened, name, scheme):
     page = opened(f"{name}.html", scheme)
     serious, reported = violations(page, scheme)
