@@ -19,8 +19,8 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.commands import Commands
 from tests.browser import browser as browser
+from tests.commands import Commands
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.common.sandbox.ros_prefix import without_ros
 from tracerisk.pipeline.workspace.prefixes import PREFIX_VARIABLES, SOURCES_VARIABLE
