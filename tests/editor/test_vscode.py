@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shutil
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -29,6 +30,16 @@ def test_the_names_of_the_server_stay_free():
     own = {each["command"] for each in manifest["contributes"]["commands"]}
     own |= set(re.findall(r'register\("([\w.]+)"', EXTENSION))
     assert not own & {REFRESH, PIN, ACCEPT}
+
+
+def test_the_extension_has_an_icon_that_is_packed():
+    manifest = json.loads((FOLDER / "package.json").read_text())
+    image = (FOLDER / manifest["icon"]).read_bytes()
+    assert image[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height = struct.unpack(">2I", image[16:24])
+    assert width == height >= 128, "the marketplace takes no smaller one"
+    assert f"!{manifest['icon']}" in (FOLDER / ".vscodeignore").read_text().split()
+    assert manifest["icon"] in manifest["scripts"]["icon"]
 
 
 @pytest.mark.skipif(
