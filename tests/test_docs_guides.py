@@ -2,13 +2,21 @@
 
 In a page, blocks of `sh` and `console` are run in their order (what stands below a `$` line is its
 output, `...` for anything), those with a `title` are written as files, and a `diff` is applied.
+Commands run on a terminal of 80 columns, because their readers have one and see less there.
 """
 
+from __future__ import annotations
+
+import fcntl
 import math
 import os
+import pty
 import re
 import shlex
+import struct
 import subprocess
+import termios
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,21 +59,30 @@ class Shell:
 
     def run(self, command: str) -> tuple[int, str]:
         kept = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
-        done = subprocess.run(
+        ours, terminal = pty.openpty()
+        fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("4H", 40, 80, 0, 0))
+        process = subprocess.Popen(
             ["bash", "-c", command],
             cwd=self.folder,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            stdout=terminal,
+            stderr=terminal,
             env={
                 **kept,
                 "PATH": f"{self.commands}:{os.environ['PATH']}",
                 "GIT_CONFIG_GLOBAL": str(self.commands / "gitconfig"),
                 "GIT_CONFIG_NOSYSTEM": "1",
+                "GIT_PAGER": "cat",
+                "NO_COLOR": "1",
+                "TERM": "dumb",  # neither progress nor colours
             },
-            timeout=300,
-            check=False,
         )
-        return done.returncode, done.stdout.decode()
+        os.close(terminal)
+        printed = b""
+        with os.fdopen(ours, "rb", buffering=0) as screen, suppress(OSError):
+            while piece := screen.read(65536):  # an error says that nobody writes to it any more
+                printed += piece
+        return process.wait(timeout=300), printed.decode()
 
 
 @pytest.fixture
