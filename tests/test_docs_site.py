@@ -95,6 +95,19 @@ def test_light_and_dark_are_chosen_in_turn(opened):
     assert chosen_dark == as_the_system == dark
 
 
+def test_paper_is_light_whatever_the_screen(opened):
+    page = opened("tutorial.html", "dark")
+    emulate(page, "dark", "print")
+    colours = page.execute_script(
+        "const link = document.querySelector('.md-content p a');"
+        "return [document.body, link].map((e, i) =>"
+        " getComputedStyle(e)[i ? 'color' : 'backgroundColor'].match(/\\d+/g).map(Number))"
+    )
+    paper, ink = (sum(colour[:3]) for colour in colours)
+    assert paper == 3 * 255
+    assert ink < 400
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("name", ["index", "tutorial", "command", "formats", "python"])
 def test_axe_finds_nothing_serious(opened, name, scheme):
