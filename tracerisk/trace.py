@@ -361,6 +361,8 @@ class Trace:
     """All commands in the order of issue, those refused or ignored included."""
     worlds: tuple[WorldRun, ...] = ()
     """How runs in other worlds differ from it; empty where there were none."""
+    replay: bytes | None = field(default=None, compare=False, repr=False)
+    """What can be shown of the run, packed, which no JSON of it holds; `None` where not wanted."""
 
     @property
     def drafted(self) -> str:

@@ -38,7 +38,7 @@ WITHOUT_A_RUN = [
 def kept(annotated, annotated_run, monkeypatch):
     """The folder of a run, with the trace that it keeps."""
     run, _ = annotated_run
-    for path in (run.folder / ".tracerisk_cache").glob("*.json"):
+    for path in (run.folder / ".tracerisk_cache").glob("*-*"):
         annotated.write(f".tracerisk_cache/{path.name}", path.read_bytes())
     monkeypatch.chdir(annotated.folder)
     return annotated
@@ -62,7 +62,7 @@ def test_a_report_is_made_of_what_a_run_has_kept(kept):
     document = parsed(kept)
     assert sections(document) == ALL
     assert "panda" in document.xpath("//*[@class='context']")[0].text_content()
-    assert not document.xpath("//canvas[@id='replay-canvas']")
+    assert document.xpath("//canvas[@id='replay-canvas']")
     first = kept.read("out.html")
     assert main(["report", "controller.py", "--output", "out.html", "-q"]) == 0
     assert kept.read("out.html") == first
@@ -76,9 +76,36 @@ def test_a_stale_trace_is_not_shown_and_the_page_says_why(kept):
     document = parsed(kept)
     assert sections(document) == WITHOUT_A_RUN
     assert (
-        "The trace of its last run is stale: controller.py has changed. `tracerisk run` or "
-        "`refresh` brings it up to date, `--trace` names another."
+        "The trace of its last run is stale: controller.py has changed. "
+        "After `tracerisk run controller.py` the page shows it; `--trace` names another."
     ) in reported(document, "coverage")
+
+
+def test_a_replay_that_is_not_kept_is_missed_with_the_command_that_keeps_it(kept):
+    (replay,) = (kept.folder / ".tracerisk_cache").glob("*.replay")
+    data = replay.read_bytes()
+    replay.unlink()
+    assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
+    assert (
+        "there is no replay. The replay of its last run is not kept on this machine. "
+        "After tracerisk run controller.py the page has it."
+    ) in reported(parsed(kept), "timeline")
+    kept.write("artifact.replay", data)
+    words = ["report", "controller.py", "-o", "out.html", "--recording", "artifact.replay", "-q"]
+    assert main(words) == 0
+    assert parsed(kept).xpath("//canvas[@id='replay-canvas']")
+    replay.write_bytes(data[: len(data) // 2])
+    assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
+    assert "cannot be read" in reported(parsed(kept), "timeline")
+
+
+def test_a_report_needs_no_numpy_and_says_what_its_replay_needs(kept, monkeypatch):
+    monkeypatch.setattr(
+        "tracerisk.pipeline.pictures.run_section.is_installed", lambda name: name != "numpy"
+    )
+    assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
+    text = reported(parsed(kept), "timeline")
+    assert "needs NumPy: pip install 'tracerisk[large]' brings it." in text
 
 
 def test_a_trace_that_is_not_kept_is_missed(annotated, monkeypatch):

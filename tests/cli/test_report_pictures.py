@@ -61,10 +61,8 @@ def test_a_controller_that_fails_has_no_pictures(example, quick):
             ["controller.py"],
             "nothing to write; give -o/--output OUT.html, --png DIR, --gif OUT.gif or --mp4",
         ),
-        (
-            ["controller.py", "-o", "a.html", "--recording", "recording"],
-            "--recording is for pictures and films; give --png DIR",
-        ),
+        (["controller.py", "-o", "a.html", "--recording", "."], "holds no recording of a run"),
+        (["controller.py", "-o", "a.html", "--recording", "other.py"], "is no packed run"),
         (["controller.py", "--png", "out", "--trace", "trace.json"], "give --recording DIR"),
         (["controller.py", "--png", "out", "--recording", "."], "holds no recording of a run"),
         (["other.py", "--png", "out", "--recording", "recording"], "has no trace to which"),

@@ -17,7 +17,9 @@ VERSION = 2
 
 def trace_data(trace: Trace) -> dict[str, Any]:
     """Return the trace as plain JSON values, schema and version with it."""
-    return {"schema": SCHEMA, "version": VERSION, **asdict(trace)}
+    data = {"schema": SCHEMA, "version": VERSION, **asdict(trace)}
+    del data["replay"]  # kept beside it, for it is no text
+    return data
 
 
 def dumps(trace: Trace, *, indent: int | None = 1) -> str:

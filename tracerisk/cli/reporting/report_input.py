@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.review.change_records import Review
     from tracerisk.report.html.report_input import SourceBlock, SourceFile
+    from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace
 
@@ -74,8 +75,15 @@ def worlds_shown(trace: Trace) -> tuple[Section, ...]:
     return (worlds_section(trace.worlds),)
 
 
-def run_shown(trace: Trace, settings: Settings, kept: KeptRun | None = None) -> RunShown:
-    """Return what a report shows of a run whose trace is kept, `kept` where it is that one.
+def run_shown(
+    trace: Trace,
+    settings: Settings,
+    kept: KeptRun | None = None,
+    recorded: RecordedRun | str = "",
+) -> RunShown:
+    """Return what a report shows of a run by its trace; `kept` where it is the kept one.
+
+    `recorded` is what was recorded of it, or why there is no replay.
 
     Raises HardwareError where the hardware description does not fit it.
     """
@@ -84,7 +92,7 @@ def run_shown(trace: Trace, settings: Settings, kept: KeptRun | None = None) -> 
 
     hardware = load_hardware(settings, trace.robot)
     evidence = None
-    section = run_section(trace, hardware)
+    section = run_section(trace, hardware, recorded)
     sections: tuple[Section, ...] = () if section is None else (section,)
     sections += worlds_shown(trace)
     if kept is not None:

@@ -15,6 +15,7 @@ from tracerisk.errors import ExitCode, InputError, Location
 if TYPE_CHECKING:
     from tracerisk.config import Settings
     from tracerisk.pipeline.check.cached_run import KeptRun
+    from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.png.drawn import FilmFormat
     from tracerisk.trace import Trace
 
@@ -32,9 +33,9 @@ def add_picture_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--recording",
-        metavar="DIR",
-        help="the recording that `run --keep DIR` left, for pictures and films; else the run is "
-        "done again",
+        metavar="PATH",
+        help="what `run --keep DIR` left of the run, or its .replay file of the cache, for replay, "
+        "pictures and films (default: the cached one)",
     )
 
 
@@ -44,10 +45,6 @@ def check_picture_options(options: argparse.Namespace) -> None:
     if options.output is None and not wanted:
         raise InputError(
             "nothing to write; give -o/--output OUT.html, --png DIR, --gif OUT.gif or --mp4 OUT.mp4"
-        )
-    if options.recording is not None and not wanted:
-        raise InputError(
-            "--recording is for pictures and films; give --png DIR, --gif OUT.gif or --mp4 OUT.mp4"
         )
     if options.trace is not None and wanted and options.recording is None:
         raise InputError(
@@ -78,41 +75,33 @@ def _check_folder(folder: Path) -> None:
 
 
 def write_report_pictures(
-    options: argparse.Namespace, kept: KeptRun | None, given: Trace | None, settings: Settings
+    options: argparse.Namespace,
+    kept: KeptRun | None,
+    given: Trace | None,
+    recorded: RecordedRun | str,
+    settings: Settings,
 ) -> tuple[ExitCode, tuple[str, ...]]:
     """Write the pictures and films; return the exit code, and the files written.
 
-    `given` is the trace that the command line names. A run that is done again may fail: then its
-    error is reported and nothing is written.
+    `given` is the trace that the command line names, `recorded` what was recorded of the run; where
+    that is not known, the run is done again. It may fail: then its error is reported and nothing
+    is written.
     """
-    from tracerisk.pipeline.pictures.run_pictures import (
-        kept_recording,
-        run_again,
-        write_films,
-        write_pictures,
-    )
+    from tracerisk.pipeline.pictures.run_pictures import run_again, write_films, write_pictures
 
-    if options.recording is not None:
-        trace = given if given is not None else None if kept is None else kept.trace
-        if trace is None:
-            why = "No run is known of it." if kept is None else kept.reason
+    trace = given if given is not None else None if kept is None else kept.trace
+    if trace is None or isinstance(recorded, str):
+        if kept is None:
             raise InputError(
-                f"has no trace to which the recording belongs: {why} --trace FILE names one",
+                "is not Python controller that can be run for its pictures; give the --recording "
+                "and the --trace of a run",
                 Location(options.files[0]),
             )
-        recorded = kept_recording(options.recording)
-    elif kept is None:
-        raise InputError(
-            "is not Python controller that can be run for its pictures; give the --recording and "
-            "the --trace of a run",
-            Location(options.files[0]),
-        )
-    else:
         with progress_bar(settings.run_duration_s, quiet=options.quiet) as progress:
-            trace, recorded_run = run_again(kept.controller, settings, progress)
-        if not trace.is_usable or recorded_run is None:
+            trace, again = run_again(kept.controller, settings, progress)
+        if not trace.is_usable or again is None:
             return ExitCode(print_failure(trace_as_typed(trace, options.files[0]))), ()
-        recorded = recorded_run
+        recorded = again
     quiet = options.quiet or options.json
     files: tuple[str, ...] = ()
     if options.png is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk import api
@@ -21,14 +22,13 @@ from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file, r
 from tracerisk.cli.shared.verdict import sources_verdict, verdict_details
 from tracerisk.common import trace_json
 from tracerisk.config import Settings
-from tracerisk.errors import ExitCode, InputError, SourceError
+from tracerisk.errors import ExitCode, InputError, Location, SourceError
 from tracerisk.instrument.source.language import is_c_like
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.check.cached_run import KeptRun
+    from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.trace import Trace
-
-_HOW = "`tracerisk run` or `refresh` brings it up to date, `--trace` names another."
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -70,9 +70,13 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--history is a part of the page; give -o/--output OUT.html as well")
     kept = _kept(options.files[0])
     trace = _given_trace(options.trace)
-    shown = _write_page(options, kept, trace) if options.output is not None else {}
+    recorded = _recorded(options, kept, trace)
+    shown: dict[str, Any] = {}
+    if options.output is not None:
+        shown = _write_page(options, kept, trace, recorded)
     if wants_pictures(options):
-        code, pictures = write_report_pictures(options, kept, trace, _settings(kept, options))
+        settings = _settings(kept, options)
+        code, pictures = write_report_pictures(options, kept, trace, recorded, settings)
         if code != ExitCode.FINE:
             return int(code)
         shown["pictures"] = list(pictures)
@@ -82,7 +86,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _write_page(
-    options: argparse.Namespace, kept: KeptRun | None, trace: Trace | None
+    options: argparse.Namespace,
+    kept: KeptRun | None,
+    trace: Trace | None,
+    recorded: RecordedRun | str,
 ) -> dict[str, Any]:
     """Write the page; return what `--json` prints of it."""
     from tracerisk.prm.formats.assessment_json import assessment_to_json
@@ -102,7 +109,7 @@ def _write_page(
         assessment,
         model,
         {name: read_file(name) for name in files},
-        run=_run_of(kept, trace, options),
+        run=_run_of(kept, trace, recorded, options),
         review=review_against(options.against, files),
         verdict=lines,
         more=more,
@@ -126,16 +133,57 @@ def _kept(file: str) -> KeptRun | None:
 
 
 def _run_of(
-    kept: KeptRun | None, trace: Trace | None, options: argparse.Namespace
+    kept: KeptRun | None,
+    trace: Trace | None,
+    recorded: RecordedRun | str,
+    options: argparse.Namespace,
 ) -> RunShown | str:
     """Return what is known of the run, or why nothing is; `trace` is the one that was given."""
-    if trace is None:
-        if kept is None:
-            return "No run is known of these sources."
-        if kept.trace is None:
-            return f"{kept.reason} {_HOW}"
-        return run_shown(kept.trace, _settings(kept, options), kept)
-    return run_shown(trace, _settings(kept, options))
+    if trace is not None:
+        return run_shown(trace, _settings(kept, options), recorded=recorded)
+    if kept is None:
+        return "No run is known of these sources."
+    if kept.trace is None:
+        return f"{kept.reason} {_remedy(kept, 'the page shows it')}; `--trace` names another."
+    return run_shown(kept.trace, _settings(kept, options), kept, recorded)
+
+
+def _recorded(
+    options: argparse.Namespace, kept: KeptRun | None, trace: Trace | None
+) -> RecordedRun | str:
+    """Return what was recorded of the run, or why there is no replay, and how to get one.
+
+    Raises LogError where what `--recording` names is not that of the run, InputError where no run
+    is known to which it could belong.
+    """
+    from tracerisk.pipeline.pictures.run_section import given_recording, kept_replay
+
+    if options.recording is not None:
+        known = trace if trace is not None else None if kept is None else kept.trace
+        if known is None:
+            why = "No run is known of it." if kept is None else kept.reason
+            raise InputError(
+                f"has no trace to which the recording belongs: {why} --trace FILE names one",
+                Location(options.files[0]),
+            )
+        from tracerisk.report.html.run.replay import check_recording
+
+        recorded = given_recording(Path(options.recording))
+        check_recording(known, recorded)
+        return recorded
+    if trace is not None:
+        return "`--recording DIR` names what `tracerisk run --keep DIR` left of it."
+    if kept is None or kept.trace is None:
+        return ""
+    found = kept_replay(kept)
+    return found if not isinstance(found, str) else f"{found} {_remedy(kept, 'the page has it')}."
+
+
+def _remedy(kept: KeptRun, then: str) -> str:
+    """Return the command after which the page shows what it lacks of a run, and says so."""
+    path = kept.controller.path
+    with_options = ", with the options of that run," if kept.has_options else ""
+    return f"After `tracerisk run {path}`{with_options} {then}"
 
 
 def _settings(kept: KeptRun | None, options: argparse.Namespace) -> Settings:

@@ -71,7 +71,8 @@ def run_faults(options: argparse.Namespace) -> int:
 
     recorded = None
     shown = progress_bar(quiet=options.quiet, controller=options.controller)
-    with shown as progress, recording_folder(options) as keep:
+    is_shown = options.report is not None
+    with shown as progress, recording_folder(options, is_wanted=is_shown) as keep:
         done = api.run_with_faults(
             options.controller,
             options.faults,
@@ -84,7 +85,7 @@ def run_faults(options: argparse.Namespace) -> int:
                 quiet=options.quiet,
             ),
         )
-        if keep is not None and options.report is not None:
+        if keep is not None and is_shown:
             recorded = recorded_run(keep)
     nominal, trace = (
         trace_as_typed(item, options.controller) for item in (done.nominal, done.trace)
@@ -97,7 +98,7 @@ def run_faults(options: argparse.Namespace) -> int:
         controller = api.load_controller(options.controller)
         settings = api.load_settings(controller, shared.run_settings(options))
         hardware = api.load_hardware(settings, done.trace.robot)
-        section: Section | None = run_section(done.trace, hardware, recorded, done.faults)
+        section: Section | None = run_section(done.trace, hardware, recorded or "", done.faults)
         sections = () if section is None else (section,)
         write_file(options.report, render_fault_report(done.trace, done.words, lines, sections))
     if options.json:

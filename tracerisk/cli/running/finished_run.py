@@ -20,7 +20,7 @@ from tracerisk.common import trace_json
 from tracerisk.common.verdict import verdict_line
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.model import blocks_of
-from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
+from tracerisk.pipeline.pictures.run_section import replay_of, run_section
 from tracerisk.pipeline.review.alerts import run_alerts
 from tracerisk.prm.formats import model_json
 from tracerisk.report.run_figures import run_figures, set_by_hand
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.assessed import Assessed
     from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.prm.questions.uncertainty import Uncertainty
-    from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.html.section import Section
     from tracerisk.report.run_figures import RunFigures
 
@@ -58,7 +57,6 @@ def finish_run(
     `known` is what an earlier call gave, which is returned where nothing at all has changed.
     Raises RunFailedError with the trace of a bad end.
     """
-    recorded = None
     with recording_folder(options) as keep:
         try:
             done = api.assess(
@@ -76,8 +74,6 @@ def finish_run(
         except RunFailedError as error:
             write_record(options, keep, error.trace)
             raise
-        if keep is not None and options.report is not None:
-            recorded = recorded_run(keep)
         if known is not None and _is_same(done, known.assessed):
             return known
         note_warnings(done.hardware, quiet=options.quiet)
@@ -109,7 +105,7 @@ def finish_run(
         write_record(options, keep, finished_run.assessed.trace)
     if options.report is not None and progress is not None:
         progress("report", done.trace.end.simulated_s or 0.0)
-    _write_files(options, finished_run.assessed, recorded)
+    _write_files(options, finished_run.assessed)
     return finished_run
 
 
@@ -129,7 +125,7 @@ def keeps_files(options: argparse.Namespace) -> bool:
     return bool(is_only_shown or (options.watch and not options.write))
 
 
-def _write_files(options: argparse.Namespace, done: Assessed, recorded: RecordedRun | None) -> None:
+def _write_files(options: argparse.Namespace, done: Assessed) -> None:
     """Write the files that were asked for beside the blocks."""
     write_outputs(options, done.annotated.computed)
     if options.model is not None:
@@ -139,7 +135,7 @@ def _write_files(options: argparse.Namespace, done: Assessed, recorded: Recorded
     if options.sarif is not None:
         write_sarif(options.sarif, run_alerts(done.trace, done.controller.root))
     if options.report is not None:
-        section = run_section(done.trace, done.hardware, recorded)
+        section = run_section(done.trace, done.hardware, replay_of(done.trace) or "")
         sections: tuple[Section, ...] = () if section is None else (section,)
         sections += worlds_shown(done.trace)
         sections += evidence_shown(done.controller, done.settings, done.annotated.fingerprint)

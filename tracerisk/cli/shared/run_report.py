@@ -211,8 +211,13 @@ def blocks_line(path: str, count: int, *, keeps_files: bool, is_changed: bool) -
 
 
 @contextlib.contextmanager
-def recording_folder(options: argparse.Namespace) -> Iterator[Path | None]:
-    """Give the folder in which the recording stays for as long as it is needed."""
+def recording_folder(
+    options: argparse.Namespace, *, is_wanted: bool = False
+) -> Iterator[Path | None]:
+    """Give the folder in which the recording stays for as long as it is needed, `None` for none.
+
+    It is needed where options ask for it, or it `is_wanted` for something else.
+    """
     record = options.record
     if record is not None:
         from tracerisk.pipeline.recordings.write import check_rate, load_writer
@@ -223,7 +228,7 @@ def recording_folder(options: argparse.Namespace) -> Iterator[Path | None]:
         load_writer()
     if options.keep is not None:
         yield Path(options.keep)
-    elif record is None and getattr(options, "report", None) is None:
+    elif record is None and not is_wanted:
         yield None
     else:
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:

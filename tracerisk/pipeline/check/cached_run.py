@@ -32,6 +32,8 @@ class KeptRun:
     """Why `trace` is `None`, as a sentence; empty where there is a trace."""
     fingerprint: str = ""
     """The fingerprint of the last run; empty where `trace` was not looked up."""
+    has_options: bool = False
+    """Whether the last run had settings from its command line."""
 
 
 def kept_run(path: Path | str) -> KeptRun:
@@ -48,15 +50,17 @@ def kept_run(path: Path | str) -> KeptRun:
         message = f"{LOCK_NAME} knows of no run of it."
         return KeptRun(controller, settings, (str(controller.path),), None, message)
     recorded = RunInputs.from_data(entry.inputs)
-    settings = settings.with_options(given_options(recorded, controller))
+    given = given_options(recorded, controller)
+    settings = settings.with_options(given)
     files = _files(controller, entry)
     reasons = stale_reasons(recorded, controller, settings)
     if reasons:
         message = f"The trace of its last run is stale: {'; '.join(reasons)}."
-        return KeptRun(controller, settings, files, None, message)
+        return KeptRun(controller, settings, files, None, message, has_options=bool(given))
     trace = TraceCache(controller.root).read(recorded.fingerprint, controller.file)
     message = "" if trace is not None else "The trace of its last run is not kept on this machine."
-    return KeptRun(controller, settings, files, trace, message, recorded.fingerprint)
+    fingerprint = recorded.fingerprint
+    return KeptRun(controller, settings, files, trace, message, fingerprint, bool(given))
 
 
 def last_duration_s(path: Path | str) -> float | None:

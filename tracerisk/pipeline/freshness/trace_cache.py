@@ -1,5 +1,6 @@
-"""Traces of the last runs, kept beside the lock so that values can be recomputed without a run.
+"""What is kept of the last runs beside the lock: traces, and what their replays show.
 
+With the trace, values are recomputed without a run; with both, a report shows the run.
 They are no part of the project: the folder has a `.gitignore`, and may be deleted.
 """
 
@@ -14,7 +15,12 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.trace import Trace
 
 FOLDER = ".tracerisk_cache"
+MOST_REPLAYS = 20
+"""How many replays are kept of all controllers of a root; the oldest go."""
+MOST_REPLAY_BYTES = 100_000_000
+"""How much they take together at most [bytes]."""
 _LENGTH = 16
+_REPLAY = ".replay"
 
 
 def make_kept(folder: Path) -> None:
@@ -26,7 +32,11 @@ def make_kept(folder: Path) -> None:
 
 
 class TraceCache:
-    """The traces kept in the folder `root`: one a controller, by its fingerprint."""
+    """The runs kept in the folder `root`, by controller and fingerprint.
+
+    The trace of a controller's last run is always among them, and that of an earlier one as long
+    as its replay is.
+    """
 
     def __init__(self, root: Path) -> None:
         self._folder = root / FOLDER
@@ -42,8 +52,12 @@ class TraceCache:
         is_judged = trace.verdict is not None or not trace.robot
         return trace if trace.controller == controller and is_judged and trace.is_usable else None
 
+    def replay_path(self, fingerprint: str, controller: str) -> Path:
+        """Return the file that holds what a replay of a run shows, if it is kept."""
+        return self._path(fingerprint, controller).with_suffix(_REPLAY)
+
     def write(self, fingerprint: str, trace: Trace) -> None:
-        """Keep a trace in the place of the controller's last one.
+        """Keep a run as the controller's last one.
 
         Raises InputError or OSError where the folder cannot be written.
         """
@@ -51,9 +65,24 @@ class TraceCache:
         path = self._path(fingerprint, trace.controller)
         # On one line, which takes a quarter of the time.
         atomic_write(path, trace_json.dumps(trace, indent=None).encode())
+        if trace.replay is not None and len(trace.replay) <= MOST_REPLAY_BYTES:
+            atomic_write(path.with_suffix(_REPLAY), trace.replay)
+            self._drop_oldest(path.with_suffix(_REPLAY))
         for old in self._folder.glob(f"{_short(trace.controller)}-*.json"):
-            if old != path:
+            if old != path and not old.with_suffix(_REPLAY).exists():
                 old.unlink(missing_ok=True)
+
+    def _drop_oldest(self, newest: Path) -> None:
+        """Delete all replays but the latest that fit, of which `newest` is the first."""
+        stats = {path: path.stat() for path in self._folder.glob(f"*{_REPLAY}")}
+        latest_first = sorted(
+            stats, key=lambda path: (path != newest, -stats[path].st_mtime_ns, path.name)
+        )
+        total = 0
+        for count, path in enumerate(latest_first, start=1):
+            total += stats[path].st_size
+            if count > MOST_REPLAYS or total > MOST_REPLAY_BYTES:
+                path.unlink(missing_ok=True)
 
     def _path(self, fingerprint: str, controller: str) -> Path:
         return self._folder / f"{_short(controller)}-{fingerprint[:_LENGTH]}.json"

@@ -101,9 +101,9 @@ def _page(
     trace: Trace, fault: Fault | None, lines: list[str], hardware: Hardware, recording: Path
 ) -> str:
     try:
-        recorded = recorded_run(recording)
+        recorded = recorded_run(recording) or ""
     except LogError:
-        recorded = None
+        recorded = ""
     faults = () if fault is None else (fault,)
     section = run_section(trace, hardware, recorded, faults)
     words = None if fault is None else fault.words

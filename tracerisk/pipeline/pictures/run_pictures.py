@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,8 +11,8 @@ from tracerisk.adder.sources.write import atomic_write
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, Location, LogError, readable
-from tracerisk.pipeline.pictures.run_section import recorded_run
+from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.pictures.run_section import replay_of
 from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 
 if TYPE_CHECKING:
@@ -32,23 +31,8 @@ def run_again(
     The same sources and settings make the same run. The recording is `None` where nothing was
     simulated. Raises as `trace_controller`.
     """
-    with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:
-        trace = trace_controller(controller, settings, keep=Path(folder), progress=progress)
-        return trace, recorded_run(Path(folder))
-
-
-def kept_recording(folder: str) -> RecordedRun:
-    """Return what was recorded in a folder that `tracerisk run --keep` left.
-
-    Raises LogError where it holds none.
-    """
-    with readable(folder, LogError):
-        run = recorded_run(Path(folder))
-    if run is None:
-        raise LogError(
-            "holds no recording of a run; `tracerisk run --keep DIR` leaves one", Location(folder)
-        )
-    return run
+    trace = trace_controller(controller, settings, progress=progress)
+    return trace, replay_of(trace)
 
 
 def write_pictures(

@@ -6,16 +6,19 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.common.dependencies import install_command, is_installed
 from tracerisk.common.hardware.binding import bind
+from tracerisk.common.sandbox.process import read_regular
+from tracerisk.errors import Location, LogError, readable
+from tracerisk.pipeline.freshness.trace_cache import MOST_REPLAY_BYTES, TraceCache
 from tracerisk.pipeline.trace.run_files import ROBOT, RunRequest
 from tracerisk.report.html.run.replay import RecordedRun, make_replay
-from tracerisk.ros.scenario.file.scenario_reader import read_scenario
-from tracerisk.ros.scenario.objects import with_objects
-from tracerisk.twin.physics.scene import load_scene
+from tracerisk.ros.scenario.objects import simulated_scene
 from tracerisk.twin.robots.file import read_dumped_robot
 
 if TYPE_CHECKING:
     from tracerisk.common.hardware.model import Hardware
+    from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace
     from tracerisk.twin.faults.fault import Fault
@@ -24,12 +27,12 @@ if TYPE_CHECKING:
 def run_section(
     trace: Trace,
     hardware: Hardware,
-    run: RecordedRun | None = None,
+    run: RecordedRun | str = "",
     faults: Sequence[Fault] = (),
 ) -> Section | None:
     """Return the section of a run; `None` for one of which no visit has a time.
 
-    `run` is what was recorded of it; without it there is no replay. `faults` are marked on it.
+    `run` is what was recorded of it, or why there is no replay. `faults` are marked on it.
     Raises HardwareError where the hardware description does not fit the trace.
     """
     from tracerisk.report.html.run.timeline import timeline_section
@@ -40,8 +43,61 @@ def run_section(
         bound_component.component.name: bound_component.elements
         for bound_component in bind(hardware, trace.elements)
     }
-    replay = None if run is None else make_replay(run, trace.end.simulated_s)
+    if isinstance(run, str):
+        return timeline_section(trace, components, no_replay=run, faults=faults)
+    replay = make_replay(run, trace.end.simulated_s)
     return timeline_section(trace, components, replay=replay, faults=faults)
+
+
+def replay_of(trace: Trace) -> RecordedRun | None:
+    """Return what can be seen of a run that has just ended; `None` where nothing was simulated."""
+    from tracerisk.twin.recording.packed_run import unpacked_run
+
+    if trace.replay is None:
+        return None
+    return RecordedRun(*unpacked_run(trace.replay, trace.controller))
+
+
+def kept_replay(kept: KeptRun) -> RecordedRun | str:
+    """Return what can be seen of the run whose trace is kept, or why that is not kept."""
+    path = TraceCache(kept.controller.root).replay_path(kept.fingerprint, kept.controller.file)
+    if not path.is_file():
+        return "The replay of its last run is not kept on this machine."
+    if not is_installed("numpy"):
+        return f"The replay of its last run needs NumPy: `{install_command('large')}` brings it."
+    try:
+        return packed_recording(path)
+    except LogError as error:
+        return f"The replay of its last run cannot be read: {error}."
+
+
+def given_recording(path: Path) -> RecordedRun:
+    """Return what can be seen of a run: a folder of `run --keep`, or a file of the cache.
+
+    Raises LogError where it holds none.
+    """
+    if path.is_file():
+        return packed_recording(path)
+    with readable(path, LogError):
+        run = recorded_run(path)
+    if run is None:
+        raise LogError(
+            "holds no recording of a run; `tracerisk run --keep DIR` leaves one",
+            Location(str(path)),
+        )
+    return run
+
+
+def packed_recording(path: Path) -> RecordedRun:
+    """Return what a file of the cache holds of a run.
+
+    Raises LogError for another file, and one that cannot be read.
+    """
+    from tracerisk.twin.recording.packed_run import unpacked_run
+
+    with readable(path, LogError):
+        data = read_regular(path, MOST_REPLAY_BYTES)
+    return RecordedRun(*unpacked_run(data, str(path)))
 
 
 def recorded_run(recording: Path) -> RecordedRun | None:
@@ -57,7 +113,5 @@ def recorded_run(recording: Path) -> RecordedRun | None:
         return None
     request = RunRequest.loads((recording / "request.json").read_text(encoding="utf-8"))
     robot = read_dumped_robot(recording / ROBOT)
-    scene = load_scene(request.scene)
-    if request.scenario is not None:
-        scene = with_objects(scene, read_scenario(Path(request.scenario)).objects)
+    scene = simulated_scene(request.scene, request.scenario)
     return RecordedRun(read_samples(recording), robot, scene, read_declared(recording))

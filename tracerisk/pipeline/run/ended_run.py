@@ -126,6 +126,8 @@ class RunOptions:
     """Called once the process of the run computes."""
     idle_s: float = IDLE_S
     """The simulated time without a command after which a loop is idle [s]."""
+    is_replayed: bool = False
+    """Whether its trace holds what a replay of the run shows."""
 
 
 PLAIN = RunOptions()
@@ -179,7 +181,7 @@ def _read(
     is_cell = options.beside is not None and request.world == NOMINAL.name
     has_faults = bool(request.faults) or is_cell
     left = Ran(ran, robot, request.scene, settings, recording, folder, end, has_faults)
-    trace = make_trace(left, beside=options.beside)
+    trace = make_trace(left, beside=options.beside, is_replayed=options.is_replayed)
     trace = trace.with_lines(lines_since(recording.sources, controller))
     asked = [
         name for note in recording.notes if note.kind == JOINTS_ASKED for name in note.data["names"]

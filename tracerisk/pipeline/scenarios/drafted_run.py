@@ -131,7 +131,7 @@ def _found(controller: Controller, search: Rounds, first: Attempt, keep: Path | 
     trace = best.trace
     if keep is not None:
         # What is kept is the recording of the run that is reported.
-        trace = search.trace(best.entries, RunOptions(keep))
+        trace = search.trace(best.entries, RunOptions(keep, is_replayed=True))
     return _with_drafts(controller, search, best.entries, trace)
 
 

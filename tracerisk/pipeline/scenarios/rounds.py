@@ -360,7 +360,7 @@ class Rounds:
     def _run(self, entries: Entries) -> Attempt:
         runs: list[ControllerRun] = []
         try:
-            trace = self.trace(entries, RunOptions(on_run=runs.append))
+            trace = self.trace(entries, RunOptions(on_run=runs.append, is_replayed=True))
         except TraceRiskError as error:
             return Attempt(entries, error=error)
         return self.attempt(entries, trace, runs)

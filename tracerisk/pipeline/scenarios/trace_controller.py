@@ -49,7 +49,11 @@ def trace_controller(
     from tracerisk.pipeline.run.ended_run import RunOptions
 
     options = RunOptions(
-        keep, progress, live_speed=live_speed, meanwhile=lambda: _read_ahead(controller)
+        keep,
+        progress,
+        live_speed=live_speed,
+        meanwhile=lambda: _read_ahead(controller),
+        is_replayed=True,
     )
     if live_speed is not None:
         from tracerisk.pipeline.run.live.live_trace import trace_live

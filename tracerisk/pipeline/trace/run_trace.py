@@ -38,29 +38,34 @@ from tracerisk.pipeline.trace.sensors import RunActivity, elements_of, with_sens
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.like_commands import like_commands
+from tracerisk.ros.scenario.objects import simulated_scene
 from tracerisk.trace import Cycle, Exposure, Finding, ObjectOffset, Trace, Visit
+from tracerisk.twin.physics.declared_log import read_declared
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.exposure import ElementExposures
+from tracerisk.twin.recording.packed_run import packed_run
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples, until
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
 
 
-def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
+def make_trace(ran: Ran, *, beside: Recording | None = None, is_replayed: bool = False) -> Trace:
     """Return the trace of a run.
 
     One that is to be judged `beside` another run says when and where, contacts and verdict, and
     neither how long and how hard elements were used nor what never ran, in a third of the time;
-    its functions are distinguished as in that run.
+    its functions are distinguished as in that run. One that `is_replayed` holds what a replay
+    shows.
     """
     controller, robot, settings, recording = ran.controller, ran.robot, ran.settings, ran.recording
+    end_ns = round((ran.end.simulated_s or 0.0) * 1e9)
     attribution = attribute(
         recording,
         states=settings.states,
         helpers=settings.helpers,
-        end_ns=round((ran.end.simulated_s or 0.0) * 1e9),
+        end_ns=end_ns,
         beside=beside,
     )
     elements = elements_of(robot, settings)
@@ -69,6 +74,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
     visits: tuple[Visit, ...] = ()
     samples: Samples | None = None
     contacts: RunContacts | None = None
+    replay: bytes | None = None
     if has_samples(ran.folder):
         samples = read_samples(ran.folder)
         if mission_end is not None:
@@ -83,6 +89,11 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
         if beside is None:
             active, visits = with_sensors(seen, recording, active, visits)
         active, visits, contacts = with_contacts(seen, ran.folder, robot, active, visits)
+        if is_replayed:
+            scene = simulated_scene(ran.scene, settings.scenario)
+            declared = read_declared(ran.folder)
+            shown = until(samples, end_ns)
+            replay = packed_run(shown, robot, scene, declared, activity)
     coverage = Coverage(0, 0)
     if beside is None:
         libraries = Libraries(controller.path, controller.project, settings.states)
@@ -110,6 +121,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None) -> Trace:
         verdict=verdict,
         outcome=run_outcome(ran, samples, contacts) if samples is not None else None,
         commands=traced_commands(recording.commands, recording.refused),
+        replay=replay,
     )
 
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.errors import InputError, LogError
-from tracerisk.report.html.run.replay import make_replay
+from tracerisk.errors import InputError
+from tracerisk.report.html.run.replay import check_recording, make_replay
 from tracerisk.report.html.run.replay_frames import unpack_frames
 from tracerisk.report.html.run.replay_model import Body
 from tracerisk.report.png.camera import Camera, camera_of
@@ -141,18 +141,12 @@ def shown_run(trace: Trace, run: RecordedRun) -> tuple[Replay, NDArray[np.float6
 
     Raises as `make_pictures`.
     """
-    samples, end_s = run.samples, trace.end.simulated_s or 0.0
-    if samples.header.robot != trace.robot or samples.n_steps * samples.step_s < end_s - 0.1:
-        raise LogError(
-            f"the recording ({samples.header.robot}, {samples.n_steps * samples.step_s:.1f} s) is "
-            f"not of the run of the trace ({trace.robot}, {end_s:.1f} s); give the one that "
-            "`tracerisk run --keep` left, or none"
-        )
+    check_recording(trace, run)
     if not trace.functions:
         raise InputError("no function of the run commanded hardware: there is nothing to picture")
     if not any(link.shapes for link in run.robot.links):
         raise InputError(f"the model of {run.robot.name} has no shapes that could be pictured")
-    replay = make_replay(run, end_s or None)
+    replay = make_replay(run, trace.end.simulated_s or None)
     return replay, unpack_frames(replay.frames)
 
 

@@ -4,17 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from types import MappingProxyType
 
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import Location, ScenarioError, one_of
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.twin.motion.plausible_units import shown_limits
-from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene
+from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene, load_scene
 from tracerisk.twin.robots.robot import Robot
 
 _SHAPES = ("box", "cylinder", "sphere")
 _FRICTION = 0.5
+
+
+def simulated_scene(name: str, scenario: str | None) -> Scene:
+    """Return a scene by its name or path, with the objects of the scenario at a path.
+
+    Raises RobotError for an unknown scene, ScenarioError for a malformed scenario.
+    """
+    scene = load_scene(name)
+    return scene if scenario is None else with_objects(scene, read_scenario(Path(scenario)).objects)
 
 
 def with_objects(scene: Scene, objects: Sequence[YamlMap]) -> Scene:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.errors import LogError
 from tracerisk.report.html.run.joining import with_joins
 from tracerisk.report.html.run.replay_model import FREE_COLUMNS, bodies_data, scene_bodies
 from tracerisk.report.html.section import Data
@@ -17,6 +18,7 @@ from tracerisk.report.html.section import Data
 if TYPE_CHECKING:
     from tracerisk.report.html.run.replay_frames import Frames
     from tracerisk.report.html.run.replay_model import Body
+    from tracerisk.trace import Trace
     from tracerisk.twin.physics.declared_log import DeclaredChange
     from tracerisk.twin.physics.scene import Scene
     from tracerisk.twin.recording.activity import ElementActivity
@@ -27,6 +29,7 @@ BODIES, FRAMES = "replay-bodies", "replay-frames"
 """The ids of the data within the page."""
 
 _JOINT_QUANTUM = 1e-4  # [rad or m]; half of it is 0.05 mm at the end of a link of 1 m
+_ROUNDED_S = 0.1  # by which a recording may be shorter than its run [s]
 _FREE_QUANTA = [1e-4] * 3 + [2e-4] * 4  # position [m], parts of a quaternion
 
 
@@ -42,6 +45,8 @@ class RecordedRun:
     """The scene that was simulated."""
     declared: tuple[DeclaredChange, ...] = ()
     """Changes of the bodies that the controller put into the scene, in order."""
+    activity: Mapping[str, ElementActivity] | None = None
+    """What each element did at each step, by name; `None` to find it in the samples."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +65,17 @@ class Replay:
     """What is not shown, one sentence each."""
 
 
+def check_recording(trace: Trace, run: RecordedRun) -> None:
+    """Raise LogError where a recording is not that of the run of a trace, as far as can be told."""
+    samples, end_s = run.samples, trace.end.simulated_s or 0.0
+    if samples.header.robot != trace.robot or samples.n_steps * samples.step_s < end_s - _ROUNDED_S:
+        raise LogError(
+            f"the recording ({samples.header.robot}, {samples.n_steps * samples.step_s:.1f} s) is "
+            f"not of the run of the trace ({trace.robot}, {end_s:.1f} s); give the one that "
+            "`tracerisk run --keep` left, or none"
+        )
+
+
 def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
     """Return the replay of a run up to `end_s` [s], to the end of its samples if `None`.
 
@@ -71,10 +87,11 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
     from tracerisk.twin.recording.activity import element_activity
     from tracerisk.twin.recording.samples import POSE_EVERY, until
 
-    samples = run.samples
+    samples, activity = run.samples, run.activity
     if end_s is not None:  # after it the controller only idled
         samples = until(samples, round(end_s * 1e9))
-    activity = element_activity(samples, run.robot)
+    if activity is None:
+        activity = element_activity(samples, run.robot)
     bodies = with_joins(scene_bodies(run.robot, run.scene))
     values, quanta = _columns(samples, run.robot, run.scene)
     notes = []

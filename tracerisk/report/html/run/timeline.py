@@ -51,9 +51,12 @@ def timeline_section(
     components: Mapping[str, Sequence[str]],
     *,
     replay: Replay | None = None,
+    no_replay: str = "",
     faults: Sequence[Fault] = (),
 ) -> Section:
     """Return the section that shows a run over time, with its replay where there is one.
+
+    `no_replay` says why there is none, and how to get one; "" where nobody wants to know.
 
     `faults` are those with which it ran: they are marks on the chart, as findings are.
 
@@ -67,6 +70,7 @@ def timeline_section(
         "timeline.html.j2",
         has_replay=replay is not None,
         notes=replay.notes if replay is not None else (),
+        no_replay=no_replay,
         speeds=_SPEEDS,
         marks=marks,
         most_marks=_MOST_MARKS,
@@ -181,7 +185,7 @@ def _table(trace: Trace, names: Mapping[FunctionRef, str]) -> Table:
 
 
 def _use(visit: Visit) -> str:
-    return "; ".join(f"{name}: {_spent(exposure)}" for name, exposure in visit.exposures.items())
+    return "; ".join(f"{name}: {_spent(visit.exposures[name])}" for name in sorted(visit.exposures))
 
 
 def _spent(exposure: Exposure | None) -> str:
