@@ -5,5 +5,8 @@ mkdir -p "$folder/sarif"
 # Away from the checkout, and isolated: none of its files is a module of ours.
 cd "$RUNNER_TEMP"
 python -I -m venv "$folder/venv"
-"$folder/venv/bin/python" -I -m pip install --quiet --disable-pip-version-check "$ACTION"
+# A replay is unpacked with NumPy, which nothing else needs here.
+extra=
+[ "${REPLAYS:-}" != true ] || extra='[large]'
+"$folder/venv/bin/python" -I -m pip install --quiet --disable-pip-version-check "$ACTION$extra"
 tracerisk --version

@@ -336,6 +336,28 @@ def test_alerts_and_report_are_there_though_the_verdict_is_bad(runner, steps):
     assert "cell.py" in (folder / "report" / "cell.html").read_text(encoding="utf-8")
 
 
+def test_the_report_replays_the_run_that_the_cache_holds(runner, quick):
+    runner.repository.write("cell.py", quick())
+    base = runner.repository.commit()
+    outcome = runner.repository.run("run", "cell.py", "--quiet")
+    assert outcome.code == 0, outcome.err
+    runner.repository.commit()
+    assert runner.run(base)["verdict"] == "0"
+    page = (runner.temp / "tracerisk" / "report" / "cell.html").read_text(encoding="utf-8")
+    assert 'id="replay-canvas"' in page
+
+
+def test_the_cache_is_restored_before_anything_is_installed_and_only_if_asked_for():
+    action = YAML(typ="safe").load(ACTION)
+    assert action["inputs"]["replays"]["default"] == "false"
+    restores = [i for i, step in enumerate(action["runs"]["steps"]) if "cache" in str(step)]
+    names = [step.get("id") for step in action["runs"]["steps"]]
+    assert restores[0] < names.index("install")
+    step = action["runs"]["steps"][restores[0]]
+    assert "inputs.replays == 'true'" in step["if"]
+    assert step["with"]["path"] == "**/.tracerisk_cache"
+
+
 def test_the_base_and_the_limits_are_handed_on(runner, steps, prefix, tmp_path):
     base = commit(runner, steps("= 4e-07"))
     reported = tmp_path / "told"

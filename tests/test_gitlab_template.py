@@ -176,3 +176,16 @@ echo "$@" >>"{told}"
     (diff,) = (line for line in told.read_text().splitlines() if line.startswith("diff"))
     given = " ".join(limits)
     assert diff == f"diff --format markdown {given} --silent-below 0.01 base..HEAD"
+
+
+def test_each_controller_has_its_report_with_the_replay_of_the_cache(repository, job, quick):
+    repository.write("cell/arm.py", quick())
+    repository.write("cell/pyproject.toml", "")
+    base = repository.commit()
+    outcome = repository.run("run", "cell/arm.py", "--quiet")
+    assert outcome.code == 0, outcome.err
+    repository.commit()
+    assert job(base, token="") == 0
+    page = repository.read("tracerisk-report/cell-arm.html").decode()
+    assert 'id="replay-canvas"' in page
+    assert 'id="difference"' in page
