@@ -36,6 +36,7 @@ SUB_ROOMS = {
     "adder": ("annotate", "figures", "sources", "merge", "lock", "blocks", "quantify"),
     "pipeline": (
         *(
+            "dossier",
             "recordings",
             "pictures",
             "start",
@@ -114,6 +115,7 @@ SUB_ROOMS = {
             "sandbox",
             "outcome",
             "worlds",
+            "record",
             "acceptances",
             "verdict_codes",
             "version",

@@ -1,3 +1,4 @@
+import hashlib
 import json
 import subprocess
 import sys
@@ -27,7 +28,7 @@ def git(example, *words):
 
 ALL = [
     "timeline", "brought-about", "functions", "touches", "chain", "fault-trees", "importance", "hardware",
-    "findings", "coverage", "pins", "assumptions", "source",
+    "findings", "coverage", "pins", "assumptions", "record", "source",
 ]  # fmt: skip
 WITHOUT_A_RUN = [
     each for each in ALL if each not in ("timeline", "brought-about", "touches", "hardware")
@@ -67,6 +68,22 @@ def test_a_report_is_made_of_what_a_run_has_kept(kept):
     assert main(["report", "controller.py", "--output", "out.html", "-q"]) == 0
     assert kept.read("out.html") == first
     assert {name: data for name, data in kept.files().items() if name != "out.html"} == before
+
+
+def test_the_record_is_on_the_page_and_in_the_json(kept, capsys):
+    assert main(["report", "controller.py", "-o", "out.html", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)["record"]
+    document = parsed(kept)
+    assert json.loads(document.get_element_by_id("record-data").text) == record
+    shown = reported(document, "record")
+    digests = {file["path"]: file["sha256"] for file in record["files"]}
+    assert digests["controller.py"] == hashlib.sha256(kept.read("controller.py")).hexdigest()
+    assert all(digest in shown for digest in digests.values())
+    assert "panda, shipped with tracerisk" in shown
+    assert record["verdict"] == ["complete, 3 of 3 functions with commands ran"]
+    assert record["outcome"]
+    assert record["assumptions"]
+    assert str(kept.folder) not in json.dumps(record)
 
 
 def test_a_stale_trace_is_not_shown_and_the_page_says_why(kept):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,13 +22,14 @@ if TYPE_CHECKING:
     from tracerisk.adder.blocks.block import RiskBlock
     from tracerisk.adder.figures.computed import ComputedBlocks
     from tracerisk.common.hardware.model import Hardware
+    from tracerisk.common.record import Record
     from tracerisk.config import Settings
     from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.review.change_records import Review
-    from tracerisk.report.html.report_input import SourceBlock, SourceFile
+    from tracerisk.report.html.report_input import ReportInput, SourceBlock, SourceFile
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace
@@ -102,7 +103,7 @@ def run_shown(
     return RunShown(trace, hardware, computed, sections)
 
 
-def report_html(
+def report_input(
     assessment: Assessment,
     model: HybridModel,
     sources: Mapping[str, bytes],
@@ -111,15 +112,15 @@ def report_html(
     review: Review | None = None,
     verdict: Sequence[str] = (),
     more: tuple[Section, ...] = (),
-) -> str:
-    """Return the page; `sources` map the files that hold the blocks, as messages call them.
+    record: Record | None = None,
+) -> ReportInput:
+    """Return what a page is made of; `sources` map the files with blocks, as messages call them.
 
     `run` is what is known of the run behind them, or why nothing is; `verdict` are the lines of
     its verdict. `more` sections follow those of the run.
     Raises BlockError or SourceError where blocks are malformed.
     """
     from tracerisk.pipeline.check.overrides import overrides_in
-    from tracerisk.report.html.report import render_report
     from tracerisk.report.html.report_input import ReportInput
     from tracerisk.report.run_figures import run_figures
 
@@ -131,23 +132,47 @@ def report_html(
         review=review,
         verdict=tuple(verdict),
         sections=more,
+        record=record,
     )
     if isinstance(run, str):
-        return render_report(replace(report, no_trace=run))
+        return replace(report, no_trace=run)
     blocks = [block for _, block in blocks_of(sources)]
-    return render_report(
-        replace(
-            report,
-            trace=run.trace,
-            outcome=tuple(line.strip() for line in object_lines(run.trace)),
-            exposures=run.computed.exposures_by_name,
-            findings=tuple(finding_line(finding) for finding in run.trace.findings),
-            assumptions=(*run.trace.assumptions, *run.computed.assumptions),
-            hardware=run.hardware,
-            figures=run_figures(assessment, run.hardware, run.computed.instances, blocks),
-            names=run.computed.names,
-            sections=(*run.sections, *more),
-        )
+    return replace(
+        report,
+        trace=run.trace,
+        outcome=tuple(line.strip() for line in object_lines(run.trace)),
+        exposures=run.computed.exposures_by_name,
+        findings=tuple(finding_line(finding) for finding in run.trace.findings),
+        assumptions=(*run.trace.assumptions, *run.computed.assumptions),
+        hardware=run.hardware,
+        figures=run_figures(assessment, run.hardware, run.computed.instances, blocks),
+        names=run.computed.names,
+        sections=(*run.sections, *more),
+    )
+
+
+def record_of(
+    run: RunShown | str,
+    sources: Mapping[str, bytes],
+    settings: Settings,
+    *,
+    fingerprint: str = "",
+    made: Collection[str] = (),
+) -> Record:
+    """Return the record of a report; files that are `made` with it are no change in git.
+
+    Raises InputError for a file that cannot be read.
+    """
+    from tracerisk.pipeline.dossier.record import make_record
+
+    trace, hardware = (None, None) if isinstance(run, str) else (run.trace, run.hardware)
+    return make_record(
+        sources,
+        settings,
+        trace=trace,
+        hardware=hardware,
+        fingerprint=fingerprint,
+        made=tuple(map(Path, made)),
     )
 
 

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any
 from tracerisk import api
 from tracerisk.cli.reporting.against import add_against, review_against
 from tracerisk.cli.reporting.overview import write_overview
-from tracerisk.cli.reporting.report_input import RunShown, history_shown, report_html, run_shown
+from tracerisk.cli.reporting.report_input import (
+    RunShown,
+    history_shown,
+    record_of,
+    report_input,
+    run_shown,
+)
 from tracerisk.cli.reporting.report_pictures import (
     add_picture_options,
     check_picture_options,
@@ -29,6 +35,9 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.trace import Trace
+
+_MADE = ("output", "gif", "mp4")
+"""The options that name a file to write."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -93,6 +102,8 @@ def _write_page(
 ) -> dict[str, Any]:
     """Write the page; return what `--json` prints of it."""
     from tracerisk.prm.formats.assessment_json import assessment_to_json
+    from tracerisk.report.html.record import report_record
+    from tracerisk.report.html.report import render_report
 
     files = list(options.files)
     if len(files) == 1 and kept is not None:
@@ -105,20 +116,33 @@ def _write_page(
     for verdict in verdicts.by_controller.values():
         lines += verdict_details(verdict)
     more = history_shown(options.files[0]) if options.history else ()
-    html = report_html(
+    sources = {name: read_file(name) for name in files}
+    run = _run_of(kept, trace, recorded, options)
+    page = report_input(
         assessment,
         model,
-        {name: read_file(name) for name in files},
-        run=_run_of(kept, trace, recorded, options),
+        sources,
+        run=run,
         review=review_against(options.against, files),
         verdict=lines,
         more=more,
+        record=record_of(
+            run,
+            sources,
+            _settings(kept, options),
+            fingerprint="" if kept is None or trace is not None else kept.fingerprint,
+            made=[file for name in _MADE if (file := getattr(options, name)) is not None],
+        ),
     )
-    write_file(options.output, html)
+    write_file(options.output, render_report(page))
     text = f"{options.output}: the report of {model.name}"
     note(text, quiet=options.quiet or options.json)
-    data = assessment_to_json(assessment)
-    return {"report": options.output, **verdicts.data(), "assessment": data}
+    return {
+        "report": options.output,
+        **verdicts.data(),
+        "assessment": assessment_to_json(assessment),
+        "record": report_record(page),
+    }
 
 
 def _kept(file: str) -> KeptRun | None:

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 
 from tracerisk import api
 from tracerisk.cli.reporting.against import review_against
-from tracerisk.cli.reporting.report_input import RunShown, evidence_shown, report_html, worlds_shown
+from tracerisk.cli.reporting.report_input import (
+    RunShown,
+    evidence_shown,
+    record_of,
+    report_input,
+    worlds_shown,
+)
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.explain import explained
 from tracerisk.cli.shared.output import note, note_warnings, write_file, write_sarif
@@ -23,6 +29,7 @@ from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.pictures.run_section import replay_of, run_section
 from tracerisk.pipeline.review.alerts import run_alerts
 from tracerisk.prm.formats import model_json
+from tracerisk.report.html.report import render_report
 from tracerisk.report.run_figures import run_figures, set_by_hand
 from tracerisk.trace import RunFailedError
 
@@ -33,6 +40,9 @@ if TYPE_CHECKING:
     from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.report.html.section import Section
     from tracerisk.report.run_figures import RunFigures
+
+_MADE = ("report", "trace", "model", "log", "sarif", "record")
+"""The options that name a file to write."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,12 +150,20 @@ def _write_files(options: argparse.Namespace, done: Assessed) -> None:
         sections += worlds_shown(done.trace)
         sections += evidence_shown(done.controller, done.settings, done.annotated.fingerprint)
         verdict = as_typed(done.trace.verdict, done.controller.path)
-        page = report_html(
+        run = RunShown(done.trace, done.hardware, done.annotated.computed, sections)
+        page = report_input(
             done.assessment,
             done.model,
             done.sources,
-            run=RunShown(done.trace, done.hardware, done.annotated.computed, sections),
+            run=run,
             review=review_against(options.against, done.sources),
             verdict=(verdict_line(verdict), *verdict_details(verdict)),
+            record=record_of(
+                run,
+                done.sources,
+                done.settings,
+                fingerprint=done.annotated.fingerprint,
+                made=[file for name in _MADE if (file := getattr(options, name)) is not None],
+            ),
         )
-        write_file(options.report, page)
+        write_file(options.report, render_report(page))

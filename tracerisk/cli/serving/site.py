@@ -14,7 +14,7 @@ from urllib.parse import parse_qs, quote, unquote
 
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.cli.reporting.overview import is_report, overview_row, reports_in
-from tracerisk.cli.reporting.report_input import evidence_shown, report_html, run_shown
+from tracerisk.cli.reporting.report_input import evidence_shown, report_input, run_shown
 from tracerisk.cli.serving.model_changes import Answer, Choices, answer, choices_of, read_change
 from tracerisk.cli.serving.sections import links_section, live_section, what_if_section
 from tracerisk.cli.shared.verdict import verdict_details
@@ -26,12 +26,14 @@ from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
 from tracerisk.pipeline.freshness.known_controllers import lock_folders
+from tracerisk.pipeline.pictures.run_section import kept_replay
 from tracerisk.pipeline.review.history import history
 from tracerisk.pipeline.review.overview import KnownController, overview
 from tracerisk.report.html.model.components import importance_section
 from tracerisk.report.html.model.functions import functions_section
 from tracerisk.report.html.notes import assumptions_section, findings_section
 from tracerisk.report.html.page import page, policy_of, rendered
+from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.repository.history import history_section
 from tracerisk.report.html.repository.overview import overview_lead, overview_section, report_links
@@ -155,8 +157,8 @@ class Site:
         elif kept.trace is None:
             run = f"{kept.reason} `tracerisk run` or `refresh` brings it up to date."
         else:
-            run = run_shown(kept.trace, kept.settings, kept)
-        text = report_html(
+            run = run_shown(kept.trace, kept.settings, kept, kept_replay(kept))
+        shown = report_input(
             known.assessment,
             known.model,
             known.sources,
@@ -164,7 +166,7 @@ class Site:
             verdict=_verdict_lines(known),
             more=(live_section(),),
         )
-        return _html(text)
+        return _html(render_report(shown))
 
     def _history(self, name: str, _: str) -> Reply:
         known = self._named(name)

@@ -23,6 +23,11 @@ def hardware_of(robot: str) -> Hardware:
     return shipped_hardware(robot if is_shipped(robot) else GENERIC)
 
 
+def shipped_bytes(hardware: Hardware) -> bytes:
+    """Return the file that a shipped description was read from."""
+    return (_FOLDER / hardware.file.removeprefix(_SHOWN_FOLDER)).read_bytes()
+
+
 def shipped_names() -> tuple[str, ...]:
     """Return the robots for which a description is shipped, and the generic one, sorted."""
     return tuple(sorted(entry.stem for entry in _FOLDER.glob("*.yaml")))

@@ -14,6 +14,7 @@ from tracerisk.report.html.notes import (
     pins_section,
 )
 from tracerisk.report.html.page import page
+from tracerisk.report.html.record import record_section
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.run.brought_about import brought_about_section
 from tracerisk.report.html.run.contact_pairs import touches_section
@@ -40,6 +41,7 @@ def render_report(report: ReportInput) -> str:
         coverage_section(report),
         pins_section(report),
         assumptions_section(report),
+        record_section(report),
         sources_section(report),
     )
     shown = tuple(section for section in sections if section is not None)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from tracerisk.adder.blocks.override import Override
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.model import Hardware
+from tracerisk.common.record import Record
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.review.change_records import Review
@@ -77,5 +78,7 @@ class ReportInput:
     """Lines of the verdict of the run, the first of which is the whole in short."""
     review: Review | None = None
     """Changes since an earlier version; `None` where not asked for."""
+    record: Record | None = None
+    """What the figure was made from; `None` where nobody gathered it."""
     sections: tuple[Section, ...] = field(default=())
     """Sections on the run, to put behind the summary."""
