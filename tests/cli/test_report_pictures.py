@@ -59,7 +59,7 @@ def test_a_controller_that_fails_has_no_pictures(example, quick):
     [
         (
             ["controller.py"],
-            "nothing to write; give -o/--output OUT.html, --png DIR, --gif OUT.gif or --mp4",
+            "nothing to write; give -o/--output OUT.html, --dossier OUT.zip, --png DIR, --gif",
         ),
         (["controller.py", "-o", "a.html", "--recording", "."], "holds no recording of a run"),
         (["controller.py", "-o", "a.html", "--recording", "other.py"], "is no packed run"),

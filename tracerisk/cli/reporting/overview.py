@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _GENERATED = b'<meta name="generator" content="tracerisk">'
 _HEAD_BYTES = 4096  # within which a page names what made it
 _NOT_WITH_IT = (
-    *("against", "history", "trace", "png", "gif", "mp4", "recording"),
+    *("against", "history", "trace", "png", "gif", "mp4", "recording", "dossier"),
     *("hardware", "active", "profile"),
 )
 

@@ -42,9 +42,10 @@ def add_picture_options(parser: argparse.ArgumentParser) -> None:
 def check_picture_options(options: argparse.Namespace) -> None:
     """Raise InputError where the options of pictures do not fit each other."""
     wanted = wants_pictures(options)
-    if options.output is None and not wanted:
+    if options.output is None and options.dossier is None and not wanted:
         raise InputError(
-            "nothing to write; give -o/--output OUT.html, --png DIR, --gif OUT.gif or --mp4 OUT.mp4"
+            "nothing to write; give -o/--output OUT.html, --dossier OUT.zip, --png DIR, "
+            "--gif OUT.gif or --mp4 OUT.mp4"
         )
     if options.trace is not None and wanted and options.recording is None:
         raise InputError(

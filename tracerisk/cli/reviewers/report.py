@@ -27,16 +27,17 @@ from tracerisk.cli.shared.output import note, print_json, write_file
 from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict, verdict_details
 from tracerisk.common import trace_json
-from tracerisk.config import Settings
+from tracerisk.config import Settings, controller_root
 from tracerisk.errors import ExitCode, InputError, Location, SourceError
 from tracerisk.instrument.source.language import is_c_like
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.check.cached_run import KeptRun
+    from tracerisk.report.html.report_input import ReportInput
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.trace import Trace
 
-_MADE = ("output", "gif", "mp4")
+_MADE = ("output", "dossier", "gif", "mp4")
 """The options that name a file to write."""
 
 
@@ -62,6 +63,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--trace", metavar="FILE", help="trace of a run as JSON (default: the cached one, if fresh)"
     )
+    parser.add_argument(
+        "--dossier",
+        metavar="OUT.zip",
+        help="write report, sources, lock, model, hand calculation and digests as one archive",
+    )
     add_picture_options(parser)
     shared.add_hardware_options(parser)
     shared.add_profile(parser)
@@ -81,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     trace = _given_trace(options.trace)
     recorded = _recorded(options, kept, trace)
     shown: dict[str, Any] = {}
-    if options.output is not None:
+    if options.output is not None or options.dossier is not None:
         shown = _write_page(options, kept, trace, recorded)
     if wants_pictures(options):
         settings = _settings(kept, options)
@@ -134,15 +140,36 @@ def _write_page(
             made=[file for name in _MADE if (file := getattr(options, name)) is not None],
         ),
     )
-    write_file(options.output, render_report(page))
-    text = f"{options.output}: the report of {model.name}"
-    note(text, quiet=options.quiet or options.json)
+    html, quiet = render_report(page), options.quiet or options.json
+    if options.output is not None:
+        write_file(options.output, html)
+        note(f"{options.output}: the report of {model.name}", quiet=quiet)
+    if options.dossier is not None:
+        _write_dossier(options, page, html, kept if trace is None else None)
+        note(f"{options.dossier}: the dossier of {model.name}", quiet=quiet)
     return {
         "report": options.output,
+        "dossier": options.dossier,
         **verdicts.data(),
         "assessment": assessment_to_json(assessment),
         "record": report_record(page),
     }
+
+
+def _write_dossier(
+    options: argparse.Namespace, page: ReportInput, html: str, kept: KeptRun | None
+) -> None:
+    """Write the dossier of a report; `kept` is the run that it shows, if that is the kept one."""
+    from tracerisk.pipeline.dossier.dossier import dossier
+    from tracerisk.pipeline.freshness.used_evidence import used_evidence
+
+    settings = _settings(kept, options)
+    evidence = None
+    if kept is not None and kept.trace is not None:
+        evidence = used_evidence(kept.controller, settings, kept.fingerprint)
+    root = controller_root(Path(options.files[0]))
+    data = dossier(page, html, root, active=settings.active, evidence=evidence)
+    write_file(options.dossier, data)
 
 
 def _kept(file: str) -> KeptRun | None:

@@ -47,15 +47,15 @@ def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
     sys.stdout.flush()
 
 
-def write_file(path: str, text: str) -> None:
-    """Write an output file that was asked for.
+def write_file(path: str, content: str | bytes) -> None:
+    """Write an output file that was asked for, text as UTF-8.
 
     Raises InputError when it cannot be written.
     """
     from pathlib import Path
 
     try:
-        Path(path).write_text(text, encoding="utf-8", newline="\n")
+        Path(path).write_bytes(content if isinstance(content, bytes) else content.encode())
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", Location(path)) from error
 

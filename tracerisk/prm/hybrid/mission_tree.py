@@ -15,7 +15,7 @@ from fractions import Fraction
 from tracerisk.prm.hybrid.elements import DONE, FunctionState
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.trees.fault_tree import FaultTree
-from tracerisk.prm.trees.gates import Gate, GateKind
+from tracerisk.prm.trees.gates import Gate
 
 TOP = "mission fails"
 
@@ -86,9 +86,10 @@ class MissionTree:
 
 
 def mission_tree(model: HybridModel) -> MissionTree | None:
-    """Return the mission of a model as one fault tree; `None` for one with spares.
+    """Return the mission of a model as one fault tree; `None` where no tree holds it.
 
-    A spare fails at another rate once it works, so that no static tree holds it.
+    A spare fails at another rate once it works, so that no static tree holds one; and a model in
+    which nothing can fail has no events.
     """
     if any(state.spares for state in model.states):
         return None
@@ -181,17 +182,10 @@ def _group(
         LatentUnit(name, by_state, _over([(visits[f], p) for f, p in by_state.items()]))
         for name, by_state in units.items()
     )
-    least = min(_least(gate) for _, gate in uses)
+    least = min(gate.threshold for _, gate in uses)
     figures = {unit.name: unit.per_mission for unit in latent}
     tree = FaultTree.of(component, {component: ("atleast", least, *figures)}, figures)
     return LatentGroup(component, latent, least, tree.probability(figures).p)
-
-
-def _least(gate: Gate) -> int:
-    """Return how many failed inputs fail a gate."""
-    if gate.kind is GateKind.OR:
-        return 1
-    return len(gate.inputs) if gate.kind is GateKind.AND or gate.k is None else gate.k
 
 
 def _over(counts: list[tuple[Fraction, float]]) -> float:

@@ -1,0 +1,343 @@
+"""The dossier: solved by SCRAM, and recomputed from its text alone."""
+
+import hashlib
+import json
+import math
+import re
+import shutil
+import subprocess
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tracerisk.cli import main
+
+SCRAM = shutil.which("scram")
+needs_scram = pytest.mark.skipif(SCRAM is None, reason="needs scram")
+DIGITS = 3e-8  # relative; the calculation prints eight digits
+SHARED = """\
+def place(arm):
+    # | RiskAnnotation
+    # | @Function {
+    # |   name = place
+    # |   callSequence = 2
+    # |   next = pick 6/7
+    # |   next = done 1/7
+    # | }
+    # | @Component {
+    # |   name = power
+    # |   probability = 0.002
+    # |   quantity = 3
+    # |   redundancy = required 2, common_cause 0.1
+    # | }
+    # | @Component {
+    # |   name = brake
+    # |   probability = 0.01
+    # |   quantity = 3
+    # |   redundancy = required 1, detected each_visit
+    # | }
+    arm.place()
+
+
+def pick(arm):
+    # | RiskAnnotation
+    # | @Function {
+    # |   name = pick
+    # |   callSequence = 1
+    # |   next = place 1
+    # | }
+    # | @Component {
+    # |   name = power
+    # |   probability = 0.003
+    # |   quantity = 3
+    # |   redundancy = required 2, common_cause 0.1
+    # | }
+    # | @Component {
+    # |   name = motor
+    # |   probability = 0.001
+    # |   quantity = 6
+    # |   redundancy = false
+    # | }
+    arm.pick()
+"""
+SPARES = SHARED.replace("required 2, common_cause 0.1", "required 1, spare cold")
+
+
+def unzipped(path: Path, folder: Path) -> Path:
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def of_run(short_run, tmp_path_factory):
+    """The dossier of a run of the sample, unpacked."""
+    example, _ = short_run
+    outcome = example.run("report", "pick_and_place.py", "--dossier", "out.zip", "--json")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["dossier"] == "out.zip"
+    return unzipped(example.folder / "out.zip", tmp_path_factory.mktemp("dossier"))
+
+
+@pytest.fixture
+def of_blocks(tmp_path, monkeypatch):
+    """Makes the dossier of blocks that no run is known of."""
+
+    def make(source: str, name: str = "cell.py") -> Path:
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / name).write_text(source)
+        assert main(["report", name, "--dossier", "out.zip", "--quiet"]) == 0
+        return unzipped(tmp_path / "out.zip", tmp_path / "unpacked")
+
+    return make
+
+
+def tables(text: str, *headings: str) -> list[list[str]]:
+    """The rows of all tables in Markdown with these headings."""
+    found, inside = [], False
+    for line in text.splitlines():
+        cells = [cell.strip() for cell in line.strip("|").split("|")] if "|" in line else []
+        if cells == list(headings):
+            inside = True
+        elif not cells:
+            inside = False
+        elif inside and not set(line) <= set("|-"):
+            found.append(cells)
+    return found
+
+
+def either(*parts: float) -> float:
+    """1 - product of (1 - p), as one may do it by hand with enough digits."""
+    return -math.expm1(math.fsum(math.log1p(-p) for p in parts))
+
+
+def at_least(m: int, q: int, p: float) -> float:
+    if m == 1:
+        return either(*[p] * q)
+    return math.fsum(math.comb(q, i) * p**i * (1.0 - p) ** (q - i) for i in range(m, q + 1))
+
+
+VISIT = ("part", "units q", "fails at m failed", "p of a unit", "fails with")
+RENEWED = ("function", "part", "N", "p of a visit", "fails over the mission")
+LATENT = (
+    *("component", "units q", "fails at m failed", "N_f x p_f of a unit"),
+    *("one unit fails over the mission", "group fails over the mission"),
+)
+
+
+def check_visits(text: str) -> dict[str, float]:
+    """Recompute the tables of functions; return the figure of each."""
+    functions: dict[str, float] = {}
+    parts: list[float] = []
+    apart: list[float] = []
+    for name, units, least, p, fails in reversed(tables(text, *VISIT)):
+        # From the last row up, so that the parts of a row are known before it.
+        if name.startswith("**"):
+            parts, function = [], name.strip("*")
+            functions[function] = float(fails)
+            pending = parts
+            continue
+        if units:
+            expected = at_least(int(least), int(units), float(p))
+        else:
+            expected = either(*apart)
+        assert float(fails) == pytest.approx(expected, rel=DIGITS), name
+        if name.startswith("- "):
+            apart.append(float(fails))
+            continue
+        apart = []
+        pending.append(float(fails))
+        assert either(*pending) <= functions[function] * (1 + DIGITS)
+        total = pending
+        functions[f"sum of {function}"] = either(*total)
+    for name in [name for name in functions if name.startswith("sum of ")]:
+        function = name.removeprefix("sum of ")
+        assert functions.pop(name) == pytest.approx(functions[function], rel=DIGITS), function
+    return functions
+
+
+def check_mission(text: str) -> float:
+    """Recompute the mission from the tables of part 3; return its figure."""
+    ways = []
+    for _, name, visits, p, fails in tables(text, *RENEWED):
+        assert float(fails) == pytest.approx(
+            -math.expm1(float(visits) * math.log1p(-float(p))), rel=DIGITS
+        ), name
+        ways.append(float(fails))
+    for name, units, least, shares, unit, group in tables(text, *LATENT):
+        pairs = [tuple(map(float, share.split(" x "))) for share in shares.split(" + ")]
+        over = -math.expm1(math.fsum(n * math.log1p(-p) for n, p in pairs))
+        assert float(unit) == pytest.approx(over, rel=DIGITS), name
+        expected = at_least(int(least), int(units), float(unit))
+        assert float(group) == pytest.approx(expected, rel=3 * DIGITS), name
+        ways.append(float(group))
+    (figure,) = re.findall(r"over the mission\) = \*\*([^*]+)\*\*", text)
+    assert float(figure) == pytest.approx(either(*ways), rel=DIGITS)
+    return float(figure)
+
+
+def check_blocks(text: str) -> dict[tuple[str, str], float]:
+    """Recompute part 1 from rates and times; return what stands in the block of each component."""
+    blocks = {}
+    for function, body in re.findall(
+        r"^### (\S+)\n\n```text\n(.*?)```", text, re.DOTALL | re.MULTILINE
+    ):
+        for component in re.split(r"\n\n", body)[1:]:
+            name = component.partition(":")[0]
+            p, rate = re.findall(r"probability (\S+) per minute: .* = (\S+) per s", component)[0]
+            assert float(rate) == pytest.approx(-math.log1p(-float(p)) / 60.0, rel=DIGITS)
+            head, visits = component.split("start [s]")
+            rows = re.findall(
+                r"^    (\S+)(?: \(x(\d+)\))? +([\d.e-]+)  +([\d.e-]+)$", head, re.MULTILINE
+            )
+            total = 0.0
+            for row in re.findall(
+                r"^    (.+?)(?: \(x(\d+)\))?  +([\d.e-]+)  +([\d.e-]+)$", head, re.MULTILINE
+            ):
+                _, count, seconds, hazard = row
+                assert float(hazard) == pytest.approx(float(rate) * float(seconds), rel=1e-6)
+                total += int(count or 1) * float(hazard)
+            assert rows or total
+            by_visit = re.findall(r"^    visit \d+ .* (\S+)$", visits, re.MULTILINE)
+            assert math.fsum(map(float, by_visit)) == pytest.approx(total, rel=1e-6), name
+            shown, over, value = re.findall(
+                r"1 - exp\(-(\S+) / \(?([\d x]+)\)?\) = (\S+)", component
+            )[0]
+            assert float(shown) == pytest.approx(total, rel=1e-6), name
+            count = math.prod(int(factor) for factor in over.split(" x "))
+            assert float(value) == pytest.approx(-math.expm1(-total / count), rel=1e-6), name
+            (block,) = re.findall(r"block: probability = (\S+)", component)
+            assert float(block) == float(f"{float(value):.3e}"), name
+            blocks[function, name] = float(block)
+    return blocks
+
+
+def test_each_figure_is_recomputed_from_the_text_alone(of_run):
+    text = (of_run / "calculation.md").read_text()
+    blocks = check_blocks(text)
+    assert len(blocks) == 18
+    in_source = (of_run / "files" / "pick_and_place.py").read_text()
+    for (_, component), value in blocks.items():
+        lines = rf"name = {component}\n.*probability = {re.escape(f'{value:.4g}')}\n"
+        assert re.search(lines, in_source), (component, value)
+    for function in re.split(r"^### ", text.partition("## 2.")[2], flags=re.MULTILINE)[1:]:
+        name = function.split()[0]
+        for part, *_, p, _ in tables(function, *VISIT)[:-1]:
+            assert float(p) == blocks[name, part]
+    functions = check_visits(text)
+    assert list(functions) == ["place", "place_position", "pick", "pick_position", "init"]
+    figure = check_mission(text)
+    record = json.loads((of_run / "record.json").read_text())
+    assert figure == pytest.approx(record["failure_probability"], rel=DIGITS)
+    assert "That is the same figure." in text
+
+
+COUNTED = "That is the same figure."
+DRAWN = "because the numbers of cycles vary around their mean"
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [(SHARED, COUNTED), (SHARED.replace("6/7", "0.9").replace("1/7", "0.1"), DRAWN)],
+)
+def test_blocks_alone_are_recomputed_up_to_the_mission(of_blocks, source, words):
+    text = (of_blocks(source) / "calculation.md").read_text()
+    assert (
+        "The blocks are taken as they stand in the sources. tracerisk.lock knows of no run" in text
+    )
+    assert set(check_visits(text)) == {"pick", "place"}
+    check_mission(text)
+    assert words in text
+
+
+def scram(model: Path) -> dict[str, float]:
+    done = subprocess.run(
+        [SCRAM, "--probability", "1", str(model)], capture_output=True, text=True, check=True
+    )
+    rows = re.findall(r'sum-of-products name="([^"]*)"[^>]* probability="([^"]*)"', done.stdout)
+    return {name: float(value) for name, value in rows}
+
+
+def said(folder: Path) -> tuple[dict[str, float], float | None]:
+    """What the guide says that SCRAM prints: of functions, and of the mission."""
+    text = (folder / "README.md").read_text()
+    rows = tables(text, "function", "fails in one visit")
+    mission = re.findall(r"It must print (\S+): the mission", text)
+    return {name: float(value) for name, value in rows}, float(mission[0]) if mission else None
+
+
+@needs_scram
+def test_scram_gives_what_the_guide_says(of_run):
+    functions, mission = said(of_run)
+    solved = scram(of_run / "model" / "functions.xml")
+    assert {name.partition(".")[0]: value for name, value in solved.items()} == functions
+    assert list(scram(of_run / "model" / "mission.xml").values()) == [mission]
+    record = json.loads((of_run / "record.json").read_text())
+    assert mission == pytest.approx(record["failure_probability"], rel=5e-6)
+
+
+@needs_scram
+def test_scram_solves_common_causes_and_votes_as_well(of_blocks):
+    folder = of_blocks(SHARED)
+    functions, mission = said(folder)
+    solved = scram(folder / "model" / "functions.xml")
+    assert {name.partition(".")[0]: value for name, value in solved.items()} == functions
+    assert list(scram(folder / "model" / "mission.xml").values()) == [mission]
+
+
+@needs_scram
+def test_the_commands_of_the_guide_run(of_run):
+    text = (of_run / "README.md").read_text()
+    commands = [
+        command
+        for command in re.findall(r"^```sh\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+        if command.startswith(("sha256sum", "scram"))
+    ]
+    assert len(commands) == 3
+    for command in commands:
+        done = subprocess.run(
+            ["/bin/sh", "-ec", command], cwd=of_run, capture_output=True, text=True, check=True
+        )
+        assert done.stdout
+
+
+def test_every_file_has_its_digest_and_is_what_the_record_names(of_run):
+    listed = dict(
+        reversed(line.split("  ", 1)) for line in (of_run / "SHA256SUMS").read_text().splitlines()
+    )
+    there = {
+        path.relative_to(of_run).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in of_run.rglob("*")
+        if path.is_file() and path.name != "SHA256SUMS"
+    }
+    assert listed == there
+    record = json.loads((of_run / "record.json").read_text())
+    for file in record["files"]:
+        assert listed[f"files/{file['path']}"] == file["sha256"]
+    assert {file["role"] for file in record["files"]} >= {"source", "lock", "hardware"}
+
+
+def test_spares_are_no_static_tree_and_the_guide_says_so(of_blocks):
+    folder = of_blocks(SPARES)
+    assert not (folder / "model" / "mission.xml").exists()
+    assert "The mission is no static fault tree" in (folder / "README.md").read_text()
+    text = (folder / "calculation.md").read_text()
+    assert "it has spares, which fail at another rate once they work" in text
+
+
+def test_the_same_report_gives_the_same_bytes(of_blocks, tmp_path):
+    of_blocks(SHARED)
+    first = (tmp_path / "out.zip").read_bytes()
+    of_blocks(SHARED)
+    assert (tmp_path / "out.zip").read_bytes() == first
+
+
+def test_a_file_above_the_root_stays_within_the_archive(of_blocks, tmp_path):
+    (tmp_path.parent / "own.yaml").write_text(
+        "components:\n  power: {probability: {value: 1e-6, per: minute}, active: always}\n"
+    )
+    (tmp_path / "cell.py").write_text(SHARED)
+    (tmp_path / "pyproject.toml").write_text('[tool.tracerisk]\nhardware = "../own.yaml"\n')
+    folder = of_blocks(SHARED)
+    assert (folder / "files" / "outside" / "own.yaml").is_file()

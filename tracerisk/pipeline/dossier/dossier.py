@@ -1,0 +1,190 @@
+"""The dossier: all that an assessor needs to recompute a figure, in one archive."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from tracerisk.adder.sources.read import read_blocks
+from tracerisk.common import trace_json
+from tracerisk.common.hardware.shipped import shipped_bytes
+from tracerisk.common.text.digests import sha256
+from tracerisk.errors import InputError, Location
+from tracerisk.instrument.source.language import is_c_like
+from tracerisk.pipeline.dossier.calculation import hand_calculation
+from tracerisk.pipeline.dossier.guide import guide
+from tracerisk.prm.formats import model_json
+from tracerisk.prm.hybrid.mission_tree import MissionTree, mission_tree
+from tracerisk.report.html.record import report_record
+
+if TYPE_CHECKING:
+    from tracerisk.adder.blocks.block import RiskBlock
+    from tracerisk.adder.figures.derivation import FunctionDerivation
+    from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+    from tracerisk.common.record import RecordedFile
+    from tracerisk.config import ActiveMode
+    from tracerisk.report.html.report_input import ReportInput
+
+FUNCTIONS, MISSION, MODEL = "model/functions.xml", "model/mission.xml", "model/model.json"
+CALCULATION, ASSUMPTIONS, GUIDE = "calculation.md", "assumptions.md", "README.md"
+REPORT, RECORD, TRACE, DIGESTS = "report.html", "record.json", "trace.json", "SHA256SUMS"
+FILES = "files"
+_OUTSIDE = "outside"  # in place of `..` and the top of the file system
+_DATE = (1980, 1, 1, 0, 0, 0)  # the first that an archive can hold
+_MODE = 0o100644 << 16
+
+
+def dossier(
+    report: ReportInput,
+    page: str,
+    root: Path,
+    *,
+    active: ActiveMode,
+    evidence: EvidenceShares | None = None,
+) -> bytes:
+    """Return the archive; the same report gives the same bytes.
+
+    `page` is the report as HTML, `root` the folder from which its record names files; `active` and
+    `evidence` are what its blocks were computed with.
+    Raises InputError for a file that has changed since the record was made, ModelError for a model
+    without a component.
+    """
+    assert report.record is not None, "a dossier is of a report with its record"
+    mission = mission_tree(report.model)
+    calculation = hand_calculation(
+        report.model, report.assessment, mission, _derivations(report, root, active, evidence)
+    )
+    contents: dict[str, bytes] = {
+        REPORT: page.encode(),
+        RECORD: _json(report_record(report)),
+        CALCULATION: calculation.encode(),
+        ASSUMPTIONS: _assumptions(report).encode(),
+        MODEL: model_json.dumps(report.model).encode(),
+        **_open_psa(report, mission),
+        **_files(report, root),
+    }
+    if report.trace is not None:
+        contents[TRACE] = trace_json.dumps(report.trace).encode()
+    contents[GUIDE] = guide(report, mission, [*contents, GUIDE, DIGESTS]).encode()
+    lines = [f"{sha256(data)}  {name}\n" for name, data in sorted(contents.items())]
+    contents[DIGESTS] = "".join(lines).encode()
+    return _archive(contents)
+
+
+def _open_psa(report: ReportInput, mission: MissionTree | None) -> dict[str, bytes]:
+    from tracerisk.prm.other_models.formats.conversion import logic_of_functions, logic_of_tree
+    from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
+
+    texts = {FUNCTIONS: dumps_open_psa(logic_of_functions(report.model)).encode()}
+    if mission is not None:
+        logic = logic_of_tree(mission.tree, mission.figures, name=report.model.name)
+        texts[MISSION] = dumps_open_psa(logic).encode()
+    return texts
+
+
+def _derivations(
+    report: ReportInput, root: Path, active: ActiveMode, evidence: EvidenceShares | None
+) -> Sequence[FunctionDerivation] | str:
+    """Return how the blocks follow from the run, or why that is not known."""
+    trace, hardware = report.trace, report.hardware
+    if trace is None or hardware is None:
+        return report.no_trace
+    from tracerisk.adder.figures.derive import derive_function
+
+    blocks = _blocks(report)
+    root = root.resolve()
+    return [
+        derive_function(
+            trace,
+            hardware,
+            function.ref,
+            active=active,
+            block=blocks.get((root / function.ref.file, function.ref.name)),
+            evidence=evidence,
+        )
+        for function in trace.functions
+    ]
+
+
+def _blocks(report: ReportInput) -> Mapping[tuple[Path, str], RiskBlock]:
+    """Return the blocks of Python sources, by file and function."""
+    paths = [Path(source.name) for source in report.sources if not is_c_like(source.name)]
+    return {
+        (path.resolve(), placed.function): placed.block
+        for path in paths
+        for placed in read_blocks(path.read_bytes(), str(path))
+    }
+
+
+def _assumptions(report: ReportInput) -> str:
+    lines = (*report.assumptions, *report.assessment.assumptions)
+    listed = "".join(f"- {line}\n" for line in lines) or "None beyond the model itself.\n"
+    found = (*report.findings, *report.assessment.findings)
+    findings = "".join(f"- {line}\n" for line in found) or "Nothing stood out.\n"
+    pins = "".join(
+        f"- {pin.location}: {pin.field} := {pin.value}, computed {pin.computed or 'nothing'}; "
+        f"{pin.reason or 'no reason is given'}\n"
+        for pin in report.pins
+    )
+    return (
+        f"# Assumptions of {report.model.name}\n\nThe figures hold if these do.\n\n{listed}\n"
+        f"## Findings\n\n{findings}\n"
+        f"## Values set by hand\n\n{pins or 'None: every value is computed.'}"
+    ).rstrip("\n") + "\n"
+
+
+def _files(report: ReportInput, root: Path) -> dict[str, bytes]:
+    """Return the files of the record, with their names in the archive."""
+    assert report.record is not None
+    files: dict[str, bytes] = {}
+    for file in report.record.files:
+        name = base = f"{FILES}/{_inside(file.path)}"
+        number = 1
+        while name in files:
+            number += 1
+            name = f"{base}.{number}"
+        files[name] = _bytes_of(file, report, root)
+    return files
+
+
+def _bytes_of(file: RecordedFile, report: ReportInput, root: Path) -> bytes:
+    if file.state == "with tracerisk":
+        assert report.hardware is not None, "a shipped description is one"
+        return shipped_bytes(report.hardware)
+    path = root / file.path
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", Location(str(path))) from error
+    if sha256(data) != file.sha256:
+        raise InputError(
+            "has changed while the dossier was made; make it again", Location(str(path))
+        )
+    return data
+
+
+def _inside(path: str) -> str:
+    """Return a path that stays within the archive's folder."""
+    parts = PurePosixPath(path).parts
+    return "/".join(_OUTSIDE if part in ("..", "/") else part for part in parts)
+
+
+def _json(value: object) -> bytes:
+    text = json.dumps(value, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
+    return f"{text}\n".encode()
+
+
+def _archive(contents: Mapping[str, bytes]) -> bytes:
+    """Return the archive, the same for the same contents."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, data in sorted(contents.items()):
+            entry = zipfile.ZipInfo(name, _DATE)
+            entry.external_attr, entry.create_system = _MODE, 3
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, data, compresslevel=9)
+    return stream.getvalue()
