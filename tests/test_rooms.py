@@ -218,7 +218,7 @@ FOR_MODELS = {
         "cli/solving",
         "cli/shared/model_files",
     ),
-    *("report/model_files", "report/linked", "report/cut_sets"),
+    *("pipeline/dossier/dossier", "report/model_files", "report/linked", "report/cut_sets"),
     *("prm/__init__", "prm/notebook", "prm/other_models"),
 }
 """What is for models of any tool, and not for controllers alone."""

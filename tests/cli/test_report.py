@@ -86,6 +86,21 @@ def test_the_record_is_on_the_page_and_in_the_json(kept, capsys):
     assert str(kept.folder) not in json.dumps(record)
 
 
+def test_the_band_of_known_error_factors_is_shown_without_being_asked_for(kept):
+    kept.write(
+        "hardware.yaml",
+        "components:\n  electric_motor:\n    quantity: 7\n"
+        "    probability: {value: 9.5e-08, per: minute, error_factor: 3}\n"
+        '    twin: {joints: "*"}\n',
+    )
+    assert main(["report", "controller.py", "-o", "out.html", "-q"]) == 0
+    assert "error factors" not in kept.read("out.html").decode()
+    words = ["report", "controller.py", "-o", "out.html", "--hardware", "hardware.yaml", "-q"]
+    assert main(words) == 0
+    (lead,) = parsed(kept).xpath("//section[@class='lead']")
+    assert "By the error factors of electric_motor, 90 % of it lies between" in lead.text_content()
+
+
 def test_a_stale_trace_is_not_shown_and_the_page_says_why(kept):
     source = kept.read("controller.py").decode()
     kept.write("controller.py", source.replace("+= 0.05", "+= 0.06"))

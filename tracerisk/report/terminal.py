@@ -46,19 +46,19 @@ def render_assessment(
     assumptions: Sequence[str] = (),
     tables: Sequence[RenderableType] = (),
     paper: Paper = PAPER,
+    band: str = "",
 ) -> str:
     """Return an assessment as text, the same for the same input on every machine.
 
     `exposures` are the seconds active where a run is known; `findings` and `assumptions` are
     the caller's lines, shown before those of the assessment; `tables` the caller's, shown below
-    that of the components.
+    that of the components. `band` is a sentence on the uncertainty of the figure.
     It has 60 columns at least; from 110 on there are bars.
     """
     from rich.text import Text
 
     def write(console: Console) -> None:
-        console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
-        console.print(Text(assessment.statement, style="italic"))
+        _print_sentences(console, assessment, band)
         console.print(Text(_readings(assessment)))
         console.print()
         console.print(functions_table(assessment, exposures, console.width))
@@ -72,16 +72,28 @@ def render_assessment(
     return rendered(write, paper).rstrip("\n") + "\n"
 
 
+def _print_sentences(console: Console, assessment: Assessment, band: str) -> None:
+    """Print the mission's figure, how far it may be off if that is known, and what it is not."""
+    from rich.text import Text
+
+    console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
+    if band:
+        console.print(Text(filled(band, console.width)))
+    console.print(Text(assessment.statement, style="italic"))
+
+
 def render_brief(
     assessment: Assessment,
     exposures: Exposures | None = None,
     findings: Sequence[str] = (),
     following: Sequence[str] = (),
     paper: Paper = PAPER,
+    band: str = "",
 ) -> str:
     """Return what fits a screen: the sentence, a row a function, what matters most, what next.
 
-    `exposures` and `findings` as in `render_assessment`; `following` are lines on what to do next.
+    `exposures`, `findings` and `band` as in `render_assessment`; `following` are lines on what to
+    do next.
     """
     from rich.text import Text
 
@@ -102,8 +114,7 @@ def render_brief(
         table.add_row(*cells, *share_cells(share, paper.width))
 
     def write(console: Console) -> None:
-        console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
-        console.print(Text(assessment.statement, style="italic"))
+        _print_sentences(console, assessment, band)
         console.print(table)
         parts = [
             f"{component.name} {share_text(component.fussell_vesely)}"

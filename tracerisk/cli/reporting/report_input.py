@@ -112,12 +112,13 @@ def report_input(
     review: Review | None = None,
     verdict: Sequence[str] = (),
     more: tuple[Section, ...] = (),
+    band: str = "",
     record: Record | None = None,
 ) -> ReportInput:
     """Return what a page is made of; `sources` map the files with blocks, as messages call them.
 
     `run` is what is known of the run behind them, or why nothing is; `verdict` are the lines of
-    its verdict. `more` sections follow those of the run.
+    its verdict. `more` sections follow those of the run, `band` says how far the figure may be off.
     Raises BlockError or SourceError where blocks are malformed.
     """
     from tracerisk.pipeline.check.overrides import overrides_in
@@ -132,6 +133,7 @@ def report_input(
         review=review,
         verdict=tuple(verdict),
         sections=more,
+        band=band,
         record=record,
     )
     if isinstance(run, str):
@@ -149,6 +151,26 @@ def report_input(
         names=run.computed.names,
         sections=(*run.sections, *more),
     )
+
+
+def band_shown(
+    run: RunShown | str, model: HybridModel, sources: Mapping[str, bytes], settings: Settings
+) -> str:
+    """Return the sentence on how far a figure may be off; "" where that is not known."""
+    from tracerisk.pipeline.failure_data.band import figure_band
+    from tracerisk.report.run_figures import set_by_hand
+
+    if isinstance(run, str):
+        return ""
+    band = figure_band(
+        model,
+        run.hardware,
+        run.computed.instances,
+        set_by_hand(block for _, block in blocks_of(sources)),
+        robot=run.trace.robot,
+        seed=settings.seed,
+    )
+    return "" if band is None else band.words
 
 
 def record_of(

@@ -11,6 +11,7 @@ from tracerisk.cli.reporting.against import add_against, review_against
 from tracerisk.cli.reporting.overview import write_overview
 from tracerisk.cli.reporting.report_input import (
     RunShown,
+    band_shown,
     history_shown,
     record_of,
     report_input,
@@ -132,6 +133,7 @@ def _write_page(
         review=review_against(options.against, files),
         verdict=lines,
         more=more,
+        band=band_shown(run, model, sources, _settings(kept, options)),
         record=record_of(
             run,
             sources,

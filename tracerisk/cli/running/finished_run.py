@@ -24,6 +24,7 @@ from tracerisk.cli.shared.verdict import as_typed, verdict_details
 from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
 from tracerisk.common import trace_json
 from tracerisk.common.verdict import verdict_line
+from tracerisk.pipeline.failure_data.band import figure_band
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.pictures.run_section import replay_of, run_section
@@ -36,6 +37,7 @@ from tracerisk.trace import RunFailedError
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.pipeline.assessed import Assessed
+    from tracerisk.pipeline.failure_data.band import Band
     from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.prm.questions.uncertainty import Uncertainty
     from tracerisk.report.html.section import Section
@@ -55,6 +57,8 @@ class FinishedRun:
     """The figures to print."""
     uncertainty: Uncertainty | None
     """The uncertainty of the failure probability; `None` where it was not requested."""
+    band: Band | None
+    """The band in which the figure lies; `None` where no error factor is known."""
     derivation: FunctionDerivation | None
     """The explanation of one function's figures; `None` where it was not requested."""
 
@@ -107,6 +111,14 @@ def finish_run(
                 robot=done.trace.robot,
                 seed=done.settings.seed,
             ),
+            figure_band(
+                done.model,
+                done.hardware,
+                instances,
+                set_by_hand(blocks),
+                robot=done.trace.robot,
+                seed=done.settings.seed,
+            ),
             explained(options, done.annotated, done.hardware, done.settings),
         )
         if not keeps_files(options):
@@ -115,7 +127,7 @@ def finish_run(
         write_record(options, keep, finished_run.assessed.trace)
     if options.report is not None and progress is not None:
         progress("report", done.trace.end.simulated_s or 0.0)
-    _write_files(options, finished_run.assessed)
+    _write_files(options, finished_run)
     return finished_run
 
 
@@ -135,8 +147,9 @@ def keeps_files(options: argparse.Namespace) -> bool:
     return bool(is_only_shown or (options.watch and not options.write))
 
 
-def _write_files(options: argparse.Namespace, done: Assessed) -> None:
+def _write_files(options: argparse.Namespace, finished: FinishedRun) -> None:
     """Write the files that were asked for beside the blocks."""
+    done = finished.assessed
     write_outputs(options, done.annotated.computed)
     if options.model is not None:
         write_file(options.model, model_json.dumps(done.model))
@@ -158,6 +171,7 @@ def _write_files(options: argparse.Namespace, done: Assessed) -> None:
             run=run,
             review=review_against(options.against, done.sources),
             verdict=(verdict_line(verdict), *verdict_details(verdict)),
+            band="" if finished.band is None else finished.band.words,
             record=record_of(
                 run,
                 done.sources,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -89,6 +90,7 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
             **derivation_json(done.derivation),
             **done.figures.data(annotated.computed.names),
             **what_if_data([], (), done.uncertainty),
+            uncertainty_band=None if done.band is None else asdict(done.band),
         )
         return int(code)
     typed = trace_as_typed(trace, options.controller)
@@ -100,13 +102,16 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
         note(line, quiet=options.quiet)
     if not (options.diff or options.quiet):
         exposures, findings = annotated.computed.exposures_by_name, finding_lines(typed)
+        band = "" if done.band is None else done.band.words
         if sys.stdout.isatty() and not options.verbose:
             following = _following(options, typed)
-            text = render_brief(assessment, exposures, findings, following, paper())
+            text = render_brief(assessment, exposures, findings, following, paper(), band)
         else:
             assumed = (*trace.assumptions, *annotated.computed.assumptions)
             tables = done.figures.tables(terminal_width())
-            text = render_assessment(assessment, exposures, findings, assumed, tables, paper())
+            text = render_assessment(
+                assessment, exposures, findings, assumed, tables, paper(), band
+            )
         print_text(text)
     if not options.diff:
         print_what_if(assessment, [], done.uncertainty, importance=False, pairs=None)

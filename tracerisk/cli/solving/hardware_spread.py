@@ -137,9 +137,9 @@ def _checked(
     robot: str = "",
     is_needed: bool = True,
 ) -> HardwareSpreads:
-    from tracerisk.pipeline.failure_data.figure_spreads import hardware_spreads
+    from tracerisk.pipeline.failure_data.figure_spreads import hardware_spreads, load_factor_of
 
-    load_factor = _load_factor(robot) if robot else 1.0
+    load_factor = load_factor_of(robot)
     spreads = hardware_spreads(model, hardware, instances, by_hand=by_hand, load_factor=load_factor)
     if is_needed and not spreads.figures:
         raise InputError(
@@ -148,14 +148,6 @@ def _checked(
             Location(hardware.file),
         )
     return spreads
-
-
-def _load_factor(robot: str) -> float:
-    """Return how far the loads of a robot may be off, by the public sources of its masses."""
-    from tracerisk.twin.robots.robot import load_robot, robot_names
-
-    masses = load_robot(robot).masses if robot in robot_names() else None
-    return 1.0 if masses is None else masses.error_factor
 
 
 def _kept_instances(

@@ -99,6 +99,17 @@ def _with_load(component: Component, load_factor: float) -> Component:
     return replace(component, figures=figures)
 
 
+def load_factor_of(robot: str) -> float:
+    """Return how far the loads of a robot may be off, by the public sources of its masses.
+
+    For a robot that is not shipped, or none (""), nothing is known: it is 1.
+    """
+    from tracerisk.twin.robots.robot import load_robot, robot_names
+
+    masses = load_robot(robot).masses if robot in robot_names() else None
+    return 1.0 if masses is None else masses.error_factor
+
+
 def with_distributions(
     model: HybridModel, spreads: Mapping[str, Sequence[FigureSpread]]
 ) -> HybridModel:

@@ -78,6 +78,8 @@ class ReportInput:
     """Lines of the verdict of the run, the first of which is the whole in short."""
     review: Review | None = None
     """Changes since an earlier version; `None` where not asked for."""
+    band: str = ""
+    """How far the figure may be off, in one sentence; "" where that is not known."""
     record: Record | None = None
     """What the figure was made from; `None` where nobody gathered it."""
     sections: tuple[Section, ...] = field(default=())

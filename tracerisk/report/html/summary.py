@@ -22,6 +22,7 @@ def lead(report: ReportInput) -> Markup:
         sentence=_sentence(report),
         cause=_cause(report),
         assumed=_assumed(report),
+        band=report.band,
         statement=report.assessment.statement,
         readings=_readings(report),
         counts=_counts(report),

@@ -1,0 +1,56 @@
+"""The band that is shown without being asked for."""
+
+import pytest
+
+from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
+from tracerisk.pipeline.failure_data import band as module
+from tracerisk.pipeline.failure_data.band import figure_band
+from tracerisk.prm import FaultTree, HybridModel
+
+TREE = FaultTree.of("step fails", {"step fails": ("or", "motor", "gripper")})
+MODEL = HybridModel.of("arm", {"step": TREE}, values={"motor": 1e-6, "gripper": 1e-30})
+
+
+@pytest.fixture
+def hardware(tmp_path):
+    def make(**figures: str):
+        lines = [
+            f"  {name}: {{probability: {{value: 1e-6, per: minute{more}}}, active: always}}\n"
+            for name, more in figures.items()
+        ]
+        path = tmp_path / "hardware.yaml"
+        path.write_text("components:\n" + "".join(lines))
+        return read_hardware(path)
+
+    return make
+
+
+def of(description, by_hand=()):
+    return figure_band(MODEL, description, (), by_hand, robot="", seed=0)
+
+
+def test_it_is_that_of_the_lognormal_where_one_figure_counts(hardware):
+    band = of(hardware(motor=", error_factor: 3", gripper=""))
+    assert band.low == pytest.approx(1e-6 / 3, rel=0.01)
+    assert band.high == pytest.approx(3e-6, rel=0.01)
+    assert (band.drawn, band.exact) == (("motor",), ("gripper",))
+    assert band.words == (
+        f"By the error factors of motor, 90 % of it lies between {band.low:.2e} and "
+        f"{band.high:.2e}; those of gripper count as exact."
+    )
+
+
+def test_without_an_error_factor_there_is_none(hardware):
+    assert of(hardware(motor="", gripper="")) is None
+    assert of(hardware(motor=", error_factor: 3", gripper=""), by_hand=["motor"]) is None
+
+
+def test_without_what_draws_samples_there_is_none(hardware, monkeypatch):
+    monkeypatch.setattr(module, "is_installed", lambda name: name != "scipy")
+    assert of(hardware(motor=", error_factor: 3", gripper="")) is None
+
+
+def test_the_same_inputs_give_the_same_band(hardware):
+    description = hardware(motor=", error_factor: 3", gripper=", error_factor: 10")
+    assert of(description) == of(description)
+    assert of(description).exact == ()
