@@ -3,6 +3,7 @@
 import re
 import shlex
 import subprocess
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -20,7 +21,7 @@ def blocks(language: str) -> list[str]:
 def test_the_commands_write_pages_with_the_sections_that_are_listed(example, quick, monkeypatch):
     monkeypatch.chdir(example.folder)
     example.write("controller.py", quick())
-    commands, _, _ = blocks("sh")
+    commands, dossier, _, _ = blocks("sh")
     first, *others = [shlex.split(line)[1:] for line in commands.splitlines()]
     outcome = example.run(*first, "--quiet")
     assert outcome.code == 0, outcome.err
@@ -37,8 +38,15 @@ def test_the_commands_write_pages_with_the_sections_that_are_listed(example, qui
     listed = re.findall(r"^\| ([A-Z][^|]*) \|", TEXT, re.MULTILINE)
     reported = [part for each in listed for part in each.split(", ")]
     assert sorted(["Since REV", *run]) == sorted(reported)
-    assert plain == ["Timeline", *run[1:]]
-    assert against == ["Timeline", "Since HEAD", *plain[1:]]
+    assert plain == run
+    assert against == [run[0], "Since HEAD", *run[1:]]
+    assert example.run(*shlex.split(dossier)[1:], "--quiet").code == 0
+    with zipfile.ZipFile(example.folder / "dossier.zip") as archive:
+        names = archive.namelist()
+    rows = re.findall(r"^\| (`[^|]*`) \|", TEXT.partition("## The dossier")[2], re.MULTILINE)
+    listed = [name for row in rows for name in re.findall(r"`([^`]+)`", row)]
+    held = {f"{name.partition('/')[0]}/" if name.startswith("files/") else name for name in names}
+    assert held == set(listed)
 
 
 @pytest.mark.parametrize(
@@ -54,7 +62,7 @@ def test_the_commands_draw_the_pictures(example, quick, monkeypatch, capsys, fil
     for draw in (drawn, filmed):
         monkeypatch.setitem(draw.__kwdefaults__, "size", (240, 160))
     example.write("controller.py", quick())
-    _, commands, films = blocks("sh")
+    _, _, commands, films = blocks("sh")
     again, run, kept = [shlex.split(line)[1:] for line in commands.splitlines()]
     outcome = example.run(*run, "--quiet")
     assert outcome.code == 0, outcome.err

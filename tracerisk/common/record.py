@@ -1,4 +1,4 @@
-"""What a figure was made from: versions and digests, by which a report can be told from another.
+"""What a figure was made from: versions, digests and the commit.
 
 The same inputs at the same commit give the same record: it holds no time of day and no machine.
 """

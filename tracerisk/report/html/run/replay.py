@@ -66,7 +66,7 @@ class Replay:
 
 
 def check_recording(trace: Trace, run: RecordedRun) -> None:
-    """Raise LogError where a recording is not that of the run of a trace, as far as can be told."""
+    """Raise LogError where a recording is not that of the run of a trace, as far as that shows."""
     samples, end_s = run.samples, trace.end.simulated_s or 0.0
     if samples.header.robot != trace.robot or samples.n_steps * samples.step_s < end_s - _ROUNDED_S:
         raise LogError(
