@@ -24,6 +24,7 @@ from tracerisk.common.record import (
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.version import __version__
 from tracerisk.config import Settings, controller_root
+from tracerisk.errors import readable
 from tracerisk.pipeline.dossier.commit import checked_out
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.trace import Trace
@@ -60,7 +61,7 @@ def make_record(
         RecordedFile(
             role,
             from_root(root, path),
-            sha256(texts[path] if path in texts else path.read_bytes()),
+            sha256(texts[path] if path in texts else _bytes(path)),
             states.get(path, ""),
         )
         for path, role in roles.items()
@@ -78,6 +79,11 @@ def make_record(
         fingerprint=fingerprint,
         outcome={} if trace is None else _outcome(trace, settings),
     )
+
+
+def _bytes(path: Path) -> bytes:
+    with readable(path):
+        return path.read_bytes()
 
 
 def _files(

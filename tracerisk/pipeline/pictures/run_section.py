@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.dependencies import install_command, is_installed
 from tracerisk.common.hardware.binding import bind
-from tracerisk.common.sandbox.process import read_regular
 from tracerisk.errors import Location, LogError, readable
 from tracerisk.pipeline.freshness.trace_cache import MOST_REPLAY_BYTES, TraceCache
 from tracerisk.pipeline.trace.run_files import ROBOT, RunRequest
@@ -96,7 +95,13 @@ def packed_recording(path: Path) -> RecordedRun:
     from tracerisk.twin.recording.packed_run import unpacked_run
 
     with readable(path, LogError):
-        data = read_regular(path, MOST_REPLAY_BYTES)
+        size = path.stat().st_size
+        data = path.read_bytes() if size <= MOST_REPLAY_BYTES else b""
+    if not data:
+        raise LogError(
+            f"has {size} bytes; a replay has some, and at most {MOST_REPLAY_BYTES}",
+            Location(str(path)),
+        )
     return RecordedRun(*unpacked_run(data, str(path)))
 
 
