@@ -34,25 +34,16 @@ _WITHOUT = "trees are solved by Python alone, and large ones take very long"
 
 _LINK = re.compile(r"\]\((?!https?:|#)([^)\s]+)\)")
 _PICTURE = re.compile(r"(!\[[^\]]*\])\((?!https?:)([^)\s]+)\)")
-_VERSION = re.compile(r'^__version__ = "(.+)"$', re.MULTILINE)
 
 
 class CustomMetadataHook(MetadataHookInterface):
     """Takes the README with absolute links, and names the pages of the repository."""
 
     def update(self, metadata: dict[str, Any]) -> None:
-        """Set `readme` and `urls`; raise ValueError where tag and package differ in the version."""
+        """Set `readme` and `urls`."""
         root = Path(self.root)
         version = metadata["version"]
-        said = _VERSION.search(
-            (root / "tracerisk" / "common" / "version.py").read_text(encoding="utf-8")
-        )
         is_release = re.fullmatch(r"[0-9.]+", version) is not None
-        if is_release and (said is None or said[1] != version):
-            raise ValueError(
-                f"the tag says version {version}, but tracerisk/common/version.py has "
-                f"{said[1] if said else 'none'}: they are changed together, see CONTRIBUTING.md"
-            )
         text = (root / "README.md").read_text(encoding="utf-8")
         repository = os.environ.get(REPOSITORY, "").rstrip("/")
         if repository:

@@ -233,7 +233,7 @@ def render_sarif(alerts: Sequence[Alert], *, version: str) -> str:
                 "tool": {
                     "driver": {
                         "name": "tracerisk",
-                        "semanticVersion": version,
+                        "version": version,
                         "rules": [_rule(rule) for rule in RULES],
                     }
                 },
