@@ -24,7 +24,7 @@ def fenced(language: str) -> list[str]:
 
 def test_every_command_does_what_it_says(example):
     commands = [line for block in fenced("sh") for line in block.splitlines()]
-    assert len(commands) > 4
+    assert len(commands) >= 4
     for command in commands:
         outcome = example.run(*shlex.split(command)[1:])
         assert outcome.code == 0, f"{command}: {outcome.err}"
@@ -36,7 +36,7 @@ def test_every_description_is_read_and_fits_the_schema_and_a_robot(tmp_path, tex
     path = tmp_path / "h.yaml"
     path.write_text(text, encoding="utf-8")
     hardware = read_hardware(path)
-    jsonschema.Draft202012Validator(SCHEMA).validate(YAML(typ="safe", pure=True).load(text))
+    jsonschema.Draft7Validator(SCHEMA).validate(YAML(typ="safe", pure=True).load(text))
     robot = load_robot("ur5e" if "wrist_1_joint" in text or "ur5e" in text else "panda")
     assert bind(hardware, robot.elements)
 

@@ -38,6 +38,12 @@ DEFAULT_DURATION_S = 300.0
 SANDBOX_SETTINGS = ("sandbox", "readable", "writable", "env")
 """The settings that say how a run is contained."""
 
+FRACTIONS = {"max_failure_probability": "probability", "min_coverage": "fraction"}
+"""The settings that are numbers from 0 to 1, and what each is called."""
+
+FROM_ONE = ("mission_cycles", "evidence_cells")
+"""The whole numbers that begin at 1; the others begin at 0."""
+
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
@@ -430,10 +436,9 @@ class _Reader:
             if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
                 self.fail(key, f"expected a list of {_LISTS[key]}")
             return tuple(value)
-        if key in (*_ALIASES, "max_failure_probability", "min_coverage"):
+        if fraction := FRACTIONS.get(_ALIASES.get(key, key)):
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
-                what = "fraction" if key == "min_coverage" else "probability"
-                self.fail(key, f"expected a {what} from 0 to 1, found {value!r}")
+                self.fail(key, f"expected a {fraction} from 0 to 1, found {value!r}")
             return float(value)
         if key == "accept":
             from tracerisk.common.acceptances import read_acceptances
@@ -465,7 +470,7 @@ class _Reader:
         if isinstance(default, int):
             if isinstance(value, bool) or not isinstance(value, int) or value < 0:
                 self.fail(key, f"expected a whole number from 0 up, found {value!r}")
-            if key in ("mission_cycles", "evidence_cells") and value < 1:
+            if key in FROM_ONE and value < 1:
                 self.fail(key, f"expected a whole number from 1 up, found {value!r}")
             return value
         if not isinstance(value, str):

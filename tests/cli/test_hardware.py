@@ -206,13 +206,33 @@ def test_the_format_and_the_name_of_a_first_description_agree(example):
     assert not example.files()
 
 
-def test_the_schema_is_printed_and_written(example):
-    printed = example.run("hardware", "schema")
+def test_the_schema_is_where_a_first_description_says(example):
+    (example.folder / "arms").mkdir()
+    made = example.run("hardware", "init", "--robot", "ur5e", "-o", "arms/cell.yaml")
+    assert made.code == 0, made.err
+    name = example.read("arms/cell.yaml").decode().splitlines()[0].partition("$schema=")[2]
+    printed = example.run("schema", "hardware")
+    assert example.read(f"arms/{name}").decode() == printed.out
+    example.write(f"arms/{name}", "{}")
+    assert example.run("hardware", "init", "--robot", "panda", "-o", "arms/b.yaml").code == 0
+    assert example.read(f"arms/{name}") == b"{}", "a file that is there stays"
+
+
+@pytest.mark.parametrize("name", ["settings", "pyproject", "hardware", "scenario", "driver"])
+def test_a_schema_is_printed_and_written(example, name):
+    printed = example.run("schema", name)
     assert printed.code == 0, printed.err
-    assert json.loads(printed.out)["$schema"].endswith("2020-12/schema")
-    example.run("hardware", "schema", "-o", "hardware.schema.json", "-q")
-    assert example.run("hardware", "schema", "-o", "hardware.schema.json").code == 0
-    assert example.read("hardware.schema.json").decode() == printed.out
+    assert json.loads(printed.out)["$schema"] == "http://json-schema.org/draft-07/schema#"
+    assert example.run("schema", name, "-o", "x.json", "-q").code == 0
+    assert example.run("schema", name, "-o", "x.json").code == 0
+    assert example.read("x.json").decode() == printed.out
+    assert example.run("schema", name, "--json").json["text"] == printed.out
+
+
+def test_an_unknown_schema_is_refused_with_those_that_there_are(example):
+    outcome = example.run("schema", "robot")
+    assert outcome.code == 2
+    assert "settings" in outcome.err
 
 
 def test_usage_errors_of_an_action_suggest_and_are_json_too(example):
@@ -229,7 +249,6 @@ def test_usage_errors_of_an_action_suggest_and_are_json_too(example):
     [
         ["init", "--robot", "ur5e"],
         pytest.param(["show", "--robot", "ur5e"], marks=pytest.mark.slow),
-        ["schema"],
     ],
 )
 def test_hardware_is_shown_without_a_simulator_or_a_parser_of_sysml(arguments):

@@ -1,8 +1,11 @@
 """`tracerisk init`: what a repository needs, shown first, written once, and never over a file."""
 
+import json
 import os
+import pty
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -111,6 +114,73 @@ def test_a_workflow_names_the_action_of_the_installed_package(monkeypatch, urls,
     monkeypatch.setattr(metadata, "metadata", lambda name: Found())
     monkeypatch.setattr(metadata, "version", lambda name: version)
     assert _action() == action
+
+
+@pytest.mark.parametrize(
+    ("typed", "code", "said"),
+    [
+        (b"\x04", 0, "Nothing was written; `tracerisk init --yes` writes it."),
+        (b"\x03", 130, "tracerisk: interrupted"),
+        (b"n\n", 0, "Nothing was written"),
+        (b"y\n", 0, "pyproject.toml: written"),
+    ],
+    ids=["Ctrl-D", "Ctrl-C", "no", "yes"],
+)
+def test_what_is_typed_at_its_question_is_understood(cell, typed, code, said):
+    before = files(cell)
+    keyboard, terminal = pty.openpty()
+    command = [sys.executable, "-m", "tracerisk", "init"]
+    # In a session of its own, the terminal is what a signal of the keyboard comes from.
+    process = subprocess.Popen(
+        ["setsid", "--ctty", "--wait", *command],
+        stdin=terminal,
+        stdout=terminal,
+        stderr=terminal,
+        cwd=cell.folder,
+    )
+    os.close(terminal)
+    shown = b""
+    try:
+        while b"[y/N]" not in shown:
+            shown += os.read(keyboard, 4096)
+        os.write(keyboard, typed)
+        while part := os.read(keyboard, 4096):
+            shown += part
+    except OSError:  # nobody has the terminal open any more
+        pass
+    finally:
+        os.close(keyboard)
+    assert process.wait(timeout=60) == code, shown.decode()
+    assert said in shown.decode()
+    assert "Traceback" not in shown.decode()
+    assert (files(cell) == before) is (typed != b"y\n")
+
+
+def test_with_a_closed_standard_input_it_shows_and_writes_nothing(cell):
+    before = files(cell)
+    done = subprocess.run(
+        ["/bin/sh", "-c", 'exec "$0" -m tracerisk init <&-', sys.executable],
+        cwd=cell.folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Nothing was written" in done.stdout
+    assert files(cell) == before
+
+
+def test_the_schemas_that_its_files_refer_to_are_there(cell):
+    assert cell.run("init", "--yes").code == 0
+    for name, mark in (("hardware.yaml", "$schema="), ("pyproject.toml", "#:schema ")):
+        first = cell.read(name).decode().splitlines()[0]
+        schema = json.loads(cell.read(first.partition(mark)[2]))
+        assert schema["$schema"] == "http://json-schema.org/draft-07/schema#", name
+    (cell.folder / "src" / "package.xml").write_text("<package format='3'><name>c</name></package>")
+    (cell.folder / "pyproject.toml").unlink()
+    assert cell.run("init", "--yes").code == 0
+    first = cell.read("src/pyproject.toml").decode().splitlines()[0]
+    assert first == "#:schema ../pyproject.schema.json"
 
 
 def test_files_that_are_there_stay(cell):

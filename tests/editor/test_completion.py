@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from jsonschema import Draft202012Validator
+from jsonschema import Draft7Validator
 from lsprotocol import types as lsp
 from ruamel.yaml import YAML
 
@@ -211,9 +211,9 @@ def scenarios():
 
 @pytest.mark.parametrize("text", scenarios())
 def test_the_schema_of_scenarios_takes_those_of_the_docs(text):
-    Draft202012Validator.check_schema(SCHEMA)
+    Draft7Validator.check_schema(SCHEMA)
     data = YAML(typ="safe").load(text)
-    assert not [str(each) for each in Draft202012Validator(SCHEMA).iter_errors(data)]
+    assert not [str(each) for each in Draft7Validator(SCHEMA).iter_errors(data)]
 
 
 def test_the_schema_of_scenarios_has_the_keys_that_are_read(tmp_path):

@@ -22,7 +22,7 @@ GROUPS = {
         "overrides": "list what was set by hand in blocks, why, and how it drifted",
     },
     "for safety engineers": {
-        "hardware": "convert, show or start a hardware description; print its schema",
+        "hardware": "convert, show, start or update a hardware description",
         "evidence": "fail each unit on the twin and tabulate the effects (FMEA)",
         "sweep": "run a controller over values of settings, parameters, scenario",
         "mutate": "change a controller, place by place; list what none notices",
@@ -36,7 +36,8 @@ GROUPS = {
         "init": "write what a repository needs to begin, after showing it",
         "lsp": "serve an editor: figures, findings and fixes where you write",
         "robots": "list the robots that are shipped, or show what one of them has",
-        "drivers": "list drivers, check the description of one, print its schema",
+        "drivers": "list drivers, or check the description of one",
+        "schema": "print a JSON Schema, by which editors complete and check files",
         "doctor": "check that everything that tracerisk needs works here",
         "lock-merge": "merge tracerisk.lock for git; --install sets git up for it",
         "completion": "print the script by which a shell completes this command",

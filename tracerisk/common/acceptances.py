@@ -9,7 +9,7 @@ from tracerisk.common.verdict import Acceptance
 from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.errors import one_of
 
-_KEYS = ("code", "function", "object", "words")
+KEYS = ("code", "function", "object", "words")
 
 
 def read_acceptances(value: Any, fail: Callable[[str], NoReturn]) -> tuple[Acceptance, ...]:
@@ -32,9 +32,9 @@ def _acceptance(entry: Any, number: int, fail: Callable[[str], NoReturn]) -> Acc
     if not isinstance(entry, Mapping):
         fail(f"entry {number} is not a table; expected code, function, object and words")
     for key in entry:
-        if key not in _KEYS:
-            fail(f"entry {number}: unknown key '{key}'; {one_of(_KEYS, str(key))}")
-    given = {key: entry.get(key, "") for key in _KEYS}
+        if key not in KEYS:
+            fail(f"entry {number}: unknown key '{key}'; {one_of(KEYS, str(key))}")
+    given = {key: entry.get(key, "") for key in KEYS}
     for key, text in given.items():
         if not isinstance(text, str):
             fail(f"entry {number}: {key} is {text!r}; expected a string")

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from tracerisk.editor.completion import Offer
+from tracerisk.pipeline.start.schemas import schema_text
 
 FileKind = Literal["hardware", "scenario", "driver"]
 
-_SCHEMAS: Mapping[FileKind, str] = {
-    "hardware": "common/hardware/hardware.schema.json",
-    "scenario": "ros/scenario/scenario.schema.json",
-    "driver": "ros/vendors/driver.schema.json",
-}
+_KINDS: tuple[FileKind, ...] = get_args(FileKind)
 _TOP_KEY = re.compile(r"([A-Za-z_][\w.\-]*)\s*:(?:\s|$)")
 _KEY = re.compile(
     r"""(?P<quote>["']?)(?P<key>[^\s"'{}\[\],:#][^"'{}\[\],:#]*?)(?P=quote)\s*:(?:\s+|$)"""
@@ -29,7 +25,7 @@ def kind_of(lines: Sequence[str]) -> FileKind | None:
     """Return which of the files a text is, by the keys at its top; `None` for another one."""
     keys = {matched[1] for line in lines if (matched := _TOP_KEY.match(line)) is not None}
     best: tuple[int, FileKind] | None = None
-    for kind in _SCHEMAS:
+    for kind in _KINDS:
         known = keys & set(schema_of(kind)["properties"])
         # What all descriptions begin with distinguishes nothing.
         score = len(known - {"robot", "source", "name"})
@@ -38,10 +34,10 @@ def kind_of(lines: Sequence[str]) -> FileKind | None:
     return None if best is None else best[1]
 
 
-@lru_cache(maxsize=len(_SCHEMAS))
+@lru_cache(maxsize=len(_KINDS))
 def schema_of(kind: FileKind) -> Any:
     """Return the JSON Schema of a kind of file."""
-    return json.loads((Path(__file__).parents[1] / _SCHEMAS[kind]).read_text("utf-8"))
+    return json.loads(schema_text(kind))
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.common.hardware.yaml.writer import write_hardware
 
 SCHEMA = json.loads(files("tracerisk.common.hardware").joinpath("hardware.schema.json").read_text())
-VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
+VALIDATOR = jsonschema.Draft7Validator(SCHEMA)
 SHIPPED = Path(str(files("tracerisk.common.hardware"))) / "robots"
 
 
@@ -26,7 +26,7 @@ def plain(text: str):
 
 
 def test_the_schema_is_one_of_its_draft():
-    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    jsonschema.Draft7Validator.check_schema(SCHEMA)
 
 
 @settings(max_examples=20, deadline=None)
@@ -76,7 +76,7 @@ def test_words_that_the_schema_completes_are_those_that_the_reader_takes(tmp_pat
         "spare": "probability: 1, quantity: 2, spare: WORD",
         "sensors": "probability: 1, twin: {sensors: WORD}",
     }
-    defs = SCHEMA["$defs"]
+    defs = SCHEMA["definitions"]
     words = {
         "exponent": defs["load_law"]["properties"]["exponent"]["enum"],
         "per": defs["probability"]["properties"]["per"]["enum"],

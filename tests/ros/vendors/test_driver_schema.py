@@ -18,7 +18,7 @@ from tracerisk.ros.vendors.description import EFFECTS
 from tracerisk.ros.vendors.description_reader import read_driver
 
 SCHEMA = json.loads(files("tracerisk.ros.vendors").joinpath("driver.schema.json").read_text())
-VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
+VALIDATOR = jsonschema.Draft7Validator(SCHEMA)
 ROOT = Path(__file__).parents[3]
 FILES = sorted(
     [*ROOT.glob("tracerisk/ros/vendors/*/*.driver.yaml"), *ROOT.glob("tests/data/drivers/*/*.yaml")]
@@ -34,7 +34,7 @@ def loaded(path: Path) -> Any:
 
 
 def test_the_schema_is_one_of_its_draft():
-    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    jsonschema.Draft7Validator.check_schema(SCHEMA)
 
 
 @pytest.mark.parametrize("path", FILES, ids=ids)
@@ -46,12 +46,12 @@ def test_descriptions_that_are_read_fit_the_schema(path):
 def test_keys_that_the_schema_completes_are_those_that_the_reader_knows():
     assert set(SCHEMA["properties"]) == set(description_keys.TOP)
     for kind, keys in description_keys.OF_KIND.items():
-        known = set(SCHEMA["$defs"][kind]["properties"])
+        known = set(SCHEMA["definitions"][kind]["properties"])
         assert known - set(description_keys.CASE) == set(keys)
         assert known - set(keys) <= set(description_keys.CASE)
     for effect, roles in EFFECTS.items():
-        assert set(SCHEMA["$defs"][effect]["properties"]) == set(roles)
-    (_, _, _, full) = SCHEMA["$defs"]["value"]["anyOf"]
+        assert set(SCHEMA["definitions"][effect]["properties"]) == set(roles)
+    (_, _, _, full) = SCHEMA["definitions"]["value"]["anyOf"]
     assert set(full["properties"]) == set(value_reader.VALUE)
 
 

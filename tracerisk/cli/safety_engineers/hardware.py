@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text, write
+from tracerisk.cli.shared.actions import add_actions, add_output, deliver, write
 from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
 from tracerisk.common.field.file import read_field
@@ -141,6 +141,7 @@ def _init(options: argparse.Namespace) -> int:
     from tracerisk.common.hardware.formats import format_of_name
     from tracerisk.common.hardware.shipped import hardware_of
     from tracerisk.common.hardware.starting_file import (
+        SCHEMA_NAME,
         starting_description,
         starting_sysml,
         starting_yaml,
@@ -163,6 +164,14 @@ def _init(options: argparse.Namespace) -> int:
     text = (starting_sysml if kind == "sysml" else starting_yaml)(hardware, robot.title)
     names = [component.name for component in hardware.components]
     deliver(options, text, is_new=True)
+    if options.output is not None and kind == "yaml":
+        from tracerisk.pipeline.start.schemas import schema_text
+
+        # The head line of the description refers to it.
+        schema = Path(options.output).with_name(SCHEMA_NAME)
+        if not schema.exists():
+            write(str(schema), schema_text("hardware"))
+            note(f"{schema}: written, for completion in editors", quiet=options.quiet)
     if options.json:
         print_json(
             "hardware",
@@ -172,14 +181,6 @@ def _init(options: argparse.Namespace) -> int:
             format=kind,
             text=text,
         )
-    return 0
-
-
-def _schema(options: argparse.Namespace) -> int:
-    text = schema_text("tracerisk.common.hardware", "hardware.schema.json")
-    deliver(options, text)
-    if options.json:
-        print_json("hardware", action="schema", file=options.output, text=text)
     return 0
 
 
@@ -314,5 +315,4 @@ _ACTIONS: dict[str, _Action] = {
         _update,
         "bring figures up to date: with failures in the field, or from a table",
     ),
-    "schema": (add_output, _schema, "print the JSON Schema by which editors complete the YAML"),
 }

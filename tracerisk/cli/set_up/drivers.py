@@ -1,4 +1,4 @@
-"""`tracerisk drivers`: list what is described, check a description, or print its schema."""
+"""`tracerisk drivers`: list what is described, or check a description."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.actions import add_actions, add_output, deliver, schema_text
+from tracerisk.cli.shared.actions import add_actions
 from tracerisk.cli.shared.output import print_json, show
 from tracerisk.common.text.plain_data import picked
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 _ACTIONS = {
     "list": "list the drivers that are shipped or installed",
     "check": "check a description, and its fields against the messages of its workspace",
-    "schema": "print the JSON Schema by which editors complete descriptions",
 }
 
 
@@ -26,19 +25,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     for name, action in add_actions(parser, _ACTIONS):
         if name == "check":
             action.add_argument("files", metavar="FILE", nargs="+", help="the description, YAML")
-        if name == "schema":
-            add_output(action)
         shared.add_json(action)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    if options.action == "schema":
-        text = schema_text("tracerisk.ros.vendors", "driver.schema.json")
-        deliver(options, text)
-        if options.json:
-            print_json("drivers", action="schema", file=options.output, text=text)
-        return 0
     from tracerisk.ros.vendors.driver_search import installed_files, read_drivers, shipped_drivers
 
     if options.action == "list":

@@ -96,7 +96,11 @@ def _show(start: ProjectStart) -> None:
 def _agreed(options: argparse.Namespace) -> bool:
     if options.json or not (sys.stdin.isatty() and sys.stdout.isatty()):
         return False
-    return input("Write these files? [y/N] ").strip().lower() in ("y", "yes")
+    try:
+        return input("Write these files? [y/N] ").strip().lower() in ("y", "yes")
+    except EOFError:  # Ctrl-D
+        show("")
+        return False
 
 
 def _write(start: ProjectStart) -> tuple[str, ...]:

@@ -31,13 +31,6 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def schema_text(package: str, file: str) -> str:
-    """Return a JSON Schema that stands in a package."""
-    from importlib.resources import files
-
-    return files(package).joinpath(file).read_text(encoding="utf-8")
-
-
 def deliver(options: argparse.Namespace, text: str, *, is_new: bool = False) -> None:
     """Write a file, or print what would be in it; one that `is_new` takes no other's place."""
     if options.output is not None:

@@ -122,8 +122,8 @@ def starting_yaml(hardware: Hardware, title: str) -> str:
         "# A file to start from: put in the figures of the makers' data, each with its source.",
         "# Lines that begin with '#' are examples; a figure may be per hour, minute or demand, or "
         "in FIT.",
-        "# `tracerisk hardware schema -o hardware.schema.json` writes the schema for completion "
-        "in editors.",
+        f"# `tracerisk schema hardware -o {SCHEMA_NAME}` writes the schema for completion in "
+        "editors.",
     ]
     lines += head_lines(hardware)
     for component in hardware.components:

@@ -181,6 +181,12 @@ def world_named(name: str) -> World:
     return _BY_NAME[name]
 
 
+def group_names() -> list[str]:
+    """Return the names that each stand for all worlds whose names begin so."""
+    heads = Counter(world.name.split("-")[0] for world in WORLDS)
+    return [head for head, number in heads.items() if number > 1]
+
+
 def worlds_named(names: str) -> tuple[World, ...]:
     """Return the worlds of names between commas, in the order of the table; `all` for each.
 
@@ -189,8 +195,7 @@ def worlds_named(names: str) -> tuple[World, ...]:
     """
     asked = [name.strip() for name in names.split(",") if name.strip()]
     texts = set()
-    heads = Counter(world.name.split("-")[0] for world in WORLDS)
-    groups = [head for head, number in heads.items() if number > 1]
+    groups = group_names()
     for name in asked:
         if name == ALL:
             texts |= {world.name for world in WORLDS}

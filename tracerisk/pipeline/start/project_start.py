@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,11 +14,13 @@ from typing import Literal
 
 from tracerisk.common.dependencies import missing_extras
 from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.hardware.starting_file import SCHEMA_NAME as HARDWARE_SCHEMA
 from tracerisk.common.hardware.starting_file import starting_description, starting_yaml
 from tracerisk.config import controller_root, is_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import imports_in, last_name
 from tracerisk.instrument.source.python_source import parsed
+from tracerisk.pipeline.start.schemas import SchemaName, schema_text
 from tracerisk.pipeline.workspace.controller import from_root, load_controller
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 from tracerisk.pipeline.workspace.project import Project
@@ -27,6 +30,13 @@ from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.robots.robot import load_robot as load_named
 
 Ci = Literal["github", "gitlab", "none"]
+
+SETTINGS_SCHEMA = "pyproject.schema.json"
+"""The file at the top of the repository that new settings refer to."""
+
+_REFERENCE = b"#:schema "
+"""How a TOML file begins that says by which schema it is written."""
+_SUBJECTS = {"hardware": "failure data", "pyproject": "settings"}
 
 _CLIENTS = frozenset(
     {
@@ -95,16 +105,24 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
     robots, why = _robots(root, controllers, robot)
     files: list[StartFile] = []
     described: dict[str, str] = {}
+    schemas: dict[str, SchemaName] = {}
     for name in robots:
         path = "hardware.yaml" if len(robots) == 1 else f"hardware_{name}.yaml"
         text = None if (root / path).exists() else _hardware(name)
         if text is not None:
             words = "failure data, to be replaced by your own value by value"
             files.append(StartFile(path, text.encode(), words))
+            schemas[HARDWARE_SCHEMA] = "hardware"
         if text is not None or (root / path).exists():
             described[name] = path
     settings, lacking = _settings(root, controllers, robots, described, robot)
     files += settings
+    if any(file.content.startswith(_REFERENCE) for file in settings):
+        schemas[SETTINGS_SCHEMA] = "pyproject"
+    for path, kind in schemas.items():
+        if not (root / path).exists():
+            words = f"by which editors complete and check {_SUBJECTS[kind]}"
+            files.append(StartFile(path, schema_text(kind).encode(), words))
     if not (root / ".pre-commit-config.yaml").exists():
         files.append(
             StartFile(
@@ -291,6 +309,11 @@ def _settings_of(
     newline = "\r\n" if b"\r\n" in before else "\n"
     gap = "" if not before else newline if before.endswith(b"\n") else 2 * newline
     text = gap + newline.join(lines) + newline
+    if not before:
+        # A schema that is named there is the only one that an editor takes for a file: one that
+        # has other tables already is left to the editor's own.
+        schema = os.path.relpath(SETTINGS_SCHEMA, Path(shown).parent)
+        text = f"{_REFERENCE.decode()}{Path(schema).as_posix()}\n{text}"
     inside = Path(shown).parent.as_posix()
     words = "settings of all controllers" + ("" if inside == "." else f" of {inside}")
     return StartFile(shown, before + text.encode(), words, is_new=not before)
