@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,8 @@ COMPILERS = ("cc", "gcc", "clang")
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden")
 OLDEST_PLATFORM = "manylinux_2_17"
 """The library needs no more of a C library than this one has."""
+PAGES = "tracerisk/cli/set_up/pages.zip"
+"""The pages of the documentation in a wheel, for `tracerisk docs`."""
 MAN_PAGE = "share/man/man1/tracerisk.1"
 """Where `man` looks for it, in an environment's folder."""
 _WITHOUT = "trees are solved by Python alone, and large ones take very long"
@@ -99,13 +102,19 @@ class MadeFiles(BuildHookInterface):  # type: ignore[type-arg]
 def packed_data(root: Path, folder: Path) -> dict[str, str]:
     """Write data of the package into a folder in less space; return the place of each in a wheel.
 
-    Texts of interfaces are compressed, schemas are written without white space.
+    Texts of interfaces and pages of the documentation are compressed, schemas are written without
+    white space.
     """
     places = {}
     text = root / "tracerisk/ros/messages/interfaces.txt"
     packed = folder / f"{text.name}.gz"
     packed.write_bytes(gzip.compress(text.read_bytes(), mtime=0))
     places[str(packed)] = f"{text.relative_to(root)}.gz"
+    pages = folder / Path(PAGES).name
+    with zipfile.ZipFile(pages, "w", zipfile.ZIP_DEFLATED) as archive:
+        for page in sorted((root / "docs").glob("*.md")):
+            archive.writestr(zipfile.ZipInfo(page.name), page.read_bytes(), zipfile.ZIP_DEFLATED)
+    places[str(pages)] = PAGES
     schemas = [
         *(root / "tracerisk").rglob("*.schema.json"),
         *(root / "tracerisk/prm/formats/schemas").glob("*.json"),

@@ -21,6 +21,7 @@ TOP_OF_SDIST = {
 }
 MUST_BE = (
     "tracerisk/py.typed",
+    "tracerisk/cli/set_up/pages.zip",
     "tracerisk/common/hardware/hardware.schema.json",
     "tracerisk/report/html/assets/page.css",
     "tracerisk/ros/messages/interfaces.txt.gz",

@@ -4,11 +4,13 @@ import importlib.util
 import re
 import shutil
 import subprocess
+import zipfile
 from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
 
+from tracerisk.cli.set_up.docs import PACKED, page_names, page_text
 from tracerisk.cli.verbs import VERBS
 from tracerisk.common.version import UNKNOWN
 from tracerisk.config import loads_toml
@@ -86,6 +88,18 @@ def test_without_a_repository_there_are_no_links_to_one(made):
     metadata = made("0.2.0.dev3")
     assert "urls" not in metadata
     assert metadata["readme"]["text"] == (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_an_installed_package_has_the_pages_packed(hatch_build, tmp_path):
+    places = hatch_build.packed_data(ROOT, tmp_path)
+    (made,) = [made for made, place in places.items() if place.endswith(PACKED)]
+    before = Path(made).read_bytes()
+    hatch_build.packed_data(ROOT, tmp_path)
+    assert Path(made).read_bytes() == before
+    with zipfile.ZipFile(made) as packed:
+        assert [name.removesuffix(".md") for name in sorted(packed.namelist())] == page_names()
+        assert packed.read("verdict.md").decode() == page_text("verdict")
+    assert len(before) < 350_000
 
 
 @pytest.fixture

@@ -51,6 +51,7 @@ def test_a_verb_prints_only_through_what_makes_it_printable():
         "actions.py: print(text, end='')",
         "build.py: print(text, end='')",
         "completion.py: print(shtab.complete(parser, shell=options.shell))",
+        "docs.py: print(text, end='')",
         "parser.py: print(f'tracerisk {__version__}')",
     ]
 

@@ -38,6 +38,7 @@ GROUPS = {
         "robots": "list the robots that are shipped, or show what one of them has",
         "drivers": "list drivers, or check the description of one",
         "schema": "print a JSON Schema, by which editors complete and check files",
+        "docs": "print a page of the documentation, or list all pages",
         "doctor": "check that everything that tracerisk needs works here",
         "lock-merge": "merge tracerisk.lock for git; --install sets git up for it",
         "completion": "print the script by which a shell completes this command",

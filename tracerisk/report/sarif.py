@@ -69,7 +69,7 @@ RULES: tuple[Rule, ...] = (
         "warning",
         "What the run brings about depends on luck.",
         "In a world that a real cell may be, with other delays, another order of joints or another "
-        "start, the run ends otherwise. docs/worlds.md says what to do for each world.",
+        "start, the run ends otherwise. `tracerisk docs worlds` says what to do for each world.",
     ),
     Rule(
         "edited-block",

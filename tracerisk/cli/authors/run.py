@@ -33,7 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         const=ALL,
         default="",
         help="run it again in worlds that a cell may be, all or those named between commas, and "
-        "exit 1 if verdict or outcome depend on one (docs/worlds.md)",
+        "exit 1 if verdict or outcome depend on one (`tracerisk docs worlds`)",
     )
     shared.add_edit_options(parser)
     shared.add_profile(parser)

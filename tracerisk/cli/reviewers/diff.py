@@ -65,7 +65,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--textconv",
         metavar="FILE",
-        help="print a source with its risk model below it, for `git diff`: docs/review.md",
+        help="print a source with its risk model below it, for `git diff`: `tracerisk docs review`",
     )
     shared.add_sarif(parser)
     shared.add_json(parser)

@@ -12,7 +12,7 @@ from tracerisk.errors import ExitCode, InputError, Location
 PORT = 8417
 _HOW = """\
 It listens on 127.0.0.1 alone, writes nothing and runs no controller; Ctrl-C ends it.
-What the pages show: docs/serve.md.
+What the pages show: `tracerisk docs serve`.
 """
 
 

@@ -45,7 +45,7 @@ def add_fault(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help="run once more with a unit that fails, such as panda_joint4:dead@3.5, and print the "
-        "effect; writes no block (docs/faults.md); repeatable",
+        "effect; writes no block (`tracerisk docs faults`); repeatable",
     )
 
 

@@ -127,7 +127,7 @@ def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
         return [
             f"Next: name the robot, `tracerisk run {name} --robot NAME`, or in the settings by "
             "`tracerisk init --robot NAME`; `tracerisk robots` lists those that are known, "
-            "docs/howto-robot.md says how to give your own."
+            "`tracerisk docs howto-robot` says how to give your own."
         ]
     if trace.verdict is not None and trace.verdict.kind in ("faulted", "stuck"):
         return [

@@ -125,7 +125,7 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
     if not found.success:
         note(
             "no scenario declares `success`: evidence raises figures and lowers none "
-            "(docs/evidence.md)",
+            "(`tracerisk docs evidence`)",
             quiet=options.quiet,
         )
 

@@ -97,6 +97,6 @@ def _note(options: argparse.Namespace, found: MutantRuns) -> None:
         )
     if not found.success:
         note(
-            "no scenario declares `success`, so it notices nothing (docs/mutation.md)",
+            "no scenario declares `success`, so it notices nothing (`tracerisk docs mutation`)",
             quiet=options.quiet,
         )

@@ -6,7 +6,7 @@ import argparse
 
 _HOW = """\
 An editor starts it; it takes no options. What it shows and how editors are set up:
-docs/editor.md.
+`tracerisk docs editor`.
 """
 
 

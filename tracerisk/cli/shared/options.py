@@ -39,7 +39,9 @@ def add_sarif(parser: argparse.ArgumentParser) -> None:
 def add_record(parser: argparse.ArgumentParser) -> None:
     """Add the recording of the run as a file for other tools."""
     parser.add_argument(
-        "--record", metavar="OUT.mcap", help="write the run as an MCAP file (docs/recordings.md)"
+        "--record",
+        metavar="OUT.mcap",
+        help="write the run as an MCAP file (`tracerisk docs recordings`)",
     )
     parser.add_argument(
         "--record-rate",
@@ -73,7 +75,8 @@ def add_run_options(parser: argparse.ArgumentParser, *, needs_file: bool = True)
     group.add_argument(
         "--scenario",
         metavar="FILE",
-        help="scenario: messages, services and objects around the controller (docs/scenario.md)",
+        help="scenario: messages, services and objects around the controller "
+        "(`tracerisk docs scenario`)",
     )
     group.add_argument(
         "--params",

@@ -21,7 +21,7 @@ _OPTIONS = ("effort_unit", "encoder_step", "joint_states", "commands", "function
 
 def add_reading(parser: argparse.ArgumentParser, *, with_robot: bool) -> None:
     """Add what is declared of recordings; the robot too, where no other options have it."""
-    group = parser.add_argument_group("recordings of a robot (docs/recordings.md)")
+    group = parser.add_argument_group("recordings of a robot (`tracerisk docs recordings`)")
     if with_robot:
         group.add_argument("--robot", metavar="NAME|FILE", help="the robot that was recorded")
     group.add_argument(
@@ -37,7 +37,9 @@ def add_reading(parser: argparse.ArgumentParser, *, with_robot: bool) -> None:
     )
     group.add_argument("--joint-states", metavar="TOPIC", help="the topic of the joint states")
     group = group.add_mutually_exclusive_group()
-    group.add_argument("--commands", metavar="FILE", help="what the probe wrote (docs/probe.md)")
+    group.add_argument(
+        "--commands", metavar="FILE", help="what the probe wrote (`tracerisk docs probe`)"
+    )
     group.add_argument(
         "--functions", metavar="FILE.csv", help="times of functions: time_s,function[,event]"
     )

@@ -93,7 +93,7 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
         except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
             raise LogError(
                 f"is not an object of the probe ({type(error).__name__}: {error}); "
-                "docs/probe.md has the format",
+                "`tracerisk docs probe` has the format",
                 place,
             ) from error
     if not commands:

@@ -99,7 +99,7 @@ def group_lines(group: GroupDerivation) -> list[str]:
     visits = plural(group.visits, "visit")
     return [
         f"  whole again at each visit; like units that fail over {visits} as these do:",
-        f"    p of one unit in a visit = {value} (docs/theory.md#groups)",
+        f"    p of one unit in a visit = {value} (`tracerisk docs theory#groups`)",
     ]
 
 
