@@ -129,3 +129,37 @@ def test_texts_and_comments_name_what_is_done_and_by_whom():
             if (vague := VAGUE.search(_CODE.sub("", text)))
         ]
     assert not found, "\n".join(found)
+
+
+# A verb that works on a controller is named with it, so that the command can be copied.
+BARE = re.compile(r"`tracerisk (run|refresh|annotate|evidence|trace|solve|check|scenario)`")
+VAGUE_ADVICE = re.compile(
+    r"\brun (?:tracerisk|it|the controller|the command) again\b|\brecord the run again\b"
+    r"|[;:] refresh (?:it|with)\b|\brefresh` (?:it|mends)\b"
+)
+HELP = {"run it again whenever a file", "run it again in worlds"}
+
+
+def test_a_message_that_asks_names_the_whole_command():
+    found = []
+    for path in SOURCES:
+        if not may_hold(path, ("tracerisk", "again", "refresh")):
+            continue
+        strings, docstrings = read(path)
+        texts = {*docstrings, *texts_of_names(path)}
+        for line, text in strings:
+            plain = " ".join(text.split())
+            is_asked = BARE.search(plain) or VAGUE_ADVICE.search(plain)
+            is_text = any(plain in " ".join(each.split()) for each in texts)
+            if is_asked and not is_text and not any(each in plain for each in HELP):
+                found.append(f"{path.relative_to(ROOT)}:{line}: {plain}")
+    assert not found, "name the command with its FILE:\n" + "\n".join(found)
+
+
+def texts_of_names(path: Path) -> list[str]:
+    """The strings of a source that stand alone, as those below a constant or a field do."""
+    nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    values = [node.value for node in nodes if isinstance(node, ast.Expr)]
+    return [
+        each.value for each in values if isinstance(each, ast.Constant) and each.value is not ...
+    ]

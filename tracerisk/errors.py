@@ -255,7 +255,7 @@ def disk_full(folder: str) -> MachineError:
     """Return the error of a full disk that holds a folder with temporary files."""
     return MachineError(
         f"the disk that holds {folder} is full, and so the run is not whole; free some of it, or "
-        "name a folder on another one with TMPDIR, and run the command again"
+        "name a folder on another one with TMPDIR, and run the same command again"
     )
 
 

@@ -118,7 +118,7 @@ BAD = {
         "    # |   quantity = 7\n",
         "<<<<<<< HEAD\n    # |   quantity = 7\n=======\n    # |   quantity = 6\n>>>>>>> theirs\n",
         11,
-        "`<<<<<<< HEAD` is a conflict marker; resolve the merge, then run tracerisk again",
+        "`<<<<<<< HEAD` is a conflict marker; resolve the merge, then run the same command again",
     ),
     "conflict markers behind the gutter": (
         "    # |   quantity = 7\n",

@@ -536,7 +536,7 @@ def test_constants_of_prism_are_set_in_what_is_written(call):
         (["cooling.xml", "-o", "o.xml", "--set", "p=1"], "--set goes with constants of a PRISM"),
         (["repair.tra", "-o", "o.lab", "--to", "explicit"], "name it .tra"),
         (["rate.xml", "-o", "o.json"], "give the mission time to evaluate it"),
-        (["x.py", "-o", "o.xml"], "no risk block in x.py; `tracerisk run`"),
+        (["x.py", "-o", "o.xml"], "no risk block in x.py; `tracerisk run FILE`"),
         (["cooling.xml", "-o", "no/o.xml"], "no/o.xml: cannot be written"),
     ],
 )

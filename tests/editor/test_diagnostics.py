@@ -14,7 +14,12 @@ from tests.editor.client import Editor
 
 def findings(example_in, cell):
     done = example_in(cell.parent).run("check", cell.name, "--json")
-    return sorted((each["line"], each["message"]) for each in done.json["findings"])
+    return sorted((each["line"], text(each, cell)) for each in done.json["findings"])
+
+
+def text(finding, cell) -> str:
+    """What a finding says where the command is given from another folder, as the editor's is."""
+    return f"{finding['message']}; {finding['remedy'].replace(f' {cell.name}', f' {cell}')}"
 
 
 def shown(editor, cell):

@@ -51,8 +51,8 @@ def loads(text: str, file: str) -> Trace:
         if data.get("version") != VERSION:
             raise MismatchError(
                 "version",
-                f"{data.get('version')!r}; this tracerisk reads {VERSION}: run the controller "
-                "again with --trace",
+                f"{data.get('version')!r}; this tracerisk reads {VERSION}: `tracerisk trace "
+                "FILE -o OUT.json` writes one",
             )
         body = {key: value for key, value in data.items() if key not in ("schema", "version")}
         trace = read_plain(Trace, body)

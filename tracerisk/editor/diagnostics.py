@@ -24,7 +24,7 @@ def finding_diagnostic(finding: CheckFinding, controller: Path, lines: Lines) ->
     """Return a finding of a check of a controller, at its place in a source with these lines."""
     return _diagnostic(
         finding.location,
-        f"{finding.kind.replace('_', ' ')}: {finding.message}",
+        f"{finding.kind.replace('_', ' ')}: {finding.text}",
         finding.kind,
         DiagnosticSeverity.Error if finding.kind in _ERRORS else DiagnosticSeverity.Warning,
         lines,

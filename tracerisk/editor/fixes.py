@@ -17,6 +17,7 @@ from tracerisk.editor.pins import pinning, value_line, written_value
 from tracerisk.editor.session import Analysis, Document, Session
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding
+from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
 
 SETTINGS = "pyproject.toml"
 REFRESH = "tracerisk.refresh"
@@ -28,11 +29,6 @@ ACCEPT = "tracerisk.accept"
 ASKED_PIN = "tracerisk.pinWithReason"
 ASKED_ACCEPT = "tracerisk.acceptWithReason"
 """Commands of an editor that asks for the words, and then calls the two above."""
-
-MENDED = frozenset(
-    {"stale", "edited", "undecided", "missing", "orphaned", "unknown", "gone", "unsolvable"}
-)
-"""The findings that a refresh may mend."""
 
 
 def fixes(
@@ -59,7 +55,7 @@ def fixes(
 def _refreshes(
     session: Session, document: Document, analysis: Analysis, found: list[CheckFinding]
 ) -> Iterator[lsp.CodeAction]:
-    mended = [check_finding for check_finding in found if check_finding.kind in MENDED]
+    mended = [check_finding for check_finding in found if check_finding.kind in MENDED_BY_REFRESH]
     if not mended:
         return
     uri, name = session.uri_of(analysis.path), analysis.path.name

@@ -22,7 +22,7 @@ from tracerisk.editor.commands import register_commands
 from tracerisk.editor.completion import Offer, offers
 from tracerisk.editor.described_files import kind_of, yaml_offers
 from tracerisk.editor.diagnostics import error_diagnostic, finding_diagnostic
-from tracerisk.editor.fixes import MENDED, REFRESH, fixes
+from tracerisk.editor.fixes import REFRESH, fixes
 from tracerisk.editor.folding import foldings
 from tracerisk.editor.hover import component_at, component_markdown, function_at, function_markdown
 from tracerisk.editor.lenses import lenses
@@ -36,6 +36,7 @@ from tracerisk.editor.session import (
     solve_ahead,
 )
 from tracerisk.errors import TraceRiskError
+from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
 
 _DELAY_S = 0.05
 """How long further changes are waited for before a check [s]."""
@@ -292,7 +293,7 @@ def _code_lens(server: RiskServer, params: lsp.CodeLensParams) -> list[lsp.CodeL
         return []
     session = server.session
     figures, files = session.parts(document)
-    stale = [session.is_stale(figure.controller.path, MENDED) for figure in figures]
+    stale = [session.is_stale(figure.controller.path, MENDED_BY_REFRESH) for figure in figures]
     shown = []
     for lens in lenses(session.outline(document), figures, files, stale):
         # One without a command of its own is a text.

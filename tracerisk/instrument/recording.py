@@ -107,7 +107,7 @@ def read_recording(path: Path | str) -> Recording:
                 break
             raise LogError(
                 f"not an event of a recording ({error}); "
-                f"{one_of(reader.handlers)}; record the run again",
+                f"{one_of(reader.handlers)}; `tracerisk run FILE --keep DIR` records it again",
                 Location(str(path), number),
             ) from error
     return reader.recording()

@@ -35,7 +35,8 @@ def build(
     blocks = [block for _, block in blocks_of(sources)]
     if not blocks:
         raise InputError(
-            f"no risk block in {', '.join(sources)}; `tracerisk run` or `annotate` writes them"
+            f"no risk block in {', '.join(sources)}; `tracerisk run FILE` writes them, or "
+            "`tracerisk annotate FILE`"
         )
     return build_model(blocks, profile=profile, name=name)
 

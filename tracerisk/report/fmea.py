@@ -224,7 +224,7 @@ def summary_lines(found: Evidence) -> list[str]:
     if found.edited is not None:
         lines.append(
             f"the file was edited: {found.edited.words}; what does not fit its digest is left out, "
-            "and figures take none of it until `tracerisk evidence` has tried it again"
+            "and figures take none of it until `tracerisk evidence FILE` has tried it again"
         )
     if not found.has_digest:
         lines.append("the file is of an earlier version, without digests: edits of it do not show")

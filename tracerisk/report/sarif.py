@@ -48,7 +48,8 @@ RULES: tuple[Rule, ...] = (
         "warning",
         "The risk blocks are older than what they depend on.",
         "The controller, its robot, scene, settings or hardware data changed after the blocks "
-        "were written, so their figures are those of another program. Run `tracerisk refresh`.",
+        "were written, so their figures are those of another program. Run `tracerisk "
+        "refresh FILE`.",
     ),
     Rule(
         "faulted-run",
@@ -75,27 +76,28 @@ RULES: tuple[Rule, ...] = (
         "edited-block",
         "error",
         "A value that tracerisk computes was changed by hand.",
-        "Write `:=` and a reason behind `;` to keep the value, or refresh with --discard-edits.",
+        "Write `:=` and a reason behind `!` to keep the value, or run `tracerisk refresh "
+        "FILE --discard-edits`.",
     ),
     Rule(
         "undecided-block",
         "error",
         "It is unknown who wrote a value: a user, or tracerisk on another branch.",
-        "Refresh with --discard-edits to overwrite it with the computed value, or take the "
-        "whole block from a version that you trust.",
+        "Run `tracerisk refresh FILE --discard-edits` to overwrite it with the computed value, or "
+        "take the whole block from a version that you trust.",
     ),
     Rule(
         "missing-block",
         "error",
         "A risk block is gone, or stands in a function of another name.",
         "The model is built from the blocks alone: without this one the function's failures are "
-        "left out. Run `tracerisk refresh`.",
+        "left out. Run `tracerisk refresh FILE`.",
     ),
     Rule(
         "unknown-blocks",
         "warning",
         "The lock file knows nothing of a controller's risk blocks.",
-        "It is unknown whether the blocks fit the controller. Run `tracerisk run` and commit "
+        "It is unknown whether the blocks fit the controller. Run `tracerisk run FILE` and commit "
         "tracerisk.lock with the source.",
     ),
     Rule(
@@ -109,7 +111,7 @@ RULES: tuple[Rule, ...] = (
         "error",
         "The mission fails more often than is allowed.",
         "The failure probability of the mission is above `max_failure_probability`. The table of "
-        "`tracerisk solve` lists the components that it comes from.",
+        "`tracerisk solve FILE` lists the components that it comes from.",
     ),
     Rule(
         "single-point-of-failure",
@@ -172,7 +174,7 @@ RULES: tuple[Rule, ...] = (
         "run-finding",
         "warning",
         "The run on the twin showed something that a user should know.",
-        "The message says what; `tracerisk trace` shows the run again.",
+        "The message says what; `tracerisk trace FILE` shows the run again.",
     ),
 )
 

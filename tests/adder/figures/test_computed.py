@@ -197,7 +197,7 @@ def test_a_visit_before_the_cycle_weighs_once_in_a_function_of_the_cycle(lines, 
             replace(moved(2.0), wear=()),
             (RATE, "load_law: {reference_load: 0.5, wearing_share: 0.5}"),
             "component 'part': the wear of what moves is not known from this trace; "
-            "run the controller again",
+            "`tracerisk run FILE` gives it",
         ),
     ],
 )

@@ -60,7 +60,7 @@ def test_what_never_moves_has_no_mean_speed_and_does_not_wear():
 def test_a_trace_that_says_no_wear_of_what_moved_is_not_taken_for_no_wear():
     with pytest.raises(UnknownUseError, match="the wear of what moves is not known") as caught:
         wear_s(LoadLaw(0.5, 1.0), Exposure(moving_s=1.0, active_s=1.0))
-    assert caught.value.advice == "run the controller again"
+    assert caught.value.advice == "`tracerisk run FILE` gives it"
 
 
 def test_an_exponent_for_which_no_wear_is_measured_is_reported_with_those_that_are():

@@ -159,7 +159,7 @@ def test_a_next_of_weight_zero_leads_nowhere(block):
 
 
 def test_no_blocks_at_all_is_an_error_that_says_what_writes_them():
-    with pytest.raises(BlockError, match="no risk blocks; `tracerisk annotate`"):
+    with pytest.raises(BlockError, match="no risk blocks; `tracerisk run FILE`"):
         build_model([], name="m")
 
 

@@ -154,7 +154,7 @@ class _Parser:
                 raise self._error(
                     line.number,
                     f"`{text}` is a conflict marker in a risk block; resolve the merge, then "
-                    "run tracerisk again",
+                    "run the same command again",
                 )
             if text.startswith("@"):
                 if is_open:

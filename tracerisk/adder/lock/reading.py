@@ -64,7 +64,7 @@ def loads(data: bytes, file: str) -> Lock:
     except LockError as error:
         raise LockError(
             "holds a conflict whose sides are no whole locks; take one side of the file, then run "
-            "tracerisk again",
+            "the same command again",
             Location(file, line),
         ) from error
 

@@ -108,7 +108,8 @@ def _forbid_conflict_markers(source: bytes, file: str) -> None:
         text = line.decode("ascii", "replace")
         if is_conflict_marker(text):
             raise BlockError(
-                f"`{text}` is a conflict marker; resolve the merge, then run tracerisk again",
+                f"`{text}` is a conflict marker; resolve the merge, then run the same command "
+                "again",
                 Location(file, number),
             )
 

@@ -52,7 +52,8 @@ def _check_writable(path: Path) -> None:
 def _check_expected(write: FileWrite) -> None:
     if write.expected is not None and write.path.read_bytes() != write.expected:
         raise InputError(
-            "was changed by someone else meanwhile; run tracerisk again", Location(str(write.path))
+            "was changed by someone else meanwhile; run the same command again",
+            Location(str(write.path)),
         )
 
 

@@ -100,7 +100,8 @@ def _read_trace(options: argparse.Namespace, controller: Controller) -> Trace:
     trace = trace_json.loads(text, name)
     if not trace.is_usable:
         raise InputError(
-            f"is the trace of a run that failed ({trace.end.message}); run the controller again",
+            f"is the trace of a run that failed ({trace.end.message}); `tracerisk trace "
+            f"{options.controller} -o {name}` makes another",
             Location(name),
         )
     if trace.controller != controller.file:

@@ -118,7 +118,7 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
                 str(check_finding.path) for check_finding in checked if not check_finding.findings
             ],
             findings=[
-                picked(check_finding, "kind", "message")
+                picked(check_finding, "kind", "message", "remedy")
                 | picked(check_finding.location, "file", "line")
                 for check_finding in findings
             ],

@@ -200,8 +200,8 @@ def _print_draft(
         show("It asks its world for nothing.")
     if options.write:
         note(
-            f"written: {output}; run it with --scenario, and delete the mark `# assumed` of what "
-            "is so in your cell",
+            f"written: {output}; delete the mark `# assumed` of what is so in your cell, then "
+            f"`tracerisk run {options.controller} --scenario {output}`",
             quiet=options.quiet,
         )
     elif draft.text and (rows or draft.missing or asked):

@@ -171,7 +171,8 @@ def _bad_run(diff: RiskDiff) -> str | None:
     if verdicts.after is None:
         if verdicts.before is None:
             return None
-        return "the verdict of its run is unknown and was known before; `tracerisk refresh` it"
+        refresh = f"`tracerisk refresh {diff.name}` gives it one"
+        return f"the verdict of its run is unknown and was known before; {refresh}"
     if verdicts.after.kind in ("faulted", "stuck") or (
         not diff.is_comparable and verdicts.does_less
     ):

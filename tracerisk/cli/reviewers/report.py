@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 _MADE = ("output", "dossier", "gif", "mp4")
 """The options that name a file to write."""
+_HOW = "`tracerisk refresh FILE` brings it up to date, `--trace` names another."
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

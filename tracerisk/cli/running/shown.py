@@ -131,8 +131,8 @@ def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
         ]
     if trace.verdict is not None and trace.verdict.kind in ("faulted", "stuck"):
         return [
-            f"Next: mend what the verdict names and run it again; `tracerisk run {name} -v` prints "
-            "all findings. Until then the figure is of a run that was cut short."
+            f"Next: mend what the verdict names, then `tracerisk run {name} -v`, which prints all "
+            "findings. Until then the figure is of a run that was cut short."
         ]
     return [
         f"Next: `tracerisk run {name} -v` prints components and assumptions, `--explain FUNCTION` "

@@ -148,7 +148,7 @@ def _notes(found: Sequence[Choice], hardware: Hardware | None) -> list[str]:
     if hardware is None:
         notes.append(
             "Speed is not offered: the hardware data behind the blocks is not known here; after "
-            "`tracerisk run` it is."
+            "`tracerisk run FILE` it is."
         )
     elif not any(choice.by_time for choice in found):
         notes.append("Speed is not offered: no component has figures by time in use alone.")
@@ -219,7 +219,7 @@ def answer(known: KnownController, choices: Choices, change: Change, files: str)
     Raises ModelError where a figure would be above one.
     """
     if known.model is None or known.assessment is None:
-        raise InputError(known.error or "has no figure; `tracerisk run` writes its blocks")
+        raise InputError(known.error or "has no figure; `tracerisk run FILE` writes its blocks")
     model = _with_units(known, change.units)
     factors = {
         component.name: change.rates.get(component.name, 1.0)

@@ -155,7 +155,7 @@ class Site:
         if kept is None:
             run: Any = "No run is known of these sources."
         elif kept.trace is None:
-            run = f"{kept.reason} `tracerisk run` or `refresh` brings it up to date."
+            run = f"{kept.reason} `tracerisk refresh FILE` brings it up to date."
         else:
             run = run_shown(kept.trace, kept.settings, kept, kept_replay(kept))
         shown = report_input(

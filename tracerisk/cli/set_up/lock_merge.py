@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json("lock-merge", exit_code=int(ExitCode.FINE), stale=stale)
     for name in stale:
-        note(f"{name}: changed on both branches; `tracerisk refresh`", quiet=options.quiet)
+        note(f"{name}: changed on both branches; `tracerisk refresh {name}`", quiet=options.quiet)
     return int(ExitCode.FINE)
 
 

@@ -55,7 +55,7 @@ def loads_evidence(text: str, name: str) -> dict[str, Evidence]:
         line = getattr(error, "lineno", None)
         raise InputError(
             f"is not an evidence file: {error}; restore it from git, or remove it and run "
-            "`tracerisk evidence`",
+            "`tracerisk evidence FILE`",
             Location(name, line),
         ) from error
     return _Reader(name).file(data)

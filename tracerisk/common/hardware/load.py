@@ -48,7 +48,7 @@ def wear_s(law: LoadLaw, exposure: Exposure) -> float:
     """
     if not exposure.wear:
         if exposure.moving_s > 0.0:
-            raise UnknownUseError("the wear of what moves", "run the controller again")
+            raise UnknownUseError("the wear of what moves", "`tracerisk run FILE` gives it")
         return 0.0
     try:
         return exposure.wear[WEAR_EXPONENTS.index(law.exponent)]

@@ -113,7 +113,7 @@ def _edits(
             yield _edit_finding(edit, edit.location or place)
         if not outcome.edits and name not in reported:
             message = f"the risk block of {name} {_behind(placed.block, outcome.block)}"
-            yield CheckFinding("stale", f"{message}; `tracerisk refresh` mends it", place, name)
+            yield CheckFinding("stale", message, place, name)
 
 
 def _edit_finding(edit: HandEdit, place: Location) -> CheckFinding:
@@ -122,14 +122,7 @@ def _edit_finding(edit: HandEdit, place: Location) -> CheckFinding:
         if edit.kind == "changed"
         else f"{edit.field} was {edit.kind}{' by hand' if edit.is_certain else ''}"
     )
-    if edit.is_certain:
-        advice = "write `:=` to keep it, or refresh with --accept-edits or --discard-edits"
-        return CheckFinding("edited", f"{what}; {advice}", place, edit.field)
-    advice = (
-        "it is unknown whether a user or another branch did that: refresh with "
-        "--discard-edits, or take the block from a version that you trust"
-    )
-    return CheckFinding("undecided", f"{what}; {advice}", place, edit.field)
+    return CheckFinding("edited" if edit.is_certain else "undecided", what, place, edit.field)
 
 
 def _behind(found: RiskBlock, due: RiskBlock | None) -> str:
@@ -148,7 +141,7 @@ def _lost_lines(
     name, block = placed.function, placed.block
     if block.next is None and NEXT.key in written.values:
         place = Location(source.shown, placed.first_line)
-        message = f"the `next` lines of {name} are gone; `tracerisk refresh` writes them again"
+        message = f"the `next` lines of {name} are gone"
         yield CheckFinding("missing", message, place, f"{name}.{NEXT.key}")
     values: list[tuple[str, FieldKind, Field[Any], Mapping[str, str]]] = [
         (name, CALL_SEQUENCE, block.call_sequence, written.values)
@@ -165,10 +158,7 @@ def _lost_lines(
     for path, kind, field, texts in values:
         was = texts.get(kind.key, NOTHING_COMPUTED)
         if not _is_computed_as_written(kind, field, was):
-            message = (
-                f"{path}.{kind.key}: `! computed {field.computed}` was written as {was}; "
-                "`tracerisk refresh` writes it again"
-            )
+            message = f"{path}.{kind.key}: `! computed {field.computed}` was written as {was}"
             place = field.location or Location(source.shown, placed.first_line)
             yield CheckFinding("stale", message, place, f"{path}.{kind.key}")
 

@@ -23,6 +23,7 @@ from tracerisk.config import Settings, controller_root
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding
+from tracerisk.pipeline.check.remedies import as_typed, with_remedy
 from tracerisk.pipeline.check.run import (
     CoverageLimits,
     contact_findings,
@@ -73,10 +74,9 @@ def _sets_source_against_lock(finding: CheckFinding) -> bool:
 
 def _check_once(path: Path, projects: Projects, limits: CoverageLimits) -> Checked:
     if is_gone(path, projects):
-        message = (
-            f"{LOCK_NAME} knows this controller, which is gone; `tracerisk refresh` forgets it"
-        )
-        return Checked(path, (CheckFinding("gone", message, Location(str(path))),))
+        message = f"{LOCK_NAME} knows this controller, which is gone"
+        finding = CheckFinding("gone", message, Location(str(path)))
+        return Checked(path, (with_remedy(finding, path),))
     return check_loaded(load_controller(path, projects.of(path)), limits)
 
 
@@ -94,12 +94,9 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     if entry is None:
         blocks = read_blocks(controller.source, str(controller.path))
         check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
-        what = f"{LOCK_NAME} knows nothing of its {len(blocks)} risk blocks"
-        text = f"run {controller.path}"
-        if not controller.is_python:
-            text = f"annotate {controller.path} --log LOG"
-        message = f"{what}; `tracerisk {text}`"
-        return Checked(controller.path, (CheckFinding("unknown", message, place),))
+        message = f"{LOCK_NAME} knows nothing of its {len(blocks)} risk blocks"
+        finding = CheckFinding("unknown", message, place)
+        return Checked(controller.path, (with_remedy(finding, controller.path),))
     recorded = RunInputs.from_data(entry.inputs)
     settings = controller.settings
     check_named_functions(controller, settings, files=tuple(recorded.sources))
@@ -115,7 +112,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
         *_unequal(entry, sources),
     ]
     if was is not None:
-        message = f"{LOCK_NAME} knows this controller as {was}; `tracerisk refresh {place.file}`"
+        message = f"{LOCK_NAME} knows this controller as {was}"
         findings.append(CheckFinding("gone", message, place))
     is_whole = all(finding.kind not in ("missing", "orphaned") for finding in findings)
     if is_whole:
@@ -132,6 +129,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
         findings += coverage_findings(controller, verdict, least, limits.base)
     if settings.require_worlds:
         findings += world_findings(controller, _worlds(entry, sources), settings.require_worlds)
+    findings = [with_remedy(finding, controller.path) for finding in findings]
     return Checked(controller.path, tuple(sorted(findings, key=_order)), verdict)
 
 
@@ -223,23 +221,20 @@ def _stale(
     if reasons:
         yield CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
     elif entry.others or entry.is_mixed:
-        message = f"{LOCK_NAME} holds the last runs of several branches; `tracerisk refresh`"
+        message = f"{LOCK_NAME} holds the last runs of several branches"
         yield CheckFinding("stale", message, place)
     evidence = kept_evidence(controller)
+    again = f"`tracerisk evidence {as_typed(controller.path)}`"
     if evidence is not None and evidence.edited is not None:
         from tracerisk.common.evidence import EVIDENCE_NAME
 
-        message = (
-            f"{evidence.edited.words}; `tracerisk evidence {controller.file}` tries it again, or "
-            "restore the file from git"
-        )
-        yield CheckFinding("edited", message, Location(str(controller.root / EVIDENCE_NAME)))
+        place = Location(str(controller.root / EVIDENCE_NAME))
+        remedy = f"{again} tries it again, or restore the file from git"
+        yield CheckFinding("edited", evidence.edited.words, place, remedy=remedy)
     elif gap := evidence_gap(controller, settings, recorded.fingerprint):
-        message = (
-            f"the settings ask for evidence, but {gap}; `tracerisk evidence {controller.file}`, "
-            "then `tracerisk refresh`"
-        )
-        yield CheckFinding("stale", message, place)
+        message = f"the settings ask for evidence, but {gap}"
+        remedy = f"{again}, then `tracerisk refresh {as_typed(controller.path)}`"
+        yield CheckFinding("stale", message, place, remedy=remedy)
 
 
 def _unjustified(settings: Settings, sources: Sequence[CheckedSource]) -> Iterable[CheckFinding]:
@@ -253,8 +248,9 @@ def without_reason(blocks: Iterable[PlacedBlock], shown: str) -> Iterable[CheckF
     """Yield a finding for each thing that a user set without a reason in a file's blocks."""
     for placed in blocks:
         for path, place in _values_without_reason(placed.block):
-            message = f"{path} is set by hand without a reason; write `; why` behind it"
-            yield CheckFinding("unjustified", message, place or Location(shown), path)
+            message = f"{path} is set by hand without a reason"
+            finding = CheckFinding("unjustified", message, place or Location(shown), path)
+            yield with_remedy(finding, Path(shown))
 
 
 def _values_without_reason(block: RiskBlock) -> Iterable[tuple[str, Location | None]]:

@@ -44,12 +44,19 @@ class CheckFinding(NamedTuple):
     kind: FindingKind
     """The kind of the finding, such as `stale` or `edited`."""
     message: str
-    """What is wrong, without its place."""
+    """What is wrong, without its place and without the remedy."""
     location: Location
     """The file and line."""
     subject: str = ""
     """The dotted path of the part that it is about, such as `place.gripper.probability` or
     `place`; empty for the whole controller."""
+    remedy: str = ""
+    """What to do about it, with the command; empty until `with_remedy` sets that of its kind."""
+
+    @property
+    def text(self) -> str:
+        """What is wrong, and what to do about it."""
+        return f"{self.message}; {self.remedy}" if self.remedy else self.message
 
     @property
     def exit_code(self) -> ExitCode:
@@ -58,7 +65,7 @@ class CheckFinding(NamedTuple):
         return ExitCode.EDIT_IN_THE_WAY if is_edit else ExitCode.WOULD_CHANGE
 
     def __str__(self) -> str:
-        return f"{self.location}: {self.kind.replace('_', ' ')}: {self.message}"
+        return f"{self.location}: {self.kind.replace('_', ' ')}: {self.text}"
 
 
 class Checked(NamedTuple):

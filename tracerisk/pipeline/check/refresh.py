@@ -15,6 +15,7 @@ from tracerisk.config import SANDBOX_SETTINGS, SandboxMode
 from tracerisk.errors import ControllerFailedError, Location
 from tracerisk.pipeline.annotate import Annotated, annotate
 from tracerisk.pipeline.check.check import check_controller, given_options
+from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_blocks
@@ -24,11 +25,6 @@ from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.trace import Trace
-
-# What a refresh mends; the rest is for a user to mend.
-_MENDED = frozenset(
-    {"stale", "edited", "undecided", "missing", "orphaned", "unknown", "gone", "unsolvable"}
-)
 
 How = Literal["fresh", "recomputed", "simulated"]
 """Nothing was to do; values were recomputed from a cached trace; the controller was run."""
@@ -87,7 +83,7 @@ def refresh_controller(
         is_judged = kept_verdict(entry) is not None or entry.trace.get("robot") == ""
         is_settled = entry.is_settled and not wants_fresh and is_judged
         kinds = {finding.kind for finding in check_controller(path, projects).findings}
-        if is_settled and not kinds & _MENDED:
+        if is_settled and not kinds & MENDED_BY_REFRESH:
             text = "nothing that it depends on has changed"
             return Refreshed("fresh", text, verdict=kept_verdict(entry))
         reasons = stale_reasons(recorded, controller, settings)

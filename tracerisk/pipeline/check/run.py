@@ -13,6 +13,7 @@ from tracerisk.common.instance_name import places
 from tracerisk.common.verdict import GAPS, NEVER_RAN, Reason, Verdict, VerdictKind
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
+from tracerisk.pipeline.check.remedies import as_typed
 from tracerisk.pipeline.workspace.controller import Controller
 
 if TYPE_CHECKING:
@@ -24,6 +25,15 @@ _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
     "faulted": "faulted",
     "stuck": "stuck",
 }
+
+_MEND = "mend it, then `tracerisk run {file}`"
+_SCENARIO = "`tracerisk scenario {file} --write` drafts what provides it"
+_REMEDIES = {
+    "unmet-need": _SCENARIO,
+    "input-assumed": _SCENARIO,
+    "robot-assumed": "`tracerisk run {file} --robot NAME`",
+}
+"""What to do about the reasons of a verdict, by code; about all others `_MEND`."""
 
 
 class CoverageLimits(NamedTuple):
@@ -52,13 +62,12 @@ def verdict_findings(controller: Controller, verdict: Verdict) -> Iterable[Check
             continue
         place = _place(controller, open_reason)
         where = f" (in {open_reason.function})" if open_reason.function else ""
-        advice = (
-            ""
-            if open_reason.verdict == "stuck"
-            else f"; mend it, or accept {open_reason.code} in the settings"
-        )
-        message = f"{open_reason.words}{where}{advice}"
-        yield CheckFinding(_OF_VERDICT[open_reason.verdict], message, place, open_reason.function)
+        message = f"{open_reason.words}{where}"
+        remedy = _REMEDIES.get(open_reason.code, _MEND).format(file=as_typed(controller.path))
+        if open_reason.verdict != "stuck":
+            remedy += f", or accept {open_reason.code} in [tool.tracerisk]"
+        kind = _OF_VERDICT[open_reason.verdict]
+        yield CheckFinding(kind, message, place, open_reason.function, remedy)
 
 
 def _place(controller: Controller, reason: Reason) -> Location:
@@ -112,9 +121,9 @@ def world_findings(
         names = ",".join(missing)
         yield CheckFinding(
             "world",
-            f"require_worlds names {', '.join(missing)}, and the last run was not repeated there; "
-            f"`tracerisk run {controller.path} --worlds {names}`",
+            f"require_worlds names {', '.join(missing)}, and the last run was not repeated there",
             first_line,
+            remedy=f"`tracerisk run {as_typed(controller.path)} --worlds {names}`",
         )
     for name in required:
         run = known.get(name)
@@ -125,7 +134,7 @@ def world_findings(
                 at = Location(str(controller.path_of(place.file)), place.line)
             why = f" ({run.cause})" if run.cause else ""
             yield CheckFinding(
-                "world", f"the run depends on world {name}: {run.words}{why}; mend it", at, name
+                "world", f"the run depends on world {name}: {run.words}{why}", at, name
             )
 
 

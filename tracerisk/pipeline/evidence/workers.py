@@ -93,7 +93,7 @@ class Workers:
                 if self.executor is not None or attempt == _POOLS - 1:
                     raise ControllerFailedError(
                         f"a worker died {_POOLS} times, for want of memory maybe; what was done is "
-                        "kept: run it again with fewer workers (-j 1)"
+                        "kept: run the same command again with fewer workers (-j 1)"
                     ) from None
             finally:
                 started = set(multiprocessing.active_children()) - before

@@ -40,7 +40,8 @@ def _wait(descriptor: int, folder: Path) -> None:
             if monotonic() - began > LONGEST_WAIT_S:
                 raise LimitError(
                     f"another process has kept this folder locked for {LONGEST_WAIT_S:g} s, and "
-                    "nothing was written; end that process (`fuser` names it), and run again",
+                    "nothing was written; end that process (`fuser` names it), and run "
+                    "the same command again",
                     Location(str(folder)),
                 ) from None
             sleep(_POLL_S)

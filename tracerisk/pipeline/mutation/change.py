@@ -57,7 +57,7 @@ class Change:
         """
         if source[self.start : self.end] != self.old:
             raise InputError(
-                "was changed by someone else meanwhile; run tracerisk again",
+                "was changed by someone else meanwhile; run the same command again",
                 Location(self.file, self.line),
             )
         return apply_edits(source, [Edit(self.start, self.end, self.new)])

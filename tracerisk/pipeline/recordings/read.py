@@ -11,6 +11,8 @@ from tracerisk.pipeline.recordings.messages import MOST_BYTES
 from tracerisk.pipeline.recordings.recorded_topics import MAGIC, TRACE
 from tracerisk.trace import Trace
 
+_AGAIN = "`tracerisk run FILE --record OUT.mcap` records the run again"
+
 
 def read_trace(path: Path) -> Trace | None:
     """Return the trace that a recording of `run --record` or `trace --record` holds.
@@ -31,7 +33,7 @@ def read_trace(path: Path) -> Trace | None:
     try:
         return trace_json.loads(text.decode("utf-8"), str(path))
     except UnicodeDecodeError as error:
-        raise LogError(f"its trace is damaged: {error}; record the run again", place) from error
+        raise LogError(f"its trace is damaged: {error}; {_AGAIN}", place) from error
 
 
 def _attached(path: Path, place: Location) -> bytes | None:
@@ -48,6 +50,6 @@ def _attached(path: Path, place: Location) -> bytes | None:
             return None
     except (McapError, OSError, ValueError, struct.error, StopIteration, KeyError) as error:
         raise LogError(
-            f"is damaged or was cut short ({type(error).__name__}: {error}); record the run again",
+            f"is damaged or was cut short ({type(error).__name__}: {error}); {_AGAIN}",
             place,
         ) from error

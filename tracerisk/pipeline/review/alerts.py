@@ -250,7 +250,7 @@ def _of_check(finding: CheckFinding, placed: Sequence[PlacedBlock]) -> Alert:
     function, component, rest = _names(finding.subject, placed)
     rule, place = _RULES[finding.kind], finding.location
     names = {"function": function, "component": component, "subject": rest}
-    return _alert(rule, finding.message, place, Path(), **names)
+    return _alert(rule, finding.text, place, Path(), **names)
 
 
 def _names(path: str, placed: Sequence[PlacedBlock]) -> tuple[str, str, str]:

@@ -34,7 +34,7 @@ def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:
     later = what.after.commit
     changed = repository.changed(str(what.before.commit), later)
     notes = tuple(
-        f"{file.after or file.before} is a submodule; run tracerisk diff in it"
+        f"{file.after or file.before} is a submodule; run `tracerisk diff` in it"
         for file in changed
         if file.mode == SUBMODULE and _is_within(file, what.paths)
     )

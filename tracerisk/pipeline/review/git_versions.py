@@ -158,13 +158,13 @@ def _path(repository: Repository, folder: Path, word: str) -> str:
         path = whole.relative_to(repository.top.resolve())
     except ValueError as error:
         raise InputError(
-            f"is outside the repository {repository.top}; run tracerisk diff in its own",
+            f"is outside the repository {repository.top}; run `tracerisk diff` in its own",
             Location(word),
         ) from error
     for parent in path.parents[:-1]:
         if (repository.top / parent / ".git").exists():
             raise InputError(
-                f"is in another repository, {parent}; run tracerisk diff there", Location(word)
+                f"is in another repository, {parent}; run `tracerisk diff` there", Location(word)
             )
     return path.as_posix()
 

@@ -91,8 +91,8 @@ def _sources(root: Path, folder: Path, name: str, entry: ControllerLock) -> dict
             sources[str(path)] = path.read_bytes()
         except OSError as error:
             raise InputError(
-                f"cannot be read: {error.strerror}; restore it, or run `tracerisk refresh`, which "
-                "forgets what is gone",
+                f"cannot be read: {error.strerror}; restore it, or `tracerisk refresh {path}` "
+                "forgets it",
                 Location(str(path)),
             ) from error
     return sources

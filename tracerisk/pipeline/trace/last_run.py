@@ -36,10 +36,7 @@ class UnexpectedContact:
         return f"{self.link} and {self.other}"
 
     def __str__(self) -> str:
-        return (
-            f"{self.bodies} touched in {self.function.name}, which was not to be expected; "
-            "`tracerisk run` reports when and how hard"
-        )
+        return f"{self.bodies} touched in {self.function.name}, which was not to be expected"
 
 
 def unexpected_contacts(visits: Iterable[Visit]) -> dict[UnexpectedContact, list[Contact]]:

@@ -136,7 +136,8 @@ def lines_since(sources: Mapping[str, bytes], controller: Controller) -> Callabl
     for file, source in before.items():
         if strip_blocks(source, shown[file]) != strip_blocks(now[file], shown[file]):
             raise InputError(
-                "was changed by someone else meanwhile; run tracerisk again", Location(shown[file])
+                "was changed by someone else meanwhile; run the same command again",
+                Location(shown[file]),
             )
     return line_maps(before, now, shown)
 

@@ -44,7 +44,9 @@ def build_model(
     ModelError when the profile names an unknown function or does not sum to one.
     """
     if not blocks:
-        raise BlockError("no risk blocks; `tracerisk annotate` or `tracerisk run` writes them")
+        raise BlockError(
+            "no risk blocks; `tracerisk run FILE` writes them, or `tracerisk annotate FILE`"
+        )
     _check_distinct(blocks)
     ordered = sorted(blocks, key=lambda block: block.call_sequence.value)
     # A dict keeps the order of the states and makes lookups fast.

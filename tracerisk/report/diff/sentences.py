@@ -145,7 +145,10 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool)
     old = verdicts.before.kind if verdicts.before else "unknown"
     new = verdicts.after.kind if verdicts.after else "unknown"
     if verdicts.after is None and verdicts.in_after:
-        text = f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh` gives it one"
+        text = (
+            f"{diff.name}: the verdict of its run is unknown; `tracerisk refresh {diff.name}` "
+            "gives it one"
+        )
     elif new in ("faulted", "stuck") or verdicts.does_less:
         reasons = verdicts.after.open_reasons if verdicts.after else ()
         # A lock that was edited by hand may keep a verdict without a reason.

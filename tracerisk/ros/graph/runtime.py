@@ -89,7 +89,9 @@ def current() -> Runtime:
         RuntimeError: none is; a stand-in was used outside a run.
     """
     if not _active:
-        raise RuntimeError("no run is active: the ROS stand-ins work inside `tracerisk run` only")
+        raise RuntimeError(
+            "no run is active: the ROS stand-ins work inside `tracerisk run FILE` only"
+        )
     process = _active[-1].scheduler.process
     return _active[-1] if process is None else process.runtime
 
