@@ -89,7 +89,11 @@ def on_a_terminal(folder, *words, codes=(0,), width=80):
 
 def test_a_run_on_a_terminal_is_brief_and_says_what_next(example, quick):
     example.write("controller.py", quick())
+    planned = on_a_terminal(example.folder, "run", "controller.py", "--check", codes=(1,))
+    assert "`tracerisk run controller.py` writes the blocks" in " ".join(planned.split())
+    assert "commit the blocks" not in " ".join(planned.split())
     text = on_a_terminal(example.folder, "run", "controller.py")
+    assert "commit the blocks" in " ".join(text.split())
     assert len(text.splitlines()) <= 25
     assert "tracerisk run controller.py -v" in text
     assert "Assumptions" not in text

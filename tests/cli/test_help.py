@@ -38,6 +38,20 @@ def test_every_verb_stands_in_one_group_and_once_in_the_help(capsys, monkeypatch
     assert places == sorted(places)
 
 
+def test_the_bare_command_prints_its_help_as_a_usage_error(capsys, monkeypatch):
+    text = help_of(capsys, monkeypatch)
+    with pytest.raises(SystemExit) as ended:
+        main([])
+    assert ended.value.code == 2
+    assert capsys.readouterr() == ("", text)
+
+
+def test_no_verb_that_prints_refuses_verbose():
+    for parser in verb_parsers():
+        options = parser._option_string_actions
+        assert ("-v" in options) == ("--quiet" in options), parser.prog
+
+
 @pytest.mark.parametrize("verb", ["", *VERBS])
 def test_help_fits_eighty_columns(verb, capsys, monkeypatch):
     text = help_of(capsys, monkeypatch, *([verb] if verb else []))

@@ -26,6 +26,9 @@ def test_a_function_shows_the_figures_of_the_solved_model(editor, cell):
     assert "electric\\_motor | 7 of 7" in shown
     assert "panda\\_joint1: moving" in shown
     assert "not harm" in shown
+    # The lock keeps no times of sensors: nothing is said of their use.
+    (encoder,) = [line for line in shown.split("\n") if line.startswith("| encoder")] or [""]
+    assert "not in use" not in shown, encoder
 
 
 def test_a_call_of_a_function_shows_it_too(editor, cell):

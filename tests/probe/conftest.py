@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import textwrap
@@ -11,6 +12,12 @@ from typing import Any
 import pytest
 
 PROBE = Path(__file__).parents[2] / "probe"
+
+
+def with_signals_as_from_a_terminal() -> None:
+    """Undo what `nohup` and a shell's background do, who have children ignore these signals."""
+    for number in (signal.SIGHUP, signal.SIGINT):
+        signal.signal(number, signal.SIG_DFL)
 
 
 class Probed:
@@ -45,6 +52,7 @@ class Probed:
             text=True,
             timeout=60,
             check=False,
+            preexec_fn=with_signals_as_from_a_terminal,
             **options,
         )
 

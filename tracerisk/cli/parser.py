@@ -31,13 +31,18 @@ exit codes:
   130  interrupted
 """
 
-_MOST_IN_USAGE = 7  # options, with which a usage line still reads well
+_MEANT = {"set": "over", "vary": "over"}
+"""What of one verb is looked for under the name that it has in another."""
+_MOST_IN_USAGE = 8  # options, with which a usage line still reads well
 
 
 def parse(given: list[str]) -> argparse.Namespace:
     """Return the options of a command line; end with exit code 2 where it is wrong."""
     # The verb is found first: only its own options and its own imports are then made.
     verb = next((word for word in given if not word.startswith("-")), None)
+    if not given:
+        _parser(None, as_json=False).print_help(sys.stderr)
+        sys.exit(2)
     # Where it stands first, nobody can ask for the others either.
     known = (verb,) if verb in VERBS and verb == given[0] else tuple(VERBS)
     parser = _parser(verb if verb in VERBS else None, as_json="--json" in given, known=known)
@@ -173,8 +178,12 @@ class _Parser(argparse.ArgumentParser):
         option = next((word for word in words if word.startswith("-")), None)
         if option is None:
             self.error(f"unexpected: {' '.join(words)}")
-        near = get_close_matches(option.partition("=")[0], known, n=1)
-        message = f"unknown option {option}" + (f"; did you mean {near[0]}?" if near else "")
+        # Without dashes, which are alike in all.
+        bare = [word.lstrip("-") for word in known]
+        asked = option.partition("=")[0].lstrip("-")
+        near = [_MEANT[asked]] if _MEANT.get(asked) in bare else get_close_matches(asked, bare, n=1)
+        hint = f"did you mean --{near[0]}?" if near else f"`{self.prog} --help` lists all"
+        message = f"unknown option {option}; {hint}"
         if "--answer" in known:
             message += "; options for the controller go after --, as in `FILE -- --speed 2`"
         self.error(message)

@@ -104,11 +104,15 @@ class ControllerFigures:
         return None
 
     def use(self, name: str, component: str) -> UnitUse | None:
-        """Return what the unit of a component that is most in use did in a function's visits."""
+        """Return what the unit of a component that is most in use did in a function's visits.
+
+        `None` where the lock keeps no times of its units, as of a sensor, which is in use as the
+        joint is that it sits on.
+        """
         kept = self._kept(name)
         units = _table(_table(kept.get("instances")).get(component))
         elements = _table(kept.get("elements"))
-        uses = [_use(unit, _table(elements.get(unit))) for unit in units]
+        uses = [_use(unit, _table(elements[unit])) for unit in units if unit in elements]
         return max(uses, key=lambda unit_use: unit_use.used_s, default=None)
 
     def _kept(self, name: str) -> Mapping[str, Any]:

@@ -236,15 +236,15 @@ def test_the_motors_are_recomputed_from_the_trace(text, data):
     alone = {j: 0.4 * moving[j] + 0.6 * worn[j] for j in JOINTS}
     assert column(torque, "T [s]") == close({j: moving[j] + holding[j] for j in JOINTS})
     assert column(torque, "counts [s]") == close(either)
-    assert column(torque, "h of each") == close({j: rate * 0.6 * either[j] for j in JOINTS})
+    assert column(torque, "hazard of each") == close({j: rate * 0.6 * either[j] for j in JOINTS})
     assert column(jam, "counts [s]") == close(alone)
-    assert column(jam, "h of each") == close({j: rate * 0.3 * alone[j] for j in JOINTS})
+    assert column(jam, "hazard of each") == close({j: rate * 0.3 * alone[j] for j in JOINTS})
     lasted = sum(each["duration_s"] for each in here)
     rest = {j: lasted - total(here, j, "active_s") for j in JOINTS}
-    assert column(idle, "h of each") == close({j: 1e-4 / 3600 * rest[j] for j in JOINTS})
+    assert column(idle, "hazard of each") == close({j: 1e-4 / 3600 * rest[j] for j in JOINTS})
     sums = {j: rate * (0.6 * either[j] + 0.3 * alone[j]) + 1e-4 / 3600 * rest[j] for j in JOINTS}
-    assert column(together, "h of each") == close(sums)
-    assert sum(column(by_visit, "h of all units").values()) == close(sum(sums.values()))
+    assert column(together, "hazard of each") == close(sums)
+    assert sum(column(by_visit, "hazard of all units").values()) == close(sum(sums.values()))
     assert list(column(by_visit, "lasts [s]").values()) == [6.5, 9.0]
     p = -math.expm1(-sum(sums.values()) / 6)
     assert printed(shown, r"1 - exp\(-\S+ / \(2 x 3\)\) = (\S+)") == close(p)
@@ -269,7 +269,7 @@ def test_ageing_is_recomputed_from_the_trace(text, data):
     hazard = {j: rate[j] * worn(visits_in(data), j) for j in JOINTS}
     assert column(table, "U [s]") == close(whole)
     assert column(table, "rate [1/s]") == close(rate)
-    assert column(table, "h of each") == close(hazard)
+    assert column(table, "hazard of each") == close(hazard)
     assert float(by_visit["sum"][-1]) == close(sum(hazard.values()))
     assert "age a = 1 hours" in shown
 
@@ -280,9 +280,9 @@ def test_demands_are_recomputed_from_the_trace(text, data):
     close_on, let_go = (total(visits_in(data), "hand", name) for name in ("grasps", "releases"))
     first, second = -math.log1p(-1e-4) * close_on, -math.log1p(-2e-5) * let_go
     assert column(grasps, "times") == {"hand": close_on}
-    assert column(grasps, "h") == close({"hand": first})
-    assert column(releases, "h") == close({"hand": second})
-    assert column(together, "h") == close({"hand": first + second})
+    assert column(grasps, "hazard") == close({"hand": first})
+    assert column(releases, "hazard") == close({"hand": second})
+    assert column(together, "hazard") == close({"hand": first + second})
     p = -math.expm1(-(first + second) / 2)
     assert printed(shown, r"1 - exp\(-\S+ / 2\) = (\S+)") == close(p)
 
@@ -325,7 +325,7 @@ def test_units_that_share_an_element_are_reported_once(text):
     shown = part(text, "supply")
     (table, _) = tables(shown)
     each = 2e-3 / 3600 * 15.5
-    assert column(table, "h of each") == close({"always active (x2)": each})
+    assert column(table, "hazard of each") == close({"always active (x2)": each})
     assert float(table["sum"][-1]) == close(2 * each)
     assert shown.startswith("supply: 2 units, one suffices\n")
 
@@ -333,7 +333,7 @@ def test_units_that_share_an_element_are_reported_once(text):
 def test_a_figure_per_visit_counts_visits(text):
     (table, _) = tables(part(text, "fan"))
     assert column(table, "visits") == {"j1": 2.0}
-    assert column(table, "h") == close({"j1": -2 * math.log1p(-1e-6)})
+    assert column(table, "hazard") == close({"j1": -2 * math.log1p(-1e-6)})
 
 
 def test_the_data_hold_every_visit_of_every_unit(derivation, data):
@@ -412,7 +412,7 @@ def test_visits_that_a_mission_has_more_often_weigh_more(hardware):
     shown = part(text, "hand")
     by_visit = tables(shown)[-1]
     assert column(by_visit, "comes") == {"visit 2": 1.0, "visit 4": 5.0}
-    first, second = column(by_visit, "h").values()
+    first, second = column(by_visit, "hazard").values()
     assert float(by_visit["sum"][-1]) == close(first + 5 * second)
     p = -math.expm1(-(first + 5 * second) / 6)
     assert printed(shown, r"1 - exp\(-\S+ / 6\) = (\S+)") == close(p)

@@ -49,13 +49,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_max_failure_probability(parser, words)
     shared.add_fail_on(parser)
     shared.add_sarif(parser)
-    parser.add_argument(
-        "-v",
-        "--verbose",
-        action="store_true",
-        help="print every component, table and assumption (default where output is no terminal)",
-    )
-    shared.add_json(parser)
+    words = "print every component, table and assumption (default where output is no terminal)"
+    shared.add_json(parser, verbose=words)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -28,6 +28,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         default=PORT,
         help="the port of 127.0.0.1 to listen on, 0 for any that is free (8417)",
     )
+    words = "print everything, as this verb always does"
+    parser.add_argument("-v", "--verbose", action="store_true", help=words)
     parser.add_argument("-q", "--quiet", action="store_true", help="print only errors")
     parser.epilog = _HOW
 

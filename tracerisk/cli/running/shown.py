@@ -134,6 +134,8 @@ def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
             f"Next: mend what the verdict names, then `tracerisk run {name} -v`, which prints all "
             "findings. Until then the figure is of a run that was cut short."
         ]
+    if options.check or options.diff:
+        return [f"Next: `tracerisk run {name}` writes the blocks; nothing is written yet."]
     return [
         f"Next: `tracerisk run {name} -v` prints components and assumptions, `--explain FUNCTION` "
         "a figure by hand, `--report OUT.html` the replay; commit the blocks with tracerisk.lock."

@@ -13,10 +13,16 @@ if TYPE_CHECKING:
     from tracerisk.adder.merge.merge import MergePolicy
 
 
-def add_json(parser: argparse.ArgumentParser) -> None:
-    """Add `--json`, `--quiet` and `--color`."""
+def add_json(
+    parser: argparse.ArgumentParser, *, verbose: str = "print everything, as this verb always does"
+) -> None:
+    """Add `--json`, `--verbose`, whose help is given, `--quiet` and `--color`.
+
+    Who adds `-v` to one verb adds it to the next: it is refused by none.
+    """
     when = ("auto", "always", "never")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    parser.add_argument("-v", "--verbose", action="store_true", help=verbose)
     parser.add_argument(
         "-q", "--quiet", action="store_true", help="print only errors and what was asked for"
     )

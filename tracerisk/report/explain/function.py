@@ -93,7 +93,7 @@ def _component(component: ComponentDerivation, derivation: FunctionDerivation) -
         total = [number(group.hazard)]
         several = group.quantity > 1
         lines += aligned_table(
-            ["h of each" if several else "h"], names, rows, total if several else None
+            ["hazard of each" if several else "hazard"], names, rows, total if several else None
         )
     if len(derivation.visits) > 1:
         lines += _visit_table(component, derivation)
@@ -167,7 +167,7 @@ def _term_table(
             for hazard in unit.hazards
         ]
         total = [*[""] * len(headings), number(math.fsum(hazards))]
-    hazard = "h" if component.group.quantity == 1 else "h of each"
+    hazard = "hazard" if component.group.quantity == 1 else "hazard of each"
     return aligned_table([*headings, hazard], names, rows, total)
 
 
@@ -182,7 +182,7 @@ def _ending_share(unit: TermOfUnit) -> float:
 def _visit_table(component: ComponentDerivation, derivation: FunctionDerivation) -> list[str]:
     renewed = component.group.renewed
     one = component.group.quantity == 1
-    headings = ["start [s]", "lasts [s]", "h" if one else "h of all units"]
+    headings = ["start [s]", "lasts [s]", "hazard" if one else "hazard of all units"]
     headings += ["group fails"] if renewed else []
     is_weighted = any(visit.weight != 1 for visit in derivation.visits)
     headings = ["comes", *headings] if is_weighted else headings
