@@ -209,7 +209,7 @@ def test_a_submodule_is_reported_and_left_alone(committed, two_steps):
     committed.git("update-index", "--add", "--cacheinfo", f"160000,{commit},arm")
     found = review([], committed.folder)
     assert found.controllers == ()
-    assert found.notes == ("arm is a submodule; run tracerisk diff in it",)
+    assert found.notes == ("arm is a submodule; run `tracerisk diff` in it",)
     with pytest.raises(InputError, match=r"arm/x\.py: is in another repository, arm; run"):
         reported(committed, "arm/x.py")
     assert reported(committed, folder=inner) == {}
