@@ -4,7 +4,8 @@ from textwrap import dedent
 import pytest
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
-from tracerisk.adder.blocks.grammar import BlockLine, parse_block
+from tracerisk.adder.blocks.grammar import parse_block
+from tracerisk.adder.blocks.lines import BlockLine
 from tracerisk.adder.blocks.values import (
     computed_count,
     computed_next,

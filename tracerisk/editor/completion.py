@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-from tracerisk.adder.blocks.grammar import GUTTER, HEADER
+from tracerisk.adder.blocks.lines import GUTTER, HEADER
 from tracerisk.adder.blocks.values import COMPONENT_KINDS, DONE, NEXT
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import Component, Hardware

@@ -4,18 +4,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
-from tracerisk.adder.blocks.grammar import BlockLine, parse_block, print_block
+from tests.adder.blocks.random_blocks import blocks
+from tracerisk.adder.blocks.block import Field, RiskBlock, Transition
+from tracerisk.adder.blocks.grammar import parse_block, print_block
+from tracerisk.adder.blocks.lines import BlockLine
 from tracerisk.adder.blocks.values import (
-    computed_count,
     computed_next,
     computed_probability,
-    computed_redundancy,
     profile_next,
     read_redundancy,
     read_transitions,
 )
-from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.errors import BlockError
 
 DESIGN_BLOCK = """\
@@ -179,72 +178,6 @@ def test_counts_of_visits_stay_unreduced_and_a_certain_transition_is_one() -> No
     assert profile_next({"init": "0.9", "done": "0.1"}).value == (
         Transition("init", Fraction(9, 10)),
         Transition("done", Fraction(1, 10)),
-    )
-
-
-words = st.text(
-    st.characters(codec="utf-8", categories=("L", "N", "P", "S")), min_size=1, max_size=12
-)
-reasons = st.none() | st.lists(words, min_size=1, max_size=30).map(" ".join)
-names = st.from_regex(
-    r"[A-Za-z_][A-Za-z_0-9]{0,8}(\.(<locals>\.)?[a-z_]{1,5}){0,2}", fullmatch=True
-)
-probabilities = st.floats(0, 1).map(computed_probability) | st.sampled_from(
-    [Field(2e-7, "2.000E-7"), Field(0.5, ".5"), Field(1.0, "1.")]
-)
-counts = st.integers(1, 10**9).map(computed_count)
-flags = st.booleans().map(Redundancy).map(computed_redundancy) | st.sampled_from(
-    [
-        Field(read_redundancy(text), text)
-        for text in (
-            "required 2",
-            "true, common_cause 0.1",
-            "required 3, spare warm 1e-1, switch .001, common_cause .05",
-        )
-    ]
-)
-
-
-@st.composite
-def pinned(draw, plain):
-    field = draw(plain)
-    if draw(st.booleans()):
-        return field
-    computed = draw(st.none() | st.just("none") | plain.map(lambda other: other.text))
-    return Field(field.value, field.text, True, computed, draw(reasons))
-
-
-@st.composite
-def transitions(draw):
-    targets = draw(st.lists(names, min_size=1, max_size=4, unique=True))
-    return computed_next({target: draw(st.integers(1, 50)) for target in targets})
-
-
-@st.composite
-def components(draw):
-    mark = draw(st.sampled_from(["", "added", "omitted"]))
-    stated = mark != "omitted" or draw(st.booleans())
-    return ComponentEntry(
-        draw(names),
-        draw(pinned(probabilities)) if stated else Field(0.0, ""),
-        draw(pinned(counts)) if stated else Field(1, ""),
-        draw(pinned(flags)) if stated else Field(Redundancy(False), ""),
-        added=mark == "added",
-        omitted=mark == "omitted",
-        reason=draw(reasons) if mark else None,
-    )
-
-
-@st.composite
-def blocks(draw):
-    added = draw(st.booleans())
-    return RiskBlock(
-        draw(names),
-        draw(pinned(counts)),
-        draw(st.none() | pinned(transitions())),
-        tuple(draw(st.lists(components(), max_size=4, unique_by=lambda entry: entry.name))),
-        added=added,
-        reason=draw(reasons) if added else None,
     )
 
 

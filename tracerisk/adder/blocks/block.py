@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, Literal, NamedTuple, TypeVar
 
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.errors import Location
 
 T = TypeVar("T")
+
+BlockForm = Literal["compact", "published"]
+"""How a block is written: a line for the function and one a component, or a line for each value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,3 +96,5 @@ class RiskBlock:
     an earlier version or in the published form. It is not compared."""
     has_evidence: bool = False
     """Whether the computed values count only failures that ended the mission on the twin."""
+    form: BlockForm = field(default="published", compare=False)
+    """The form in which it is written. It is not compared, for both forms say the same."""

@@ -21,7 +21,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.grammar import GUTTER, print_block, width_behind
+from tracerisk.adder.blocks.grammar import print_block
+from tracerisk.adder.blocks.lines import GUTTER, width_behind
 from tracerisk.adder.sources.c_source import SCOPE, CFunction, CSource, parse_c
 from tracerisk.adder.sources.edits import Edit, apply_edits
 from tracerisk.adder.sources.placed import (

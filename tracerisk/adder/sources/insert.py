@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.grammar import print_block, width_behind
+from tracerisk.adder.blocks.grammar import print_block
+from tracerisk.adder.blocks.lines import width_behind
 from tracerisk.adder.sources.c_blocks import insert_c_blocks, strip_c_blocks
 from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
 from tracerisk.adder.sources.placed import PlacedBlock, targets_of

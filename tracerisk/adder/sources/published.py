@@ -24,7 +24,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
-from tracerisk.adder.blocks.grammar import HEADER, HEADER_LINE, BlockLine, is_header, parse_block
+from tracerisk.adder.blocks.grammar import HEADER_LINE, is_header, parse_block
+from tracerisk.adder.blocks.lines import HEADER, BlockLine
 from tracerisk.adder.sources.python_lines import comment_lines, parse_python
 from tracerisk.errors import BlockError, Location
 from tracerisk.instrument.source.c_tokens import tokens

@@ -6,7 +6,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from tracerisk.adder.blocks.grammar import GUTTER, HEADER, HEADER_LINE, BlockLine, parse_block
+from tracerisk.adder.blocks.grammar import HEADER_LINE, parse_block
+from tracerisk.adder.blocks.lines import GUTTER, HEADER, BlockLine
 from tracerisk.adder.sources.placed import MisplacedBlockError, Place, PlacedBlock, only_one_each
 from tracerisk.adder.sources.python_lines import (
     BYTE_ORDER_MARK,

@@ -1,0 +1,165 @@
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.adder.blocks.random_blocks import blocks
+from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.grammar import parse_block, print_block
+from tracerisk.adder.blocks.lines import BlockLine
+from tracerisk.adder.lock.digest import with_digest
+from tracerisk.errors import BlockError
+
+COMPACT = """\
+# | RiskAnnotation
+# | place 2 -> home 9/10, done 1/10
+# | power    6.674e-08   1 of 2
+# | gripper  := 2e-07    1        ! computed 7.344e-08; supplier derating, FMEA-112
+# | hose     := add  1e-06       1        ! it holds the hose
+# | wrist    := omit              ! hangs free in this step
+"""
+PUBLISHED = """\
+# | RiskAnnotation
+# | @Function {
+# |   name = place
+# |   callSequence = 2
+# |   next = home 9/10
+# |   next = done 1/10
+# | }
+# | @Component {
+# |   name = power
+# |   probability = 6.674e-08
+# |   quantity = 2
+# |   redundancy = true
+# | }
+# | @Component {
+# |   name = gripper
+# |   probability := 2e-07  ! computed 7.344e-08; supplier derating, FMEA-112
+# |   quantity = 1
+# |   redundancy = false
+# | }
+# | @Component := {  ! it holds the hose
+# |   name = hose
+# |   probability = 1e-06
+# |   quantity = 1
+# |   redundancy = false
+# | }
+# | @Component := omit {  ! hangs free in this step
+# |   name = wrist
+# | }
+"""
+
+
+def parsed(text: str) -> RiskBlock:
+    lines = text.rstrip("\n").split("\n")
+    return parse_block(
+        [BlockLine(n, line.partition("|")[2]) for n, line in enumerate(lines, start=1)], "c.py"
+    )
+
+
+def text_of(block: RiskBlock, width: int = 90) -> str:
+    return "\n".join(print_block(block, width)) + "\n"
+
+
+def test_both_forms_of_a_block_say_the_same() -> None:
+    compact, published = parsed(COMPACT), parsed(PUBLISHED)
+    assert (compact.form, published.form) == ("compact", "published")
+    assert compact == published
+    assert text_of(replace(published, form="compact")) == COMPACT
+    assert text_of(replace(compact, form="published")) == PUBLISHED
+
+
+@settings(max_examples=200)
+@given(blocks(), st.integers(20, 120))
+def test_any_block_is_the_same_in_both_forms_and_back(block: RiskBlock, width: int) -> None:
+    published = text_of(with_digest(block), width)
+    compact = text_of(replace(parsed(published), form="compact"), width)
+    again = parsed(compact)
+    assert again.form == "compact"
+    assert again == parsed(published) == block
+    assert again.digest == parsed(published).digest
+    assert text_of(replace(again, form="published"), width) == published
+    assert text_of(again, width) == compact
+
+
+def test_the_digest_does_not_depend_on_the_form() -> None:
+    compact, published = with_digest(parsed(COMPACT)), with_digest(parsed(PUBLISHED))
+    assert compact.digest == published.digest
+
+
+def test_each_value_that_a_user_set_has_its_own_reason() -> None:
+    block = parsed(
+        "# | RiskAnnotation\n"
+        "# | f := 3 -> := g 0.5, done 0.5  ! computed 1; first\n"
+        "# |   next  ! computed g 1/2, done 1/2; a long one\n"
+        "# |     ! that goes on\n"
+        "# | m := 1e-7 := 2 of 3, spare cold  ! derated\n"
+        "# |   redundancy  ! computed false; two hold\n"
+        "# | n 1e-8 2 := required 1  ! computed true\n"
+    )
+    assert (block.call_sequence.pinned, block.call_sequence.reason) == (True, "first")
+    assert block.next is not None
+    assert (block.next.computed, block.next.reason) == (
+        "g 1/2, done 1/2",
+        "a long one that goes on",
+    )
+    m, n = block.components
+    assert (m.probability.pinned, m.probability.reason) == (True, "derated")
+    assert (m.quantity.pinned, m.quantity.value, m.quantity.reason) == (True, 3, None)
+    assert m.redundancy.text == "required 2, spare cold"
+    assert (m.redundancy.computed, m.redundancy.reason) == ("false", "two hold")
+    assert (n.quantity.pinned, n.redundancy.pinned) == (False, True)
+    assert (n.redundancy.text, n.redundancy.computed) == ("required 1", "true")
+
+
+def test_many_targets_go_on_in_further_lines() -> None:
+    steps = ", ".join(f"function_{n} 1/8" for n in range(8))
+    block = parsed(f"# | RiskAnnotation\n# | f 1 -> {steps}\n# | m 1e-8 1\n")
+    lines = print_block(block, 60)
+    assert max(map(len, lines)) <= 60
+    assert [line.split()[2] for line in lines[2:4]] == ["->", "->"]
+    assert parsed("\n".join(lines)) == block
+
+
+def test_an_omitted_component_may_state_some_values() -> None:
+    text = "# | RiskAnnotation\n# | f 1\n# | m  := omit  -           2 -\n"
+    (entry,) = parsed(text).components
+    assert entry.omitted
+    assert [entry.probability.text, entry.quantity.text, entry.redundancy.text] == ["", "2", ""]
+    assert text_of(parsed(text)) == text.replace(" 2 -", " 2 -")
+
+
+BAD = {
+    "no rank": ("place -> home 1", 2, "begins with its function, `NAME RANK -> "),
+    "bad rank": ("place two -> home 1", 2, "callSequence = two is not allowed"),
+    "shares": ("f 1 -> g 1/2", 2, "shares that sum to 1"),
+    "no units": ("f 1\nm 1e-8", 3, "as a component; allowed: `NAME PROBABILITY UNITS`"),
+    "added without values": ("f 1\nm := add", 3, "as a component; allowed:"),
+    "probability": ("f 1\nm 2 1", 3, "probability = 2 is not allowed; allowed: a probability"),
+    "units": ("f 1\nm 1e-8 0", 3, "quantity = 0 is not allowed"),
+    "redundancy": ("f 1\nm 1e-8 2 maybe", 3, "redundancy = maybe is not allowed"),
+    "left out": ("f 1\nm - 2 -", 3, "probability is left out; only `:= omit`"),
+    "reason of the tool": ("f 1\nm 1e-8 1 ! why", 3, "a reason is allowed only for what a user"),
+    "goes on from nothing": ("f 1\n! why", 3, "but none precedes it"),
+    "reason of another": (
+        "f 1\nm := 1e-8 1\nquantity ! why",
+        4,
+        "quantity has a reason but is not set by hand; set by hand: probability",
+    ),
+    "two reasons": ("f 1\nm := 1e-8 1 ! a\nprobability ! b", 4, "a second reason for probability"),
+    "twice": ("f 1\nm 1e-8 1\nm 1e-8 1", 4, "duplicate component m in this block, first at line 3"),
+    "conflict": ("f 1\n=======", 3, "is a conflict marker in a risk block"),
+    "name": ('f 1\n"m\\q" 1e-8 1', 3, "cannot read the name"),
+    "sections": ("f 1\n@Component {", 3, "cannot read `@Component {` as a component"),
+    "hash": ("f 1\nm := 1e-8 1 # why", 3, "redundancy = # why is not allowed"),
+}
+
+
+@pytest.mark.parametrize(("text", "line", "message"), BAD.values(), ids=BAD)
+def test_a_mistake_is_reported_with_its_line(text: str, line: int, message: str) -> None:
+    with pytest.raises(BlockError) as caught:
+        parsed("# | RiskAnnotation\n" + "".join(f"# | {row}\n" for row in text.split("\n")))
+    assert message in caught.value.message
+    assert caught.value.location is not None
+    assert caught.value.location.line == line

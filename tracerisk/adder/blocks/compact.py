@@ -1,0 +1,372 @@
+"""The compact form of a block: one line for the function, and one for each component.
+
+    place 2 -> home 9/10, done 1/10
+    power    6.674e-08   1 of 2
+    gripper  := 2e-07    1        ! computed 7.344e-08; supplier derating
+    hose     := add  1e-06       1        ! it holds the hose
+    wrist    := omit              ! hangs free in this step
+
+Lines are what follows the gutter. docs/blocks.md has the grammar.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.lines import (
+    BlockLine,
+    ValueText,
+    comment_text,
+    forbid_conflict_marker,
+    joined_comment,
+    read_field,
+    with_comment,
+)
+from tracerisk.adder.blocks.values import (
+    CALL_SEQUENCE,
+    COMPONENT_KINDS,
+    NEXT,
+    FieldKind,
+    component_fields,
+    is_component_name,
+    is_function_name,
+)
+from tracerisk.common.hardware.redundancy import Redundancy
+from tracerisk.errors import BlockError, Location
+
+UNSTATED = "-"
+"""What stands for a value that an omitted component leaves out."""
+
+_QUOTED = r'"(?:[^"\\]|\\.)*"'
+_LABEL = r"(?: \([^\s!{}(),;:=/]+(?: [^\s!{}(),;:=/]+)*\))?"
+_BARE_FUNCTION = rf"[\w<~](?:(?!:=)[^\s!{{}},;/\"])*{_LABEL}"
+_BARE_COMPONENT = r"[\w<~](?:(?!:=)[^\s!{}\"])*"
+_PIN = r"(?::=)?"
+FUNCTION_LINE = (
+    rf"(?P<name>{_QUOTED}|{_BARE_FUNCTION})\s*(?P<added>(?<=\s):=\s*add(?=\s))?\s*"
+    rf"(?P<rank_pin>{_PIN})(?<=[\s=])\s*(?P<rank>[^\s:!>-]+)\s*(?:->\s*(?P<next_pin>{_PIN})\s*(?P<next>.*))?"
+)
+"""The line of the function without its comment, as a regular expression."""
+_FUNCTION = re.compile(FUNCTION_LINE)
+_COMPONENT = re.compile(
+    rf"(?P<name>{_QUOTED}|{_BARE_COMPONENT})\s+(?:(?P<mark>:=\s*(?:add|omit))(?:\s+|\Z))?(?P<values>.*)"
+)
+_VALUES = re.compile(
+    rf"(?P<probability_pin>{_PIN})\s*(?P<probability>[^\s:]+)\s+"
+    rf"(?:(?P<group_pin>{_PIN})\s*(?P<required>\d+) of (?P<units>\d+)(?P<options>,.*)?"
+    rf"|(?P<quantity_pin>{_PIN})\s*(?P<quantity>[^\s:,]+)"
+    rf"(?:\s+(?P<redundancy_pin>{_PIN})\s*(?P<redundancy>[^:]+))?)"
+)
+_OF_FIELD = re.compile(
+    r"(?P<key>callSequence|next|probability|quantity|redundancy)\s*(?:!\s*(?P<comment>.*))?"
+)
+_GROUP = re.compile(r"(?:true|required (?P<required>\d+))(?P<options>,.*)?")
+_PROBABILITY_WIDTH, _COUNT_WIDTH = 10, 7
+_FUNCTION_ALLOWED = "`NAME RANK -> FUNCTION SHARE, FUNCTION SHARE`"
+_COMPONENT_ALLOWED = (
+    "`NAME PROBABILITY UNITS` or `NAME PROBABILITY REQUIRED of UNITS`, `:=` before a value that a "
+    "user set; `NAME := add PROBABILITY UNITS`; `NAME := omit`"
+)
+
+
+class _Line(NamedTuple):
+    """One line of the function or of a component, before its values are read."""
+
+    number: int
+    """The number of the line in the file."""
+    parts: Mapping[str, str | None]
+    """What the regular expression of the line matched, by group."""
+    comments: dict[str, list[str]]
+    """The comment of each value that a user set, by key; the empty key is the line's own."""
+
+
+def read_compact(start: int, lines: Iterable[BlockLine], file: str) -> RiskBlock:
+    """Return the block that `lines` state; `start` is the line before them, with the header.
+
+    Raises:
+        BlockError: if a line cannot be read, or a value is missing or not allowed.
+    """
+    reader = _Reader(file)
+    function, *components = reader.lines(lines)
+    block = reader.function(function, start)
+    return replace(block, components=tuple(map(reader.component, components)))
+
+
+class _Reader:
+    def __init__(self, file: str) -> None:
+        self._file = file
+
+    def _error(self, line: int, message: str) -> BlockError:
+        return BlockError(message, Location(self._file, line))
+
+    def lines(self, lines: Iterable[BlockLine]) -> list[_Line]:
+        read: list[_Line] = []
+        last: list[str] | None = None
+        for line in lines:
+            text = line.text.strip()
+            if not text:
+                continue
+            forbid_conflict_marker(line, self._file)
+            of_field = _OF_FIELD.fullmatch(text)
+            if text.startswith("!"):
+                if last is None:
+                    raise self._error(
+                        line.number,
+                        "a `!` line continues the reason of a `:=` value, but none precedes it",
+                    )
+                last.append(text[1:].strip())
+            elif of_field is not None and read:
+                last = self._comment_of(read[-1], of_field["key"], line.number)
+                last.append(of_field["comment"] or "")
+            else:
+                words, mark, comment = text.partition("!")
+                if text.startswith("->") and len(read) == 1:
+                    read[0] = _with_more_next(read[0], words)
+                else:
+                    read.append(self._line(line.number, words.rstrip(), is_first=not read))
+                last = self._own_comment(read[-1])
+                if last is None and mark:
+                    raise self._error(
+                        line.number,
+                        "a reason is allowed only for what a user set; write `:=` before the value",
+                    )
+                if last is not None:
+                    last.append(comment.strip())
+        return read
+
+    def _line(self, number: int, words: str, *, is_first: bool) -> _Line:
+        matched = (_FUNCTION if is_first else _COMPONENT).fullmatch(words)
+        if matched is None and is_first:
+            raise self._error(
+                number,
+                f"cannot read `{words}`; a risk block begins with its function, "
+                f"{_FUNCTION_ALLOWED}, or in the published form with `@Function {{`",
+            )
+        parts = {} if matched is None else matched.groupdict()
+        if not is_first:
+            parts |= self._values(number, words, parts)
+        return _Line(number, parts, {})
+
+    def _values(
+        self, number: int, words: str, parts: Mapping[str, str | None]
+    ) -> dict[str, str | None]:
+        values = parts.get("values") or ""
+        matched = _VALUES.fullmatch(values)
+        if matched is not None:
+            return matched.groupdict()
+        if values or not (parts.get("mark") or "").endswith("omit"):
+            raise self._error(
+                number, f"cannot read `{words}` as a component; allowed: {_COMPONENT_ALLOWED}"
+            )
+        left_out = ("probability", "quantity", "redundancy")
+        return dict.fromkeys(left_out, UNSTATED)
+
+    def _own_comment(self, line: _Line) -> list[str] | None:
+        """Return the comment on the line itself: that of what a user set first in it."""
+        keys = _keys_set(line.parts)
+        return line.comments.setdefault(keys[0], []) if keys else None
+
+    def _comment_of(self, line: _Line, key: str, number: int) -> list[str]:
+        keys = _keys_set(line.parts)
+        if key not in keys:
+            allowed = ", ".join(filter(None, keys)) or "no value of this line"
+            raise self._error(
+                number, f"{key} has a reason but is not set by hand; set by hand: {allowed}"
+            )
+        if any(line.comments.get(key, ())):
+            raise self._error(number, f"a second reason for {key}; keep one")
+        return line.comments.setdefault(key, [])
+
+    def function(self, line: _Line, start: int) -> RiskBlock:
+        parts = line.parts
+        name = self._name(line)
+        if not is_function_name(name):
+            raise self._error(line.number, f"{name} cannot be the qualified name of a function")
+        following = None
+        if parts["next"] is not None:
+            steps = [" ".join(step.split()) for step in parts["next"].split(",")]
+            following = self._field(line, NEXT, ", ".join(steps), "next_pin")
+        return RiskBlock(
+            name=name,
+            call_sequence=self._field(line, CALL_SEQUENCE, parts["rank"] or "", "rank_pin"),
+            next=following,
+            components=(),
+            added=parts["added"] is not None,
+            location=Location(self._file, start),
+            reason=joined_comment(line.comments.get("", [])),
+        )
+
+    def component(self, line: _Line) -> ComponentEntry:
+        parts = line.parts
+        name = self._name(line)
+        if not is_component_name(name):
+            raise self._error(line.number, f"`{name}` cannot be the name of a component")
+        omitted = (parts["mark"] or "").endswith("omit")
+        fields: list[Field[Any]] = []
+        for (kind, text), default in zip(_texts(parts), (0.0, 1, Redundancy(False)), strict=True):
+            if text == UNSTATED:
+                if not omitted:
+                    raise self._error(
+                        line.number,
+                        f"{kind.key} is left out; only `:= omit` components may do that",
+                    )
+                fields.append(Field(default, ""))
+            else:
+                fields.append(self._field(line, kind, text, f"{kind.key}_pin"))
+        probability, quantity, redundancy = fields
+        return ComponentEntry(
+            name=name,
+            probability=probability,
+            quantity=quantity,
+            redundancy=redundancy,
+            added=parts["mark"] is not None and not omitted,
+            omitted=omitted,
+            location=Location(self._file, line.number),
+            reason=joined_comment(line.comments.get("", [])),
+        )
+
+    def _field(self, line: _Line, kind: FieldKind, text: str, pin: str) -> Field[Any]:
+        pinned = bool(line.parts.get("group_pin" if _is_group(line.parts, kind) else pin))
+        comment = line.comments.get(kind.key, [])
+        return read_field(kind, ValueText(text, pinned, comment, Location(self._file, line.number)))
+
+    def _name(self, line: _Line) -> str:
+        text = line.parts["name"] or ""
+        if not text.startswith('"'):
+            return text
+        try:
+            return str(json.loads(text))
+        except ValueError as error:
+            raise self._error(
+                line.number, f"cannot read the name {text}; allowed: a string as in JSON"
+            ) from error
+
+
+def _with_more_next(line: _Line, words: str) -> _Line:
+    before = (line.parts["next"] or "").rstrip().removesuffix(",")
+    more = words.removeprefix("->").strip()
+    return line._replace(parts={**line.parts, "next": f"{before}, {more}" if before else more})
+
+
+def _is_group(parts: Mapping[str, str | None], kind: FieldKind) -> bool:
+    """Return whether a value is part of `REQUIRED of UNITS`."""
+    return parts.get("required") is not None and kind.key in ("quantity", "redundancy")
+
+
+def _texts(parts: Mapping[str, str | None]) -> Iterator[tuple[FieldKind, str]]:
+    """Yield the text of each value of a component."""
+    required, options = parts.get("required"), parts.get("options") or ""
+    for kind in COMPONENT_KINDS:
+        text = parts.get(kind.key)
+        if required is not None and kind.key == "quantity":
+            text = parts["units"]
+        elif required is not None and kind.key == "redundancy":
+            text = ("true" if required == "1" else f"required {required}") + options
+        yield kind, "false" if text is None else " ".join(text.split())
+
+
+def _keys_set(parts: Mapping[str, str | None]) -> list[str]:
+    """Return the keys of what a user set in a line, in their order; the empty one for the whole."""
+    pins = {
+        "": ("added", "mark"),
+        "callSequence": ("rank_pin",),
+        "next": ("next_pin",),
+        "probability": ("probability_pin",),
+        "quantity": ("quantity_pin", "group_pin"),
+        "redundancy": ("redundancy_pin", "group_pin"),
+    }
+    return [key for key, names in pins.items() if any(parts.get(name) for name in names)]
+
+
+def print_compact(block: RiskBlock, width: int) -> list[str]:
+    """Return the lines of a block behind its header, without gutter, indentation and line ends."""
+    lines = _print_function(block, width)
+    names = [_printed_name(entry.name, _BARE_COMPONENT) for entry in block.components]
+    room = max(map(len, names), default=0)
+    for name, entry in zip(names, block.components, strict=True):
+        lines += _print_component(f"{name:{room}}", entry, width)
+    return lines
+
+
+def _printed_name(name: str, bare: str) -> str:
+    return name if re.fullmatch(bare, name) else json.dumps(name, ensure_ascii=False)
+
+
+def _print_function(block: RiskBlock, width: int) -> list[str]:
+    mark = " := add" if block.added else ""
+    name = _printed_name(block.name, _BARE_FUNCTION)
+    lines = [f"{name}{mark} {_marked(block.call_sequence)}"]
+    fields: list[tuple[FieldKind, Field[Any]]] = [(CALL_SEQUENCE, block.call_sequence)]
+    if block.next is not None:
+        fields.append((NEXT, block.next))
+        first, *others = _marked(block.next).split(", ")
+        lines[0] += f" -> {first}"
+        for step in others:
+            if len(lines[-1]) + len(step) + 3 > width - 4:
+                lines[-1] += ","
+                lines.append(f"  -> {step}")
+            else:
+                lines[-1] += f", {step}"
+    return lines[:-1] + _with_comments(lines[-1], block.added, block.reason, fields, width)
+
+
+def _print_component(name: str, entry: ComponentEntry, width: int) -> list[str]:
+    fields = component_fields(entry)
+    mark = ":= add" if entry.added else ":= omit" if entry.omitted else ""
+    values = [
+        f"{_marked(entry.probability):{_PROBABILITY_WIDTH}}",
+        f"{_printed_count(entry):{_COUNT_WIDTH}}",
+    ]
+    if entry.omitted and not any(value.is_stated for _, value in fields):
+        values = [" " * _PROBABILITY_WIDTH, " " * _COUNT_WIDTH]
+        values[0] = f"{mark:{_PROBABILITY_WIDTH}}"
+    elif mark:
+        values = [mark, *values]
+    is_by_hand = entry.added or entry.omitted
+    return _with_comments("  ".join((name, *values)), is_by_hand, entry.reason, fields, width)
+
+
+def _marked(field: Field[Any]) -> str:
+    if not field.is_stated:
+        return UNSTATED
+    return f":= {field.text}" if field.pinned else field.text
+
+
+def _printed_count(entry: ComponentEntry) -> str:
+    quantity, redundancy = entry.quantity, entry.redundancy
+    group = _GROUP.fullmatch(redundancy.text)
+    is_one = quantity.is_stated and quantity.pinned == redundancy.pinned
+    if group is not None and is_one and group["required"] != "1":
+        words = f"{group['required'] or 1} of {quantity.text}{group['options'] or ''}"
+        return f":= {words}" if quantity.pinned else words
+    if redundancy.text == "false" and not redundancy.pinned:
+        return _marked(quantity)
+    return f"{_marked(quantity)} {_marked(redundancy)}"
+
+
+def _with_comments(
+    line: str,
+    is_by_hand: bool,
+    reason: str | None,
+    fields: Iterable[tuple[FieldKind, Field[Any]]],
+    width: int,
+) -> list[str]:
+    """Return a line with the reason of what a user set first, and one for each further reason."""
+    comments: list[tuple[str, str | None]] = [("", reason)] if is_by_hand else []
+    comments += [
+        (kind.key, comment_text(value.computed, value.reason))
+        for kind, value in fields
+        if value.pinned
+    ]
+    first, *others = comments or [("", None)]
+    padded = line if first[1] is not None else line.rstrip()
+    lines = with_comment(padded, first[1], width)
+    for key, comment in others:
+        if comment is not None:
+            lines += with_comment(f"  {key}", comment, width)
+    return lines
