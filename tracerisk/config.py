@@ -29,8 +29,14 @@ FailOn = Literal["finding", "unexpected_contact", "planning_failure", "execution
 RosDistro = Literal["noetic", "humble", "jazzy"]
 """The distributions of ROS whose rules are served."""
 
+BlockForm = Literal["compact", "published"]
+"""How a risk block is written: a line for the function and one a component, or one a value."""
+
 SandboxMode = Literal["auto", "require", "off"]
 """Whether strangers' code is contained: where that works, always, or never."""
+
+GREATEST_TOLERANCE = 0.05
+"""The greatest `tolerance` that may be set."""
 
 DEFAULT_DURATION_S = 300.0
 """The simulated time after which a run is over where nobody says otherwise [s]."""
@@ -127,6 +133,11 @@ class Settings:
     """The reasons of a verdict that the user accepts."""
     min_coverage: float | None = None
     """The least share of hardware-commanding functions that must have run, 0 to 1; `None`: any."""
+    blocks: BlockForm = "published"
+    """The form in which new blocks are written; those that are there keep theirs."""
+    tolerance: float = 0.005
+    """The relative change of a computed probability up to which a refresh keeps the written one, if
+    nothing behind it changed in kind; 0: every change is written."""
     sandbox: SandboxMode = "auto"
     """Whether workspace code runs contained: where supported, always, or never."""
     readable: tuple[str, ...] = ()
@@ -440,6 +451,11 @@ class _Reader:
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
                 self.fail(key, f"expected a {fraction} from 0 to 1, found {value!r}")
             return float(value)
+        if key == "tolerance":
+            is_number = isinstance(value, int | float) and not isinstance(value, bool)
+            if not is_number or not 0 <= value <= GREATEST_TOLERANCE:
+                self.fail(key, f"expected a number from 0 to {GREATEST_TOLERANCE}, found {value!r}")
+            return float(value)
         if key == "accept":
             from tracerisk.common.acceptances import read_acceptances
 
@@ -456,6 +472,7 @@ class _Reader:
             return value
         for name, choices in (
             ("active", get_args(ActiveMode)),
+            ("blocks", get_args(BlockForm)),
             ("fail_on", get_args(FailOn)),
             ("ros_distro", get_args(RosDistro)),
             ("sandbox", get_args(SandboxMode)),

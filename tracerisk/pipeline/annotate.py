@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.annotate import (
+    AnnotatedSource,
     Annotation,
     Changed,
     EditsInTheWay,
@@ -18,13 +19,14 @@ from tracerisk.adder.annotate import (
 from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.sources.insert import in_form as blocks_in_form
 from tracerisk.adder.sources.line_map import line_maps
-from tracerisk.adder.sources.write import write_all
+from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.common.dependencies import require_simulator
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
-from tracerisk.config import Settings
+from tracerisk.config import BlockForm, Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.freshness import run_inputs
 from tracerisk.pipeline.freshness.known_controllers import with_moved
@@ -156,7 +158,10 @@ def annotate(
     kept = entry.trace if entry is not None and not policy.fresh else None
     outcome: Annotation = annotate_sources(
         key,
-        [_source_blocks(controller, file, before[file], trace, computed) for file in files],
+        [
+            _source_blocks(controller, file, before[file], trace, computed, settings.blocks)
+            for file in files
+        ],
         lock,
         fingerprint=inputs.fingerprint,
         trace=trace_summary(
@@ -210,9 +215,18 @@ def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[
 
 
 def _source_blocks(
-    controller: Controller, file: str, source: bytes, trace: Trace, computed: ComputedBlocks
+    controller: Controller,
+    file: str,
+    source: bytes,
+    trace: Trace,
+    computed: ComputedBlocks,
+    form: BlockForm,
 ) -> SourceBlocks:
-    blocks = {ref.name: block for ref, block in computed.blocks.items() if ref.file == file}
+    blocks = {
+        ref.name: replace(block, form=form)
+        for ref, block in computed.blocks.items()
+        if ref.file == file
+    }
     lines = {
         function.ref.name: function.line
         for function in trace.functions
@@ -243,6 +257,53 @@ def _forbid_shared(key: str, files: Sequence[str], lock: Lock, controller: Contr
                     "controller a root of its own",
                     Location(str(controller.path_of(file))),
                 )
+
+
+@dataclass(frozen=True, slots=True)
+class InForm:
+    """A controller whose blocks are in one form, not yet written."""
+
+    controller: Controller
+    """The controller as it is."""
+    sources: tuple[AnnotatedSource, ...]
+    """The sources that change."""
+
+    def write(self) -> None:
+        """Write the sources; the lock says the same of either form.
+
+        Raises InputError when a file cannot be written, or was changed meanwhile.
+        """
+        root = self.controller.root
+        write_all(
+            FileWrite(root / source.file, source.after, expected=source.before)
+            for source in self.sources
+        )
+        entry = self.controller.project.lock.controllers.get(self.controller.file)
+        cache = TraceCache(root)
+        trace = None if entry is None else cache.read(entry.fingerprint, self.controller.file)
+        if entry is not None and trace is not None:
+            before = {source.file: source.before for source in self.sources}
+            after = {source.file: source.after for source in self.sources}
+            shown = {file: str(self.controller.path_of(file)) for file in before}
+            with contextlib.suppress(OSError, InputError):
+                cache.write(entry.fingerprint, trace.with_lines(line_maps(before, after, shown)))
+
+
+def in_form(controller: Controller, form: BlockForm) -> InForm:
+    """Return a controller with all its blocks in one form, in each of its files.
+
+    Raises BlockError, SourceError or UnsafeRewriteError where a file cannot be read or rewritten.
+    """
+    entry = controller.project.lock.controllers.get(controller.file)
+    others = set() if entry is None else {file for file, held in entry.blocks.items() if held}
+    others = {file for file in others if controller.path_of(file).is_file()}
+    changed = []
+    for file in (controller.file, *sorted(others - {controller.file})):
+        before = controller.source_of(file)
+        after = blocks_in_form(before, str(controller.path_of(file)), form)
+        if after != before:
+            changed.append(AnnotatedSource(file, before, after))
+    return InForm(controller, tuple(changed))
 
 
 def at_annotated_lines(trace: Trace, annotated: Annotated) -> Trace:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Generic, Literal, NamedTuple, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 from tracerisk.common.hardware.redundancy import Redundancy
+from tracerisk.config import BlockForm
 from tracerisk.errors import Location
 
 T = TypeVar("T")
-
-BlockForm = Literal["compact", "published"]
-"""How a block is written: a line for the function and one a component, or a line for each value."""
 
 
 @dataclass(frozen=True, slots=True)

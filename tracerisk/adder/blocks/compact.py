@@ -47,12 +47,10 @@ _LABEL = r"(?: \([^\s!{}(),;:=/]+(?: [^\s!{}(),;:=/]+)*\))?"
 _BARE_FUNCTION = rf"[\w<~](?:(?!:=)[^\s!{{}},;/\"])*{_LABEL}"
 _BARE_COMPONENT = r"[\w<~](?:(?!:=)[^\s!{}\"])*"
 _PIN = r"(?::=)?"
-FUNCTION_LINE = (
+_FUNCTION = re.compile(
     rf"(?P<name>{_QUOTED}|{_BARE_FUNCTION})\s*(?P<added>(?<=\s):=\s*add(?=\s))?\s*"
     rf"(?P<rank_pin>{_PIN})(?<=[\s=])\s*(?P<rank>[^\s:!>-]+)\s*(?:->\s*(?P<next_pin>{_PIN})\s*(?P<next>.*))?"
 )
-"""The line of the function without its comment, as a regular expression."""
-_FUNCTION = re.compile(FUNCTION_LINE)
 _COMPONENT = re.compile(
     rf"(?P<name>{_QUOTED}|{_BARE_COMPONENT})\s+(?:(?P<mark>:=\s*(?:add|omit))(?:\s+|\Z))?(?P<values>.*)"
 )
@@ -72,6 +70,47 @@ _COMPONENT_ALLOWED = (
     "`NAME PROBABILITY UNITS` or `NAME PROBABILITY REQUIRED of UNITS`, `:=` before a value that a "
     "user set; `NAME := add PROBABILITY UNITS`; `NAME := omit`"
 )
+
+
+def is_function_line(text: str) -> bool:
+    """Return whether a line can be that of the function, whatever its values."""
+    return _FUNCTION.fullmatch(text.partition("!")[0].strip()) is not None
+
+
+def with_names(text: str, names: Mapping[str, str]) -> str:
+    """Return a line of the function, or one that goes on with what follows it, under new names.
+
+    `names` are the new names by the old ones.
+    """
+    words, mark, comment = text.partition("!")
+    lead = words[: len(words) - len(words.lstrip())]
+    body = words.removeprefix(lead)
+    matched = _FUNCTION.fullmatch(body.rstrip())
+    if matched is not None:
+        name = _read_name(matched["name"])
+        head, steps = body[matched.end("name") :], ""
+        if matched["next"] is not None:
+            head, steps = (
+                body[matched.end("name") : matched.start("next")],
+                body[matched.start("next") :],
+            )
+        body = _printed_name(names.get(name, name), _BARE_FUNCTION) + head
+    elif body.startswith("->"):
+        body, steps = "->", body.removeprefix("->")
+    else:
+        return text
+    return lead + body + ",".join(_step(step, names) for step in steps.split(",")) + mark + comment
+
+
+def _step(step: str, names: Mapping[str, str]) -> str:
+    target, space, share = step.rstrip().rpartition(" ")
+    name = target.strip()
+    new = target.replace(name, names[name]) if name in names else target
+    return new + space + share + step[len(step.rstrip()) :]
+
+
+def _read_name(text: str) -> str:
+    return str(json.loads(text)) if text.startswith('"') else text
 
 
 class _Line(NamedTuple):
@@ -237,10 +276,8 @@ class _Reader:
 
     def _name(self, line: _Line) -> str:
         text = line.parts["name"] or ""
-        if not text.startswith('"'):
-            return text
         try:
-            return str(json.loads(text))
+            return _read_name(text)
         except ValueError as error:
             raise self._error(
                 line.number, f"cannot read the name {text}; allowed: a string as in JSON"

@@ -11,11 +11,12 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from tracerisk.adder.blocks.block import BlockForm, RiskBlock
+from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.compact import print_compact, read_compact
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
 from tracerisk.adder.blocks.lines import DEFAULT_WIDTH, GUTTER, HEADER, BlockLine
 from tracerisk.adder.blocks.sections import print_sections, read_sections
+from tracerisk.config import BlockForm
 from tracerisk.errors import BlockError, Location
 
 DIGEST = "[0-9A-Za-z]{6}(?:-[0-9A-Za-z]{6})*"

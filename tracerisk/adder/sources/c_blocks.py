@@ -30,11 +30,13 @@ from tracerisk.adder.sources.placed import (
     PlacedBlock,
     check_same_blocks,
     check_same_bytes,
+    in_other_form,
     targets_of,
 )
 from tracerisk.adder.sources.published import CComment, c_comments
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import is_name_at
+from tracerisk.config import BlockForm
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
 
 _BLANK = re.compile(rb"\s*")
@@ -90,6 +92,16 @@ def insert_c_blocks(
     line = parsed.first_unread
     hint = "" if line is None else f"; from line {line} on something cannot be read without macros"
     return insert_c_at(parsed, placed, targets_of(pairs, placed, blocks, lines, file, hint))
+
+
+def c_in_form(source: bytes, file: str, form: BlockForm) -> bytes:
+    """Return the source with all its blocks in one form; see `in_form`."""
+    comments = list(c_comments(source, file))
+    if not comments:
+        return source
+    parsed = parse_c(source, file)
+    placed = tuple(_placed(parsed, comments))
+    return insert_c_at(parsed, placed, in_other_form(placed, form))
 
 
 def insert_c_at(

@@ -14,9 +14,9 @@ from collections.abc import Mapping
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import print_block
 from tracerisk.adder.blocks.lines import width_behind
-from tracerisk.adder.sources.c_blocks import insert_c_blocks, strip_c_blocks
+from tracerisk.adder.sources.c_blocks import c_in_form, insert_c_blocks, strip_c_blocks
 from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
-from tracerisk.adder.sources.placed import PlacedBlock, targets_of
+from tracerisk.adder.sources.placed import PlacedBlock, in_other_form, targets_of
 from tracerisk.adder.sources.python_lines import (
     BYTE_ORDER_MARK,
     PythonSource,
@@ -30,6 +30,7 @@ from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.adder.sources.safety import check_rewrite, check_same_program, without_blocks
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import is_name_at
+from tracerisk.config import BlockForm
 from tracerisk.errors import InputError, Location, UnsafeRewriteError
 from tracerisk.instrument.source.function_definitions import MODULE, definitions, normal_name
 from tracerisk.instrument.source.language import is_c_like
@@ -77,6 +78,18 @@ def insert_blocks(
     pairs += [(definition.name, definition.line) for definition in definitions(parsed.tree)]
     targets = targets_of(pairs, placed, blocks, lines or {}, file)
     return insert_at(source, parsed, placed, targets)
+
+
+def in_form(source: bytes, file: str, form: BlockForm) -> bytes:
+    """Return the source with all its blocks in one form; they say the same as before.
+
+    Raises as `strip_blocks`.
+    """
+    if is_c_like(file):
+        return c_in_form(source, file, form)
+    parsed = parse_python(source, file)
+    placed = scan_blocks(parsed)
+    return insert_at(source, parsed, placed, in_other_form(placed, form))
 
 
 def insert_at(

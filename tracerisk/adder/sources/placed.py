@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.grammar import print_block
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import name_at, places
+from tracerisk.config import BlockForm
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError, one_of
 
 Place = Literal["body", "above", "module"]
@@ -29,8 +31,9 @@ class MisplacedBlockError(BlockError):
             dict.fromkeys(QualifiedName(name_at(name, function)) for function in functions)
         )
         names = " or ".join(self.owners)
+        advice = f"`{names}` for its name" if block.form == "compact" else f"`name = {names}`"
         super().__init__(
-            f"the risk block of `{block.name}` stands at `{names}`; write `name = {names}`, "
+            f"the risk block of `{block.name}` stands at `{names}`; write {advice}, "
             "or move or delete the block",
             location,
         )
@@ -105,6 +108,17 @@ def targets_of(
                 if other.function == name and other.line != line:
                     targets[name, other.line] = None
     return targets
+
+
+def in_other_form(
+    placed: Iterable[PlacedBlock], form: BlockForm
+) -> dict[tuple[QualifiedName, int], RiskBlock | None]:
+    """Return the targets of `insert_at` that bring the blocks of a source into one form."""
+    return {
+        (block.function, block.line): replace(block.block, form=form)
+        for block in placed
+        if block.block.form != form
+    }
 
 
 def check_same_bytes(bare: bytes, bare_after: bytes, file: str) -> None:

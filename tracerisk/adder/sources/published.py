@@ -9,7 +9,8 @@
      ***/
 
 The comment of C, C++ and Java on the left, of Python on the right; the line `RiskAnnotation` may
-be missing. Form: Grimmeisen, Golwalkar, Ma, Morozov (2024).
+be missing, but for a block in the compact form, which reaches to the end of its comment.
+Form: Grimmeisen, Golwalkar, Ma, Morozov (2024).
 The name that a block gives is that of its function. In C and C++ `c_blocks.py` writes them too;
 in Python they are read, never written.
 The published method takes redundant units as good at the start of each visit, and so do these
@@ -24,7 +25,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
-from tracerisk.adder.blocks.grammar import HEADER_LINE, is_header, parse_block
+from tracerisk.adder.blocks.compact import is_function_line
+from tracerisk.adder.blocks.grammar import HEADER_LINE, form_of, is_header, parse_block
 from tracerisk.adder.blocks.lines import HEADER, BlockLine
 from tracerisk.adder.sources.python_lines import comment_lines, parse_python
 from tracerisk.errors import BlockError, Location
@@ -36,7 +38,10 @@ _C_LEAD = re.compile(r"[ \t]*\*+[ \t]?|[ \t]+")
 _C_TRAIL = re.compile(r"(?:(?:\A|(?<=[ \t]))\*+)?[ \t]*\Z")
 _PLAIN = re.compile(r"[ \t\f]*#(?![ \t]?\|)[ \t]?(?P<text>.*)")
 # Decided by the bytes: most sources have blocks behind the gutter only, and are not read twice.
-_PLAIN_BLOCK = re.compile(rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*@Function")
+_PLAIN_BLOCK = re.compile(
+    rb"(?:\A(?:\xef\xbb\xbf)?|[\r\n])[ \t\f]*#(?![ \t]?\|)[^\r\n]*(?:@Function|RiskAnnotation)"
+)
+_HEADER = HEADER.encode()
 _BEGINS = re.compile(rf"\s*(?:{HEADER_LINE}|@(?:Function|Component)\b.*)\s*")
 
 
@@ -61,7 +66,7 @@ def c_comments(source: bytes, file: str) -> Iterator[CComment]:
     """
     for token in tokens(source, is_java=not is_c(file)):
         text = source[token.start + 2 : token.end - 2 * token.is_closed]
-        if not source.startswith(b"/*", token.start) or b"@" not in text:
+        if not source.startswith(b"/*", token.start) or not (b"@" in text or _HEADER in text):
             continue
         line = source.count(b"\n", 0, token.start) + 1
         lines = text.decode("utf-8", errors="surrogateescape").replace("\r\n", "\n")
@@ -127,7 +132,19 @@ def _blocks_of(lines: Sequence[BlockLine], file: str) -> Iterator[RiskBlock]:
     for part in _parts(lines[at:]):
         if not is_header(part[0].text):
             part.insert(0, BlockLine(part[0].number, HEADER))
+        if _is_prose(part):
+            continue
         yield _in_the_published_reading(parse_block(part, file))
+
+
+def _is_prose(part: Sequence[BlockLine]) -> bool:
+    """Return whether a comment speaks of a block only: under the word, without a digest."""
+    return (
+        part[0].text.strip() == HEADER
+        and form_of(part[1:]) == "compact"
+        and not is_function_line(next(text for line in part[1:] if (text := line.text.strip())))
+        and not any(line.text.strip().startswith(("@Function", "@Component")) for line in part)
+    )
 
 
 def _in_the_published_reading(block: RiskBlock) -> RiskBlock:
@@ -160,7 +177,9 @@ def _parts(lines: Iterable[BlockLine]) -> list[list[BlockLine]]:
 
 
 def _to_last_brace(part: list[BlockLine]) -> list[BlockLine]:
-    """Leave out what else the comment says below the block."""
+    """Leave out what else the comment says below a block of the published form."""
+    if is_header(part[0].text) and form_of(part[1:]) == "compact":
+        return part
     closing = [index for index, line in enumerate(part) if line.text.strip() == "}"]
     if not closing or any(line.text.strip().startswith("@") for line in part[closing[-1] + 1 :]):
         return part

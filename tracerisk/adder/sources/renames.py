@@ -12,6 +12,8 @@ import re
 from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
+from tracerisk.adder.blocks.compact import with_names
+from tracerisk.adder.blocks.grammar import is_header
 from tracerisk.adder.blocks.values import NEXT
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.sources.functions import functions_in
@@ -24,6 +26,7 @@ _GUTTER = rb"([ \t\f]*(?:#[ \t]?\||\*)[ \t]+"
 _WORDS = rb"\S+(?: \([^()\r\n]+\))?"
 _NAME = _GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)"
 _NEXT = _GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)"
+_ANY = re.compile(_GUTTER + rb")(.*)", re.DOTALL)
 
 
 class FollowedBlocks(NamedTuple):
@@ -71,12 +74,20 @@ def _new_name(
 
 
 def _with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedName]) -> bytes:
-    """Return the source with new names in its blocks, in `name` and in `next` lines."""
+    """Return the source with new names in its blocks: of their functions, and of what follows."""
     if not renamed:
         return source
     names = {old.encode(): new.encode() for old, new in renamed.items()}
     lines = []
+    is_below_header = False
     for line in source.splitlines(keepends=True):
+        behind = _ANY.fullmatch(line)
+        text = "" if behind is None else behind[2].decode(errors="surrogateescape")
+        if behind is not None and (is_below_header or text.lstrip().startswith("->")):
+            # The compact form; a line of the published one stays as it is here.
+            text = with_names(text, {str(old): str(new) for old, new in renamed.items()})
+            line = behind[1] + text.encode(errors="surrogateescape")
+        is_below_header = behind is not None and is_header(text)
         matched = re.fullmatch(_NAME, line) or re.fullmatch(_NEXT, line, re.DOTALL)
         if matched is not None and matched[2] in names:
             line = matched[1] + names[matched[2]] + matched[3]

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.explain import derivation_json, explained, print_derivation
-from tracerisk.cli.shared.output import note, note_warnings, print_diffs, print_json
+from tracerisk.cli.shared.output import note, note_warnings, print_diff, print_diffs, print_json
 from tracerisk.cli.shared.run_report import blocks_line
 from tracerisk.cli.shared.sources import decoded, read_file, read_profile
 from tracerisk.common import trace_json
 from tracerisk.common.trace_log import read_log
+from tracerisk.config import BlockForm
 from tracerisk.errors import ExitCode, InputError, Location
 
 if TYPE_CHECKING:
@@ -26,6 +27,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument("--trace", metavar="FILE", help="a trace, as `tracerisk trace -o` wrote it")
     source.add_argument("--log", metavar="FILE", help="a log in the published text format")
+    source.add_argument(
+        "--form",
+        choices=get_args(BlockForm),
+        help="convert the blocks that it has: compact, published",
+    )
     shared.add_hardware_options(parser)
     shared.add_profile(parser)
     shared.add_write_options(parser)
@@ -38,8 +44,10 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     from tracerisk.pipeline.freshness.known_functions import check_blocks
 
-    profile = read_profile(options)
     controller = api.load_controller(options.controller)
+    if options.form is not None:
+        return _convert(options, controller)
+    profile = read_profile(options)
     given = shared.run_settings(options)
     settings = api.load_settings(controller, given)
     check_blocks(controller)
@@ -89,6 +97,31 @@ def run(options: argparse.Namespace) -> int:
     for line in annotated.computed.assumptions:
         note(f"assumed: {line}", quiet=options.quiet)
     print_derivation(derivation)
+    return int(code)
+
+
+def _convert(options: argparse.Namespace, controller: Controller) -> int:
+    """Write the blocks of a controller in the form that was asked for, and nothing else."""
+    from tracerisk.pipeline.annotate import in_form
+
+    converted = in_form(controller, options.form)
+    names = [str(controller.path_of(source.file)) for source in converted.sources]
+    if options.diff:
+        for source, name in zip(converted.sources, names, strict=True):
+            print_diff(source.before, source.after, name)
+    keeps_files = options.check or options.diff
+    if not keeps_files:
+        converted.write()
+    code = ExitCode.WOULD_CHANGE if options.check and names else ExitCode.FINE
+    if options.json:
+        print_json("annotate", exit_code=int(code), changed=bool(names), files=names)
+        return int(code)
+    verb = "would be converted to" if keeps_files else "converted to"
+    for name in names:
+        note(f"{name}: {verb} the {options.form} form", quiet=options.quiet)
+    if not names:
+        text = f"{controller.path}: all blocks are in the {options.form} form"
+        note(text, quiet=options.quiet)
     return int(code)
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
+from tracerisk.config import BlockForm
 from tracerisk.errors import InputError, Location
 
 if TYPE_CHECKING:
@@ -28,6 +29,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ci", choices=["github", "gitlab", "none"], default="none", help="write a CI file (none)"
     )
+    parser.add_argument(
+        "--blocks", choices=get_args(BlockForm), help="form of risk blocks (asked for; published)"
+    )
     parser.add_argument("--yes", action="store_true", help="write without asking")
     shared.add_json(parser)
 
@@ -39,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     folder = Path(options.folder)
     if not folder.is_dir():
         raise InputError("is no folder; name that of the repository", Location(str(folder)))
-    start = project_start(folder, robot=options.robot, ci=options.ci)
+    start = project_start(folder, robot=options.robot, ci=options.ci, blocks=_form(options, folder))
     if not options.json:
         _show(start)
     is_written = bool(start.files) and (options.yes or _agreed(options))
@@ -93,14 +97,30 @@ def _show(start: ProjectStart) -> None:
         show(f"  {file.path}{kind}: {file.why}")
 
 
+def _form(options: argparse.Namespace, folder: Path) -> BlockForm | None:
+    """Return the form of the blocks to come, as given or asked for; `None` for the default."""
+    form: BlockForm | None = options.blocks
+    settings = folder / "pyproject.toml"
+    is_set_up = settings.is_file() and b"[tool.tracerisk" in settings.read_bytes()
+    if form is None and not (options.yes or is_set_up):
+        question = "Risk blocks: a line for each value (published) or component (compact)? [P/c] "
+        return "compact" if _answer(options, question) in ("c", "compact") else None
+    return form
+
+
 def _agreed(options: argparse.Namespace) -> bool:
+    return _answer(options, "Write these files? [y/N] ") in ("y", "yes")
+
+
+def _answer(options: argparse.Namespace, question: str) -> str:
+    """Return what a user types, in lower case; nothing where there is nobody to ask."""
     if options.json or not (sys.stdin.isatty() and sys.stdout.isatty()):
-        return False
+        return ""
     try:
-        return input("Write these files? [y/N] ").strip().lower() in ("y", "yes")
-    except EOFError:  # Ctrl-D
+        return input(question).strip().lower()
+    except EOFError:
         show("")
-        return False
+        return ""
 
 
 def _write(start: ProjectStart) -> tuple[str, ...]:

@@ -33,6 +33,8 @@ _LIMITS = frozenset(
         *("cpu_limit_s", "wall_limit_s", "stall_limit_s", "memory_limit_mb"),
         *("max_failure_probability", "require_reason", "fail_on", "min_coverage", "sandbox"),
         "require_worlds",
+        # How values are written, not what they are.
+        *("blocks", "tolerance"),
         *("outcome_place_mm", "outcome_angle_deg", "outcome_joint_mrad"),
         # What evidence the values took has a digest of its own.
         *("evidence", "evidence_cells"),

@@ -16,7 +16,7 @@ from tracerisk.common.dependencies import missing_extras
 from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.common.hardware.starting_file import SCHEMA_NAME as HARDWARE_SCHEMA
 from tracerisk.common.hardware.starting_file import starting_description, starting_yaml
-from tracerisk.config import controller_root, is_root
+from tracerisk.config import BlockForm, controller_root, is_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import imports_in, last_name
 from tracerisk.instrument.source.python_source import parsed
@@ -93,7 +93,13 @@ class ProjectStart:
     """The files to write."""
 
 
-def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> ProjectStart:
+def project_start(
+    root: Path,
+    *,
+    robot: str | None = None,
+    ci: Ci = "none",
+    blocks: BlockForm | None = None,
+) -> ProjectStart:
     """Return what a repository lacks to begin with tracerisk; nothing is written.
 
     Files that are there stay as they are, but for `pyproject.toml`, which gets the table
@@ -115,7 +121,7 @@ def project_start(root: Path, *, robot: str | None = None, ci: Ci = "none") -> P
             schemas[HARDWARE_SCHEMA] = "hardware"
         if text is not None or (root / path).exists():
             described[name] = path
-    settings, lacking = _settings(root, controllers, robots, described, robot)
+    settings, lacking = _settings(root, controllers, robots, described, robot, blocks)
     files += settings
     if any(file.content.startswith(_REFERENCE) for file in settings):
         schemas[SETTINGS_SCHEMA] = "pyproject"
@@ -240,10 +246,11 @@ def _settings(
     robots: Mapping[str, Sequence[str]],
     described: Mapping[str, str],
     given: str | None,
+    blocks: BlockForm | None,
 ) -> tuple[list[StartFile], list[str]]:
     """Return the settings of each root of controllers: a package of a workspace has its own.
 
-    And what those that are there lack of the robot that is `given`.
+    And what those that are there lack of the robot that is `given` and of the form of blocks.
     """
     root = root.resolve()
     names: dict[Path, dict[str, str]] = {} if controllers else {root: {}}
@@ -267,10 +274,13 @@ def _settings(
         if given is not None and Path(given).is_file():
             named = from_root(folder, Path(given))
         own = _lines_of(item, paths, named)
+        form = [] if blocks in (None, settings.blocks) else [f"blocks = {json.dumps(blocks)}"]
         if b"[tool.tracerisk" not in before:
-            files.append(_settings_of(shown, before, own, item, paths))
-        elif given is not None and settings.robot is None:
-            lacking.append(f"{shown} is kept as it is; add to [tool.tracerisk]: {', '.join(own)}")
+            files.append(_settings_of(shown, before, [*own, *form], item, paths))
+            continue
+        lacks = [*(own if given is not None and settings.robot is None else ()), *form]
+        if lacks:
+            lacking.append(f"{shown} is kept as it is; add to [tool.tracerisk]: {', '.join(lacks)}")
     return files, lacking
 
 
