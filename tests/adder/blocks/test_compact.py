@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from tests.adder.blocks.random_blocks import blocks
 from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.compact import with_names
 from tracerisk.adder.blocks.grammar import parse_block, print_block
 from tracerisk.adder.blocks.lines import BlockLine
 from tracerisk.adder.lock.digest import with_digest
@@ -163,3 +164,18 @@ def test_a_mistake_is_reported_with_its_line(text: str, line: int, message: str)
     assert message in caught.value.message
     assert caught.value.location is not None
     assert caught.value.location.line == line
+
+
+@pytest.mark.parametrize(
+    ("line", "renamed"),
+    [
+        (" f 1 -> g 1/2, f 1/2", " h 1 -> g 1/2, h 1/2"),
+        (" g := 2 -> := f 0.5,g 0.5 ! f stays here", " g := 2 -> := h 0.5,g 0.5 ! f stays here"),
+        ("   -> f 1/4,  g 1/4\n", "   -> h 1/4,  g 1/4\n"),
+        (" ff 1 -> MoveTo (f) 1", " ff 1 -> MoveTo (f) 1"),
+        (" operator-> 1", ' "->x" 1'),
+        (" }", " }"),
+    ],
+)
+def test_names_are_changed_in_the_line_of_a_function(line: str, renamed: str) -> None:
+    assert with_names(line, {"f": "h", "operator->": "->x"}) == renamed

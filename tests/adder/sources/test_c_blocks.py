@@ -7,9 +7,10 @@ from lossless import insert_everywhere
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
 from tracerisk.adder.blocks.values import computed_count
-from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
+from tracerisk.adder.sources.insert import in_form, insert_blocks, strip_blocks
 from tracerisk.adder.sources.placed import MisplacedBlockError
 from tracerisk.adder.sources.read import block_lines, read_blocks
+from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.errors import BlockError, InputError, SourceError, UnsafeRewriteError
 from tracerisk.instrument.source.c_tokens import code_of
@@ -316,3 +317,57 @@ def test_what_a_source_says_leaves_out_comments_and_spaces(source, same):
 )
 def test_what_a_source_says_has_all_that_counts(one, other):
     assert code_of(one) != code_of(other)
+
+
+def test_the_compact_form_is_written_read_converted_and_taken_out():
+    published = insert_blocks(SOURCE.encode(), blocks(), "a.cpp")
+    compact = in_form(published, "a.cpp", "compact")
+    assert compact.count(b"@Function") == 1, "the text of a string"
+    assert compact.count(b"   * cell::Robot::place 3\n") == 1
+    assert [placed.block for placed in read_blocks(compact, "a.cpp")] == [
+        placed.block for placed in read_blocks(published, "a.cpp")
+    ]
+    assert len(block_lines(compact, "a.cpp")) == 4 * len(NAMES)
+    assert in_form(compact, "a.cpp", "published") == published
+    assert strip_blocks(compact, "a.cpp") == SOURCE.encode()
+
+
+COMPACT = """\
+void pick() {
+  /***
+   * RiskAnnotation
+   * pick 1 -> done 1
+   * arm  := 1e-8  2  ! bench
+   *   ! test
+   ***/
+  move();
+}
+"""
+
+
+def test_a_compact_block_reaches_to_the_end_of_its_comment():
+    (placed,) = read_blocks(COMPACT.encode(), "a.cpp")
+    (arm,) = placed.block.components
+    assert (arm.probability.reason, arm.probability.location.line) == ("bench test", 5)
+    more = COMPACT.replace("   *   ! test\n", "   *\n   * hand 1e-7 1\n")
+    (placed,) = read_blocks(more.encode(), "a.cpp")
+    assert [entry.name for entry in placed.block.components] == ["arm", "hand"]
+    prose = COMPACT.replace("! test", "Mind the rack, please.").encode()
+    with pytest.raises(BlockError, match=r"cannot read `Mind the rack, please\.` as a component"):
+        read_blocks(prose, "a.cpp")
+
+
+@pytest.mark.parametrize("text", ["RiskAnnotation", "RiskAnnotation\n * is what we write here"])
+def test_a_comment_that_speaks_of_blocks_is_none(text):
+    assert read_blocks(f"/* {text} */\nint main() {{\n}}\n".encode(), "a.cpp") == ()
+
+
+def test_a_compact_block_follows_a_renamed_function():
+    blocks_of = {QualifiedName("Robot::operator->"): block("Robot::operator->")}
+    source = b"struct Robot {\n  int operator->() {\n    return 1;\n  }\n};\n"
+    written = insert_blocks(source, blocks_of, "a.cpp")
+    compact = in_form(written, "a.cpp", "compact").replace(b"operator->()", b"operator+()")
+    known = [QualifiedName("Robot::operator->")]
+    followed = follow_renames(compact, "a.cpp", known)
+    assert followed.renamed == {"Robot::operator->": "Robot::operator+"}
+    assert [placed.block.name for placed in followed.placed] == ["Robot::operator+"]

@@ -166,3 +166,22 @@ def test_groups_of_the_published_form_are_whole_at_each_visit_unless_it_says_mor
     (motor,) = read_c_blocks(source, "cell.c")[0].components
     assert motor.redundancy.value.detected == detected
     assert motor.redundancy.text == redundancy
+
+
+COMPACT = b"""\
+/***
+ * RiskAnnotation
+ * init 1 -> place 1
+ * motor  9.5e-08     3 true
+ ***/
+"""
+
+
+def test_a_compact_block_is_read_in_comments_too_with_the_same_meaning():
+    (block,) = read_c_blocks(COMPACT, "Cell.java")
+    assert (block.form, block.name) == ("compact", "init")
+    (motor,) = block.components
+    assert motor.redundancy.value.detected == "each_visit"
+    lines = COMPACT.replace(b"/***\n", b"").replace(b" ***/\n", b"").replace(b" *", b"#")
+    assert read_plain_blocks(lines, "c.py") == (block,)
+    assert read_plain_blocks(b"# RiskAnnotation\n# says what may fail\n", "c.py") == ()

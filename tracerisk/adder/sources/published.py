@@ -139,11 +139,11 @@ def _blocks_of(lines: Sequence[BlockLine], file: str) -> Iterator[RiskBlock]:
 
 def _is_prose(part: Sequence[BlockLine]) -> bool:
     """Return whether a comment speaks of a block only: under the word, without a digest."""
+    texts = [text for line in part[1:] if (text := line.text.strip())]
     return (
         part[0].text.strip() == HEADER
-        and form_of(part[1:]) == "compact"
-        and not is_function_line(next(text for line in part[1:] if (text := line.text.strip())))
-        and not any(line.text.strip().startswith(("@Function", "@Component")) for line in part)
+        and (not texts or (form_of(part[1:]) == "compact" and not is_function_line(texts[0])))
+        and not any(text.startswith(("@Function", "@Component")) for text in texts)
     )
 
 
