@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -13,11 +14,12 @@ from tracerisk.adder.blocks.values import DONE, computed_count
 from tracerisk.adder.figures.instance_values import InstanceValues
 from tracerisk.adder.figures.pinned_redundancy import check_redundancies
 from tracerisk.adder.lock.digest import with_digest
-from tracerisk.adder.lock.lock import ControllerLock, Lock, WrittenBlock, written_block
+from tracerisk.adder.lock.lock import Behind, ControllerLock, Lock, WrittenBlock, written_block
 from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.bases import SourceEvidence, bases_of, merge_with_bases
 from tracerisk.adder.merge.hand_edits import check_targets, give_way, is_next_by_hand, ranks_by_hand
 from tracerisk.adder.merge.merge import HandEdit, MergePolicy, edits_error, in_the_way
+from tracerisk.adder.merge.steady import is_same_run, kept_values, steady_components
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
@@ -134,13 +136,15 @@ def annotate_sources(
     inputs: Mapping[str, Any] | None = None,
     policy: MergePolicy,
     evidence: SourceEvidence | None = None,
+    behind: Behind | None = None,
 ) -> Annotation:
     """Return what becomes of a controller's sources and of the lock.
 
     `controller` is the path of the controller relative to the lock's folder. The block of a
     function for which nothing is computed any more is removed, unless a user set something in it.
     `evidence` takes the name of a file in `sources` and returns what git and the inputs of the last
-    run say about who wrote it; without it the lock alone decides.
+    run say about who wrote it; without it the lock alone decides. `behind` is what the computed
+    values rest on; without it no written value is kept for a computed one.
 
     Raises:
         BlockError, SourceError: if a source or a block in it cannot be read, or a redundancy is
@@ -150,13 +154,15 @@ def annotate_sources(
     """
     entry = lock.controllers.get(controller)
     evidence = evidence or (lambda _: Evidence(is_fresh=entry is not None))
+    behind = behind or Behind()
     sources = _with_free_ranks([_with_renames(source, entry) for source in sources])
-    merged = {source.file: _merge_source(source, entry, policy, evidence) for source in sources}
+    merge = partial(_merge_source, entry=entry, behind=behind, policy=policy, evidence=evidence)
+    merged = {source.file: merge(source) for source in sources}
     edits = _in_the_way(merged, policy)
     if not edits and policy.edits == "accept":
         # An edited rank is now the user's, like one that was set by hand before.
         sources = _with_free_ranks(sources, _by_function(merged))
-        merged = {source.file: _merge_source(source, entry, policy, evidence) for source in sources}
+        merged = {source.file: merge(source) for source in sources}
         edits = _in_the_way(merged, policy)
     if edits:
         return EditsInTheWay(edits)
@@ -177,11 +183,26 @@ def annotate_sources(
         after = insert_blocks(source.source, merged[source.file].blocks, source.name, source.lines)
         if after != source.before:
             changed.append(AnnotatedSource(source.file, source.before, after))
+    is_same = entry is not None and is_same_run(entry, fingerprint, behind, policy)
+    kept = {
+        source.file: row
+        for source in sources
+        if (
+            row := kept_values(
+                merged[source.file].blocks,
+                source.computed,
+                entry.kept.get(source.file, {}) if entry is not None and is_same else None,
+                policy.tolerance,
+            )
+        )
+    }
     final = ControllerLock(
         fingerprint=fingerprint,
         blocks={file: _written(one.blocks) for file, one in merged.items()},
         trace=trace,
         inputs=inputs or {},
+        behind=behind,
+        kept=kept,
     )
     pending = replace(
         final,
@@ -247,6 +268,7 @@ def _with_free_ranks(
 def _merge_source(
     source: SourceBlocks,
     entry: ControllerLock | None,
+    behind: Behind,
     policy: MergePolicy,
     evidence: SourceEvidence,
 ) -> _MergedSource:
@@ -263,6 +285,7 @@ def _merge_source(
             policy,
             lambda: evidence(source.file),
             source.renamed,
+            steady_components(entry, behind, source.file, name, source.computed.get(name)),
         )
         blocks[name] = outcome.block
         edits += outcome.edits

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,18 +18,22 @@ from tracerisk.adder.annotate import (
     annotate_sources,
 )
 from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
-from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, lock_key
+from tracerisk.adder.lock.lock import LOCK_NAME, Behind, ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.steady import is_same_run
+from tracerisk.adder.sources.functions import digests_behind
 from tracerisk.adder.sources.insert import in_form as blocks_in_form
 from tracerisk.adder.sources.line_map import line_maps
 from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.common.dependencies import require_simulator
+from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.outcome.tolerances import Tolerances
+from tracerisk.common.text.digests import short_digest
 from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
 from tracerisk.config import BlockForm, Settings
 from tracerisk.errors import InputError, Location
-from tracerisk.pipeline.freshness.freshness import run_inputs
+from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions
 from tracerisk.pipeline.freshness.trace_cache import TraceCache
@@ -153,9 +158,11 @@ def annotate(
         evidence=used_evidence(controller, settings, inputs.fingerprint),
     )
     _forbid_shared(key, files, lock, controller)
-    policy = policy or MergePolicy()
+    policy = replace(policy or MergePolicy(), tolerance=settings.tolerance)
     entry = lock.controllers.get(key)
     kept = entry.trace if entry is not None and not policy.fresh else None
+    behind = _behind(controller, trace, hardware, computed, inputs)
+    is_same = is_same_run(entry, inputs.fingerprint, behind, policy)
     outcome: Annotation = annotate_sources(
         key,
         [
@@ -168,12 +175,14 @@ def annotate(
             _at_bare_lines(trace, before, controller),
             computed.instances,
             kept=kept,
+            noise=policy.tolerance if is_same else 0.0,
             tolerances=Tolerances.of(settings),
             worlds=_same_worlds(entry, inputs.fingerprint),
         ),
         inputs=inputs.data(),
         policy=policy,
         evidence=evidence_for(controller, entry, settings),
+        behind=behind,
     )
     if isinstance(outcome, EditsInTheWay):
         raise outcome.error()
@@ -182,6 +191,29 @@ def annotate(
     sources = {**before, **after}
     return Annotated(
         controller, sources, before, change, lock_path, computed, trace, inputs.fingerprint
+    )
+
+
+def _behind(
+    controller: Controller,
+    trace: Trace,
+    hardware: Hardware,
+    computed: ComputedBlocks,
+    inputs: RunInputs,
+) -> Behind:
+    """Return what the computed values rest on, as digests."""
+    functions: dict[str, set[QualifiedName]] = {}
+    for ref in computed.blocks:
+        functions.setdefault(ref.file, set()).add(ref.name)
+    sources = {file: controller.source_of(file) for file in inputs.sources}
+    run = [inputs.settings, inputs.files, inputs.libraries, inputs.evidence]
+    return Behind(
+        short_digest(json.dumps([*run, trace.robot, trace.scene], sort_keys=True)),
+        digests_behind(sources, functions),
+        {
+            component.name: short_digest(repr(replace(component, location=None)))
+            for component in hardware.components
+        },
     )
 
 

@@ -164,7 +164,7 @@ BAD_LOCKS = {
     "no fingerprint": (changed(fingerprint=3), ": c.py: fingerprint is missing or not a string"),
     "an unknown key of a controller": (
         changed(time=3),
-        ": c.py: unknown key time; allowed: blocks",
+        ": c.py: unknown key time; allowed: behind, blocks",
     ),
     "an absolute path": (GOOD.replace('"c.py"', '"/c.py"'), ": /c.py is not a path relative"),
     "no blocks": (changed(blocks=None), ": c.py: blocks is missing or not a JSON object"),

@@ -373,7 +373,7 @@ def with_entry(hardware, **changes):
         ),
         (
             {"probability": Field(1.001e-6, "1.001e-06")},
-            "block: probability = 1.001e-06, kept, for 1e-06 is within 1 % of it",
+            "block: probability = 1.001e-06, kept; 1e-06 is within the tolerance of it",
         ),
         (
             {"omitted": True, "reason": "not fitted"},

@@ -32,7 +32,9 @@ VERSION = 2
 
 FUNCTION_KEYS = {CALL_SEQUENCE.key: CALL_SEQUENCE, NEXT.key: NEXT}
 COMPONENT_KEYS = {kind.key: kind for kind in COMPONENT_KINDS}
-CONTROLLER_KEYS = ("blocks", "digest", "fingerprint", "inputs", "others", "previous", "trace")
+CONTROLLER_KEYS = (
+    *("behind", "blocks", "digest", "fingerprint", "inputs", "kept", "others", "previous", "trace"),
+)
 
 
 class LockError(InputError):
@@ -120,6 +122,20 @@ def _field(kind: FieldKind, values: Mapping[str, str]) -> Field[Any] | None:
     return None if text is None else Field(kind.read(text), text)
 
 
+class Behind(NamedTuple):
+    """Digests of what stands behind computed values: where they are the same, only noise differs.
+
+    Empty in a lock of an earlier version, and then the same as nothing.
+    """
+
+    run: str = ""
+    """Of the robot, the scene, the settings, the evidence, and all files that are no source."""
+    functions: Mapping[str, Mapping[str, str]] = {}
+    """Of the code behind each function, by source and function."""
+    components: Mapping[str, str] = {}
+    """Of each component in the hardware description, by name."""
+
+
 @dataclass(frozen=True, slots=True)
 class ControllerLock:
     """What the lock knows of one controller."""
@@ -139,6 +155,11 @@ class ControllerLock:
     hold any of them until the next write."""
     is_mixed: bool = False
     """Whether a merge has put lines of several entries into this one."""
+    behind: Behind = field(default_factory=Behind)
+    """What the values in the blocks rest on."""
+    kept: Mapping[str, Mapping[str, Mapping[str, str]]] = field(default_factory=dict)
+    """The probability that was computed, where the blocks keep one within the tolerance of it: by
+    source, function and component."""
 
     @property
     def is_settled(self) -> bool:
@@ -219,6 +240,17 @@ def _controller_data(entry: ControllerLock) -> dict[str, Any]:
     }
     if entry.previous is not None:
         data["previous"] = _sources_data(entry.previous)
+    if entry.behind != Behind():
+        data["behind"] = {
+            "run": entry.behind.run,
+            "functions": {file: dict(row) for file, row in entry.behind.functions.items()},
+            "components": dict(entry.behind.components),
+        }
+    if entry.kept:
+        data["kept"] = {
+            file: {name: dict(row) for name, row in held.items()}
+            for file, held in entry.kept.items()
+        }
     if entry.others:
         data["others"] = [_sources_data(other) for other in entry.others]
     # An entry that a merge has mixed stays so until it is written anew.
@@ -235,6 +267,7 @@ def data_digest(data: Mapping[str, Any]) -> str:
     depended_on = dict(inputs) if isinstance(inputs, Mapping) else {}
     depended_on.pop("given", None)  # only says how the `settings` were passed
     kept = [data.get("blocks"), data.get("fingerprint"), depended_on]
+    kept += [data[key] for key in ("behind", "kept") if key in data]
     text = json.dumps(kept, sort_keys=True, ensure_ascii=False)
     return str(blake2b(text.encode(errors="surrogatepass"), digest_size=8).hexdigest())
 

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.adder.blocks.conflicts import conflict_sides
-from tracerisk.adder.blocks.values import FieldKind
+from tracerisk.adder.blocks.values import PROBABILITY, FieldKind
 from tracerisk.adder.lock.lock import (
     COMPONENT_KEYS,
     CONTROLLER_KEYS,
     FUNCTION_KEYS,
     SCHEMA,
     VERSION,
+    Behind,
     ControllerLock,
     Lock,
     LockError,
@@ -167,8 +168,32 @@ class _Reader:
             inputs=self._mapping(entry.get("inputs", {}), f"{path}: inputs"),
             previous=None if previous is None else self._sources(previous, f"{path}: previous"),
             others=tuple(self._sources(other, f"{path}: others") for other in others),
+            behind=self._behind(entry.get("behind"), f"{path}: behind"),
+            kept=self._kept(entry.get("kept", {}), f"{path}: kept"),
             is_mixed=digest is not None and digest != data_digest(entry),
         )
+
+    def _behind(self, value: Any, where: str) -> Behind:
+        if value is None:
+            return Behind()
+        table = self._mapping(value, where)
+        self._known(table, Behind._fields, where)
+        functions = self._mapping(table.get("functions"), f"{where}: functions")
+        return Behind(
+            str(table.get("run", "")),
+            {file: self._mapping(held, f"{where}: {file}") for file, held in functions.items()},
+            self._mapping(table.get("components"), f"{where}: components"),
+        )
+
+    def _kept(self, value: Any, where: str) -> dict[str, dict[str, dict[str, str]]]:
+        kept: dict[str, dict[str, dict[str, str]]] = {}
+        for file, functions in self._mapping(value, where).items():
+            kept[file] = {}
+            for name, texts in self._mapping(functions, f"{where}: {file}").items():
+                place = f"{where}: {file}: {name}"
+                kinds = dict.fromkeys(self._mapping(texts, place), PROBABILITY)
+                kept[file][name] = self._values(texts, kinds, place)
+        return kept
 
     def _sources(self, value: Any, where: str) -> dict[str, dict[str, WrittenBlock]]:
         return {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 from tracerisk.adder.blocks.block import RiskBlock
@@ -35,6 +35,7 @@ def merge_with_bases(
     policy: MergePolicy,
     evidence: Callable[[], Evidence],
     renamed: Mapping[QualifiedName, QualifiedName],
+    steady: Collection[str] = (),
 ) -> Merged:
     """Merge the block of one function; `bases` are those of its file, under the current names."""
     from tracerisk.adder.merge.merge import merge
@@ -48,4 +49,5 @@ def merge_with_bases(
         others=[other for other in others if other is not None and other != base],
         evidence=evidence,
         names={str(new): str(old) for old, new in renamed.items()},
+        steady=steady,
     )

@@ -7,7 +7,7 @@ branch, is refreshed; where it is unknown which of the two it is, it is left alo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -25,18 +25,18 @@ from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.merge.authors import Author, Evidence, KnownBlock
 from tracerisk.errors import EditInTheWayError, Location
 
-NOISE = 0.01
-"""The relative change of a computed probability up to which its text stays as written."""
-
 
 @dataclass(frozen=True, slots=True)
 class MergePolicy:
-    """What becomes of a user's edits of `=` values, and of changes below `NOISE`."""
+    """What becomes of a user's edits of `=` values, and of changes that are mere noise."""
 
     edits: Literal["stop", "accept", "discard"] = "stop"
     """`stop` reports them, `accept` pins them (`:=`), `discard` writes the tool's values."""
     fresh: bool = False
     """Whether computed values are written also where they changed by no more than noise."""
+    tolerance: float = 0.005
+    """The relative change of a computed probability up to which it is noise, and the written text
+    stays, where nothing behind the value changed in kind."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +80,11 @@ class Merged:
     """The block to write; `None` for no block."""
     edits: tuple[HandEdit, ...]
     """The edits of a user that were found."""
+
+
+def is_noise(kind: FieldKind, before: Any, value: Any, tolerance: float) -> bool:
+    """Return whether a value differs from the one before by no more than noise."""
+    return kind.is_noisy and bool(abs(value - before) <= tolerance * abs(before))
 
 
 def edits_error(edits: Iterable[HandEdit]) -> EditInTheWayError:
@@ -130,12 +135,14 @@ def merge(
     others: Sequence[WrittenBlock] = (),
     evidence: Callable[[], Evidence] = Evidence,
     names: Mapping[str, str] | None = None,
+    steady: Collection[str] = (),
 ) -> Merged:
     """Return what becomes of a block and which edits of a user were found.
 
     `base` is what the lock says was last written, `None` where it knows of nothing, `others` what
     else it says that the tool may have written there; `evidence` is asked only where these and
     the block's own digest do not suffice. `names` are earlier names of functions renamed since.
+    `steady` are the components behind whose values nothing changed in kind.
     `computed` is `None` for a function that is not relevant any more; if one of its own fields is
     pinned, the user set it elsewhere (in an operational profile), and the tool's value is in that
     field's `computed`.
@@ -144,7 +151,7 @@ def merge(
         return Merged(computed, ())
     bases = [other for other in (base, *others) if other is not None]
     known = KnownBlock(current, bases, evidence, names)
-    merger = _Merger(known, current, computed, policy)
+    merger = _Merger(known, current, computed, policy, steady)
     return Merged(merger.block(), tuple(merger.edits))
 
 
@@ -158,6 +165,8 @@ class _Merger:
     """The block that the tool computes; `None` for a function that is not relevant any more."""
     policy: MergePolicy
     """What becomes of edits."""
+    steady: Collection[str] = ()
+    """The components behind whose values nothing changed in kind."""
     edits: list[HandEdit] = field(default_factory=list)
     """The edits found so far."""
 
@@ -278,7 +287,7 @@ class _Merger:
         computed: Field[Any] | None,
     ) -> Field[Any]:
         written, is_there = self.known.last(component, kind, current)
-        tool = None if computed is None else self._tool_field(kind, written, computed)
+        tool = None if computed is None else self._tool_field(component, kind, written, computed)
         edited = (
             not is_there
             and self._looks_edited(kind, written, current, tool)
@@ -299,7 +308,7 @@ class _Merger:
         return current if written is None else Field(kind.read(written), written)
 
     def _tool_field(
-        self, kind: FieldKind, written: str | None, computed: Field[Any]
+        self, component: str | None, kind: FieldKind, written: str | None, computed: Field[Any]
     ) -> Field[Any] | None:
         """Return the tool's own value as it is to be written, noise left aside."""
         text = _tool_text(computed)
@@ -310,7 +319,8 @@ class _Merger:
             before = kind.read(written)
             if kind.same(before, value):
                 return Field(value, text) if kind.is_noisy else Field(before, written)
-            if kind.is_noisy and abs(value - before) <= NOISE * abs(before):
+            # The new value is compared with the written one, which is no kept one: so none creeps.
+            if component in self.steady and is_noise(kind, before, value, self.policy.tolerance):
                 return Field(before, written)
         return Field(value, text)
 

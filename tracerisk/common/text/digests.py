@@ -35,3 +35,8 @@ def sha256(data: bytes) -> str:
     import hashlib
 
     return hashlib.sha256(data).hexdigest()
+
+
+def short_digest(text: str) -> str:
+    """Return a digest of a text that tells its versions apart, in 12 hexadecimal digits."""
+    return str(blake2b(text.encode(errors="surrogatepass"), digest_size=6).hexdigest())

@@ -29,6 +29,10 @@ class Definition(NamedTuple):
     """The line of the `def`, from 1."""
     body_line: int
     """The first line of the first statement, decorators included, from 1."""
+    first_line: int
+    """The first line of the definition, decorators included, from 1."""
+    last_line: int
+    """The last line of the body, from 1."""
 
 
 def normal_name(name: str) -> str:
@@ -55,7 +59,13 @@ def definitions(tree: ast.Module) -> Iterator[Definition]:
         inner = prefix
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             name = f"{prefix}{node.name}"
-            yield Definition(QualifiedName(name), node.lineno, first_line(node.body[0]))
+            yield Definition(
+                QualifiedName(name),
+                node.lineno,
+                first_line(node.body[0]),
+                first_line(node),
+                node.end_lineno or node.lineno,
+            )
             inner = f"{name}.<locals>."
         elif isinstance(node, ast.ClassDef):
             inner = f"{prefix}{node.name}."

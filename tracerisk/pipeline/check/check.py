@@ -12,6 +12,7 @@ from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.blocks.values import component_fields, has_pins
 from tracerisk.adder.lock.digest import is_as_written
+from tracerisk.adder.lock.kept import as_computed
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
 from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.placed import PlacedBlock
@@ -322,8 +323,8 @@ def _of_model(
 ) -> Iterable[CheckFinding]:
     """Yield why the blocks make no model that can be solved, or one above the limit.
 
-    Blocks that are the tool's word alone were a model when they were written; they need no
-    solving again.
+    What a refresh kept counts as computed. Blocks that are the tool's word alone were a model when
+    they were written; they need no solving again.
     """
     placed = {
         FunctionRef(source.file, one.function): one.block
@@ -336,7 +337,10 @@ def _of_model(
     from tracerisk.prm.hybrid.solve import solve_figures
 
     names = model_names(placed)
-    blocks = [replace(block, name=QualifiedName(names[ref])) for ref, block in placed.items()]
+    blocks = [
+        replace(as_computed(block, entry, ref.file, ref.name), name=QualifiedName(names[ref]))
+        for ref, block in placed.items()
+    ]
     place = Location(str(controller.path), 1)
     try:
         mission = solve_figures(build_model(blocks, name=controller.path.name)).mission

@@ -6,9 +6,10 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import NamedTuple
 
+from tracerisk.adder.lock.kept import as_computed
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.outcome.changes import OutcomeChanges, outcome_changes
 from tracerisk.common.outcome.kept import kept_outcome, kept_tolerances
@@ -229,13 +230,21 @@ def _built(
 ) -> tuple[RiskVersion | None, dict[str, FunctionRef]]:
     """Return a version's model, `None` without blocks, and its functions by their names in it."""
     try:
-        blocks = blocks_of(version.sources)
+        blocks = [
+            (ref, as_computed(block, version.entry, _from_lock(ref.file, version), ref.name))
+            for ref, block in blocks_of(version.sources)
+        ]
         model = RiskVersion.of_blocks([block for _, block in blocks], name) if blocks else None
     except TraceRiskError as error:
         if of is None or not isinstance(error, InputError):
             raise
         raise in_version(error, of) from error
     return model, {block.name: ref for ref, block in blocks}
+
+
+def _from_lock(file: str, version: ControllerVersion) -> str:
+    """Return how the lock of a version names one of its sources."""
+    return PurePath(os.path.relpath(file, version.folder)).as_posix()
 
 
 def _functions(version: RiskVersion, refs: Mapping[str, FunctionRef]) -> dict[str, FunctionSource]:

@@ -7,9 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.adder.figures.instance_values import kept_values
 from tracerisk.adder.figures.instances import ComponentInstances
-from tracerisk.adder.merge.merge import NOISE
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.outcome.changes import outcome_changes
 from tracerisk.common.outcome.kept import OUTCOME, kept_outcome, kept_tolerances, outcome_summary
@@ -25,15 +23,17 @@ def trace_summary(
     instances: Sequence[ComponentInstances] = (),
     *,
     kept: Mapping[str, Any] | None = None,
+    noise: float = 0.0,
     tolerances: Tolerances = TOLERANCES,
     worlds: Sequence[WorldRun] = (),
 ) -> dict[str, Any]:
     """Return what the lock keeps of a trace: by function the exposures of each element [s].
 
     Beside these stand, by component, the failure probabilities of its instances in one visit,
-    with 4 significant digits. One within the noise of what is `kept`, the summary that the lock
-    has, keeps its text. The verdict of the run is kept with its reasons, its lines
-    as they are given. Motions that never ran and unexpected contacts are kept where there are any.
+    with 4 significant digits. The verdict of the run is kept with its reasons, its lines
+    as they are given. Where the lock has the summary `kept` of the very same run, a number that
+    differs from it by no more than `noise`, relatively, stays as it is there. Motions that never
+    ran and unexpected contacts are kept where there are any.
     `worlds` are runs of the same inputs in worlds that the trace does not have.
     """
     functions: dict[str, Any] = {}
@@ -60,9 +60,9 @@ def trace_summary(
             "visits": len(visits),
             "duration_s": _rounded(math.fsum(known)),
             "elements": elements,
-            "instances": _instances(function.ref, instances, kept_values(kept or {}, name)),
+            "instances": _instances(function.ref, instances),
         }
-    return {
+    summary = {
         "robot": trace.robot,
         "scene": trace.scene,
         "end": trace.end.cause,
@@ -72,6 +72,18 @@ def trace_summary(
         **_outcome(trace, kept or {}, tolerances),
         **worlds_summary(joined_worlds(worlds, trace.worlds)),
     }
+    return summary if kept is None or not noise else _steady(kept, summary, noise)
+
+
+def _steady(before: Any, now: Any, noise: float) -> Any:
+    """Return plain data with each number as it was before, where the two differ by mere noise."""
+    if isinstance(before, Mapping) and isinstance(now, Mapping):
+        return {key: _steady(before.get(key), value, noise) for key, value in now.items()}
+    if isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
+        return [_steady(old, new, noise) for old, new in zip(before, now, strict=True)]
+    if isinstance(before, float) and isinstance(now, float):
+        return before if abs(now - before) <= noise * abs(before) else now
+    return now
 
 
 def _outcome(trace: Trace, kept: Mapping[str, Any], tolerances: Tolerances) -> dict[str, Any]:
@@ -89,27 +101,16 @@ def _outcome(trace: Trace, kept: Mapping[str, Any], tolerances: Tolerances) -> d
 
 
 def _instances(
-    function: FunctionRef,
-    instances: Sequence[ComponentInstances],
-    kept: Mapping[str, Mapping[str, float]],
+    function: FunctionRef, instances: Sequence[ComponentInstances]
 ) -> dict[str, dict[str, float]]:
     values_by_component = {}
     for instance in instances:
         values = instance.in_function(function)
-        before = kept.get(instance.component.name, {})
         if values:
             values_by_component[instance.component.name] = {
-                element: _steady(value, before.get(element)) for element, value in values.items()
+                element: float(f"{value:.4g}") for element, value in values.items()
             }
     return values_by_component
-
-
-def _steady(value: float, before: float | None) -> float:
-    """Return a probability with 4 significant digits, or the one before where it is as good."""
-    rounded = float(f"{value:.4g}")
-    if before is not None and abs(rounded - before) <= NOISE * abs(before):
-        return before
-    return rounded
 
 
 def _rounded(seconds: float) -> float:
