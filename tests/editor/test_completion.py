@@ -237,3 +237,19 @@ def test_the_schema_of_scenarios_has_the_keys_that_are_read(tmp_path):
         for step in place:
             node = node["properties"][step]["anyOf"][0]["items"]
         assert set(node["properties"]) == keys
+
+
+def test_a_line_of_the_compact_form_is_offered_the_components_that_it_lacks(
+    editor, cell, example_in
+):
+    assert example_in(cell.parent).run("annotate", cell.name, "--form", "compact").code == 0
+    text = cell.read_text()
+    end = text.index("    # | electric_motor")
+    made, about = completed(editor, cell, text[:end] + "    # | gri|>\n" + text[end:])
+    assert set(made.values()) == {
+        "    # | gripper  := omit  ! ",
+        "    # | gripper  := add  1e-9  1  ! ",
+    }
+    assert any("7.344e-08 per minute" in words for words in about.values())
+    made, _ = completed(editor, cell, text[:end] + "    # | elec|>\n" + text[end:])
+    assert made == {}

@@ -206,3 +206,53 @@ def test_other_kinds_of_actions_have_none(editor, cell):
     at = line_of(text, "# |   quantity = 7")
     assert offered(editor, cell, at, only=[lsp.CodeActionKind.SourceOrganizeImports]) == {}
     assert offered(editor, cell, at, only=[lsp.CodeActionKind.QuickFix])
+
+
+@pytest.fixture
+def compact(example_in, cell):
+    outcome = example_in(cell.parent).run("annotate", cell.name, "--form", "compact")
+    assert outcome.code == 0, outcome.err
+    return cell
+
+
+def test_an_edit_in_the_compact_form_can_be_put_back(editor, compact, check):
+    written = compact.read_text()
+    text = written.replace("  7\n", "  6\n", 1)
+    assert text != written
+    editor.open(compact, text)
+    assert [each.code for each in editor.diagnostics(compact)] == ["edited"]
+    at = line_of(text, "# | electric_motor")
+    found = offered(editor, compact, at)
+    changes = found["Put quantity back to 7"].edit.changes[compact.as_uri()]
+    assert applied(text, changes) == written
+
+
+def test_a_value_of_the_compact_form_is_set_by_hand(editor, compact, check):
+    text = compact.read_text()
+    editor.open(compact, text)
+    at = line_of(text, "# | electric_motor")
+    value = text.split("\n")[at].split()[3]
+    found = offered(editor, compact, at)["Set probability by hand, with a reason"]
+    pinned = applied(text, found.edit.changes[compact.as_uri()])
+    assert f"# | electric_motor  := {value}  7        ! computed {value}" in pinned
+    editor.change(compact, pinned)
+    compact.write_text(pinned)
+    assert check() == []
+    next_line = line_of(text, "# | home 1")
+    found = offered(editor, compact, next_line)["Set next by hand, with a reason"]
+    changes = found.edit.changes[compact.as_uri()]
+    assert "-> := " in applied(pinned, changes)
+
+
+def test_a_long_reason_takes_lines_of_its_own_in_the_compact_form(editor, compact, check):
+    text = compact.read_text()
+    editor.open(compact, text)
+    at = line_of(text, "# | electric_motor")
+    reason = "the supplier derates the motors above forty degrees, as in this cell"
+    assert editor.command("tracerisk.pin", compact.as_uri(), at, reason) is True
+    pinned = applied(text, editor.edits[-1].changes[compact.as_uri()])
+    assert max(map(len, pinned.split("\n"))) <= 79
+    editor.change(compact, pinned)
+    compact.write_text(pinned)
+    assert check() == []
+    assert offered(editor, compact, at) == {}

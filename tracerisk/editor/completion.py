@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
+from tracerisk.adder.blocks.compact import is_function_line
 from tracerisk.adder.blocks.lines import GUTTER, HEADER
 from tracerisk.adder.blocks.values import COMPONENT_KINDS, DONE, NEXT
 from tracerisk.common.hardware.formats import load_hardware
@@ -24,6 +25,7 @@ _LINE = re.compile(r"(?P<gutter>\s*(?:#\s?\||\*)\s?)(?P<text>.*)")
 _HEADER = re.compile(rf"{HEADER}\b")
 _SECTION = re.compile(r"@(?P<kind>Function|Component)\b(?P<mark>\s*:=)?")
 _KEYED = re.compile(r"(?P<key>\w+)\s*:?=\s*(?P<value>.*)")
+_COMPACT = "compact"
 _SECTIONS = {
     "@Component := {": "a component that the tool does not compute, added by hand",
     "@Component := omit {": "a component excluded from the function's risk",
@@ -68,7 +70,7 @@ class _Place:
     """Where the cursor is: the section that is open, and what it holds."""
 
     section: str
-    """`Function`, `Component`, or empty between two of them."""
+    """`Function`, `Component`, or empty between two of them; `compact` in a block of that form."""
     values: Mapping[str, str]
     """What the other lines of the section state, by key."""
     components: tuple[str, ...]
@@ -112,7 +114,9 @@ def offers(
             yield from _whole_block(functions, matched["gutter"], text)
         return
     keyed = _KEYED.fullmatch(text)
-    if not place.section:
+    if place.section == _COMPACT:
+        yield from _compact(place, text, figures)
+    elif not place.section:
         for section, about in _SECTIONS.items():
             if section.startswith(text):
                 yield Offer(section, about, "section", text)
@@ -135,6 +139,9 @@ def _place(lines: Sequence[str], line: int) -> _Place | None:
         return None
     sections: list[_Section] = []
     number = begin + 1
+    own = _behind_gutter(lines, number)
+    if number < line and own and is_function_line(own):
+        return _Place(_COMPACT, {}, tuple(_compact_names(lines, number + 1, line)))
     while (text := _behind_gutter(lines, number)) is not None and not _HEADER.match(text):
         header, keyed = _SECTION.match(text), _KEYED.fullmatch(text)
         if number == line:
@@ -152,6 +159,25 @@ def _place(lines: Sequence[str], line: int) -> _Place | None:
     if here is None:
         return _Place("", {}, tuple(names))
     return _Place(here.kind, here.values, tuple(names))
+
+
+def _compact_names(lines: Sequence[str], first: int, typed: int) -> Iterator[str]:
+    """Yield the first word of each line below the function's, but for the one that is typed."""
+    number = first
+    while (text := _behind_gutter(lines, number)) is not None and not _HEADER.match(text):
+        if number != typed and text:
+            yield text.split()[0]
+        number += 1
+
+
+def _compact(place: _Place, text: str, figures: Sequence[ControllerFigures]) -> Iterator[Offer]:
+    """Yield what may begin a line of a component: one of the description, with its units."""
+    for component, about in _described(figures):
+        name = component.name
+        if name not in place.components and name.startswith(text):
+            yield Offer(f"{name}  := omit  ! ", f"excluded from the risk; {about}", "name", text)
+            units = component.quantity or 1
+            yield Offer(f"{name}  := add  1e-9  {units}  ! ", about, "name", text)
 
 
 def _behind_gutter(lines: Sequence[str], number: int) -> str | None:

@@ -13,7 +13,7 @@ from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.config import controller_root, loads_toml
 from tracerisk.editor.diagnostics import finding_diagnostic
-from tracerisk.editor.pins import pinning, value_line, written_value
+from tracerisk.editor.pins import CompactValue, ValueLine, pinning, value_at, written_value
 from tracerisk.editor.session import Analysis, Document, Session
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding
@@ -81,12 +81,12 @@ def _of_finding(
     diagnostics = [finding_diagnostic(finding, analysis.path, document.lines)]
     if finding.kind in ("edited", "undecided"):
         line = (finding.location.line or 1) - 1
-        value = value_line(document.lines.texts, line)
-        written = written_of(session, document, line)
+        key = finding.subject.rpartition(".")[2]
+        value = _value_at(session, document, line, key)
+        written = written_of(session, document, line, key)
         if value is not None and written is not None and value.key != "next":
-            edits = {line: value.with_value(written)}
             title = f"Put {value.key} back to {written}"
-            edit = _workspace_edit(document, edits)
+            edit = _workspace_edit(document, value.with_value(written))
             yield lsp.CodeAction(title, lsp.CodeActionKind.QuickFix, diagnostics, edit=edit)
     reason = reason_of(analysis.verdict, finding.message, finding.subject)
     if finding.kind in ("faulted", "partial") and reason is not None:
@@ -106,7 +106,7 @@ def _pin(
     edits = pin_edits(session, document, line, "")
     if not edits:
         return
-    value = value_line(document.lines.texts, line)
+    value = _value_at(session, document, line)
     assert value is not None
     title = f"Set {value.key} by hand, with a reason"
     if value.is_pinned:
@@ -134,10 +134,20 @@ def pin(session: Session, document: Document, line: int, reason: str) -> lsp.Wor
     return _workspace_edit(document, edits) if edits else None
 
 
-def written_of(session: Session, document: Document, line: int) -> str | None:
-    """Return what the lock says was written for the value on a line of a source, from 0."""
+def _value_at(
+    session: Session, document: Document, line: int, key: str = ""
+) -> ValueLine | CompactValue | None:
     block = session.outline(document).block_at(line + 1)
-    value = value_line(document.lines.texts, line)
+    return value_at(document.lines.texts, block, line, key)
+
+
+def written_of(session: Session, document: Document, line: int, key: str = "") -> str | None:
+    """Return what the lock says was written for a value on a line of a source, from 0.
+
+    `key` says which value of a line of the compact form is meant.
+    """
+    block = session.outline(document).block_at(line + 1)
+    value = _value_at(session, document, line, key)
     if block is None or value is None or document.path is None:
         return None
     try:
@@ -147,7 +157,7 @@ def written_of(session: Session, document: Document, line: int) -> str | None:
         return None
     for entry in lock.controllers.values():
         base: WrittenBlock | None = entry.blocks.get(key, {}).get(block.function)
-        written = written_value(block, base, value)
+        written = written_value(block, base, value.key, line)
         if written is not None:
             return written
     return None
