@@ -11,7 +11,7 @@ from ruamel.yaml import YAML
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE, COMPONENT_KINDS, NEXT
 from tracerisk.adder.merge.merge import MergePolicy, merge
-from tracerisk.adder.sources.insert import insert_blocks
+from tracerisk.adder.sources.insert import in_form, insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 
 ROOT = Path(__file__).parent.parent
@@ -42,6 +42,37 @@ def test_the_block_shown_is_read_and_would_be_written_as_it_is():
     assert kept is not None
     (kept_gripper,) = [each for each in kept.components if each.name == "gripper"]
     assert kept_gripper.probability.text == "2e-07"
+
+
+def test_the_compact_form_shown_says_the_same_as_the_published_one():
+    source = fenced("python").encode()
+    compact = in_form(source, "blocks.md", "compact").decode()
+    lines = [line.strip() for line in compact.split("\n") if "# |" in line]
+    example, grammar = re.findall(r"^```text\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
+    assert [line.rstrip() for line in example.splitlines()] == lines
+    assert in_form(compact.encode(), "blocks.md", "published") == source
+    assert {line.split()[0] for line in grammar.splitlines() if "=" in line[:12]} == {
+        *("block", "function", "step", "component", "values", "units", "comment", "more"),
+    }
+
+
+COMPACT_LINES = re.findall(
+    r"^\| `([^`]+)` \|", TEXT.split("## The compact form")[1].split("\n## ")[0], re.MULTILINE
+)
+
+
+@pytest.mark.parametrize("line", COMPACT_LINES)
+def test_each_line_of_the_compact_form_is_read(line):
+    if line.startswith("place"):
+        rows = [line]
+    elif "!" in line:
+        rows = ["place 2", "gripper := 2e-07 := 1 of 2 ! short", line]
+        rows = [rows[0], f"{rows[1].partition('!')[0]}{line}"] if line.startswith("!") else rows
+    else:
+        rows = ["place 2", line]
+    text = "".join(f"    # | {row}\n" for row in ["RiskAnnotation", *rows])
+    (placed,) = read_blocks(f"def place():\n{text}    pass\n".encode(), "blocks.md")
+    assert placed.block.form == "compact"
 
 
 def test_every_line_of_a_block_is_explained():

@@ -280,7 +280,7 @@ def add_edit_options(parser: argparse.ArgumentParser) -> None:
         help="overwrite values edited by hand with computed ones",
     )
     group.add_argument(
-        "--fresh", action="store_true", help="also rewrite values that changed by less than 1 %%"
+        "--fresh", action="store_true", help="also rewrite values within the tolerance"
     )
 
 

@@ -38,5 +38,5 @@ def sha256(data: bytes) -> str:
 
 
 def short_digest(text: str) -> str:
-    """Return a digest of a text that tells its versions apart, in 12 hexadecimal digits."""
+    """Return a digest of a text in 12 hexadecimal digits, to compare versions of it."""
     return str(blake2b(text.encode(errors="surrogatepass"), digest_size=6).hexdigest())
