@@ -6,11 +6,13 @@ import pty
 import shutil
 import subprocess
 import sys
+from argparse import Namespace
 from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
 
+from tracerisk.cli.set_up import init
 from tracerisk.pipeline.start.project_start import _action
 
 SAMPLES = Path(__file__).parents[2] / "sample_controllers"
@@ -314,3 +316,46 @@ def test_what_a_controller_asks_its_cell_for_is_named_with_what_gives_it(cell):
     written = cell.run("init", "--yes").out
     assert "`tracerisk scenario src/asks.py --write`" in written
     assert cell.run("init", "--json").json["asked"] == {"src/asks.py": told.split(", ")}
+
+
+def test_the_form_of_blocks_that_is_given_is_written_as_a_setting(cell):
+    assert cell.run("init", "--yes", "--blocks", "compact").code == 0
+    assert b'blocks = "compact"\n' in files(cell)["pyproject.toml"]
+    again = cell.run("init", "--yes", "--blocks", "published")
+    assert 'add to [tool.tracerisk]: blocks = "published"' in again.out
+    kept = cell.run("init", "--yes")
+    assert "add to [tool.tracerisk]" not in kept.out
+    assert cell.run("run", "src/pick.py").code == 0
+    assert b"# | act 1 -> done 1\n" in files(cell)["src/pick.py"]
+
+
+def at_a_terminal(cell, monkeypatch, *answers):
+    """Run `init` as for someone who types these answers; return the questions."""
+    questions, left = [], list(answers)
+
+    def typed(question):
+        questions.append(question)
+        if not left:
+            raise EOFError
+        return left.pop(0)
+
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("builtins.input", typed)
+    options = {"folder": str(cell.folder), "robot": None, "ci": "none", "blocks": None}
+    assert init.run(Namespace(**options, yes=False, json=False, quiet=True)) == 0
+    return questions
+
+
+@pytest.mark.parametrize(("answer", "lines"), [("c", 1), ("", 0)])
+def test_a_user_at_a_terminal_is_asked_for_the_form(cell, monkeypatch, answer, lines):
+    first, second = at_a_terminal(cell, monkeypatch, answer, "y")
+    assert "(published) or component (compact)?" in first
+    assert "Write these files?" in second
+    assert files(cell)["pyproject.toml"].count(b'blocks = "compact"') == lines
+
+
+def test_the_end_of_input_is_a_no(cell, monkeypatch):
+    before = files(cell)
+    assert len(at_a_terminal(cell, monkeypatch)) == 2
+    assert files(cell) == before

@@ -202,3 +202,14 @@ def test_a_lock_of_another_shape_breaks_nothing(editor, cell):
     lock.write_text(json.dumps(data))
     editor.open(cell)
     assert editor.hover(cell, line_of(cell.read_text(), "def act"), 5).startswith("**act**")
+
+
+def test_a_line_of_the_compact_form_shows_its_component_and_function(editor, cell, example_in):
+    assert example_in(cell.parent).run("annotate", cell.name, "--form", "compact").code == 0
+    editor.open(cell)
+    text = cell.read_text()
+    assert editor.diagnostics(cell) == []
+    shown = editor.hover(cell, line_of(text, "# | electric_motor"), 9)
+    assert shown.startswith("**electric\\_motor** in home")
+    assert "- quantity: 7" in shown
+    assert editor.hover(cell, line_of(text, "# | home 1"), 9).startswith("**home**")

@@ -345,6 +345,7 @@ def test_the_error_names_every_field_with_file_and_line(make_block, read_block) 
         "  c.py:9: place.gripper.probability is 2e-07 (last written 7.344e-08, "
         "computed 7.344e-08)\n"
         "  c.py:10: place.gripper.quantity is 2 (last written 1, computed 1)\n"
-        "Write `:=` for `=` to keep a value, or use --accept-edits to keep them all, "
+        "Write `:=` for `=` (in the compact form before the value) to keep a value, or use "
+        "--accept-edits to keep them all, "
         "--discard-edits to drop them all."
     )

@@ -19,7 +19,7 @@ from tracerisk.adder.blocks.values import (
     computed_probability,
     computed_redundancy,
 )
-from tracerisk.adder.sources.insert import insert_blocks, strip_blocks
+from tracerisk.adder.sources.insert import in_form, insert_blocks, strip_blocks
 from tracerisk.adder.sources.python_lines import module_line, parse_python
 from tracerisk.adder.sources.read import scan_blocks
 from tracerisk.common.hardware.redundancy import Redundancy
@@ -73,6 +73,10 @@ def check_laws(source: bytes, file: str) -> None:
     longer = {site: block_for(site[0], 1000) for site in again}
     assert strip_blocks(insert_everywhere(after, longer, file), file) == source
     assert strip_blocks(source, file) == source
+    compact = in_form(after, file, "compact")
+    assert len(compact) < len(after) or not sites
+    assert strip_blocks(compact, file) == source
+    assert in_form(compact, file, "published") == after
 
 
 def same_program(one: bytes, other: bytes) -> bool:

@@ -96,7 +96,8 @@ def edits_error(edits: Iterable[HandEdit]) -> EditInTheWayError:
     if certain:
         parts += ["a user changed what tracerisk computes; nothing was written:", *certain]
         parts += [
-            "Write `:=` for `=` to keep a value, or use --accept-edits to keep them all, "
+            "Write `:=` for `=` (in the compact form before the value) to keep a value, or use "
+            "--accept-edits to keep them all, "
             "--discard-edits to drop them all."
         ]
     if doubtful:

@@ -44,7 +44,7 @@ def digests_behind(
     own: dict[str, dict[str, str]] = {}
     rest = []
     for file, source in sorted(sources.items()):
-        spans = _spans(source, file)
+        spans = _spans(source, file) if functions.get(file) else []
         own[file] = {}
         edits: list[Edit] = []
         for name in functions.get(file, ()):
@@ -52,7 +52,7 @@ def digests_behind(
             code = b"\n".join(source[start:end] for start, end in held)
             own[file][name] = code_digest(code, file)
             edits += [Edit(start, end, b"") for start, end in held]
-        rest.append(f"{file} {code_digest(apply_edits(source, _outermost(edits)), file)}")
+        rest.append(code_digest(apply_edits(source, _outermost(edits)), file))
     return {
         file: {
             name: short_digest("\n".join([digest, *rest])) for name, digest in sorted(held.items())

@@ -207,7 +207,14 @@ def with_moved(lock: Lock, controller: Controller) -> Lock:
     if isinstance(inputs.get("sources"), dict):
         inputs["sources"] = moved(inputs["sources"])
     previous = None if entry.previous is None else moved(entry.previous)
-    new = replace(entry, blocks=moved(entry.blocks), previous=previous, inputs=inputs)
+    new = replace(
+        entry,
+        blocks=moved(entry.blocks),
+        previous=previous,
+        inputs=inputs,
+        behind=entry.behind._replace(functions=moved(entry.behind.functions)),
+        kept=moved(entry.kept),
+    )
     return lock.without_controller(old).with_controller(key, new)
 
 
