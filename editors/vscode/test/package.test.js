@@ -74,3 +74,21 @@ test("the parts of a block are coloured apart", async () => {
   assert.strictEqual(found["! computed 1e-9; why"], "string.unquoted.reason.tracerisk");
   assert.strictEqual(found["# plain words with name = x"] ?? "comment.line", "comment.line");
 });
+
+test("the parts of a compact block are coloured apart", async () => {
+  const found = await scopesOf(
+    [
+      "# | RiskAnnotation LGqLSD-LlScqh",
+      "# | act 1 -> done 1",
+      "# | motor  := 2.6e-09  7  ! computed 1e-9; why",
+      "# plain words with 7 of them",
+    ].join("\n")
+  );
+  assert.strictEqual(found.act, "variable.other.property.tracerisk");
+  assert.strictEqual(found["1 -> done 1"], "constant.numeric.tracerisk");
+  assert.strictEqual(found.motor, "variable.other.property.tracerisk");
+  assert.strictEqual(found[":="], "keyword.operator.by-hand.tracerisk");
+  assert.strictEqual(found["2.6e-09  7"], "constant.numeric.tracerisk");
+  assert.strictEqual(found["! computed 1e-9; why"], "string.unquoted.reason.tracerisk");
+  assert.strictEqual(found["# plain words with 7 of them"] ?? "comment.line", "comment.line");
+});
