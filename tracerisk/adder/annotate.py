@@ -14,7 +14,14 @@ from tracerisk.adder.blocks.values import DONE, computed_count
 from tracerisk.adder.figures.instance_values import InstanceValues
 from tracerisk.adder.figures.pinned_redundancy import check_redundancies
 from tracerisk.adder.lock.digest import with_digest
-from tracerisk.adder.lock.lock import Behind, ControllerLock, Lock, WrittenBlock, written_block
+from tracerisk.adder.lock.lock import (
+    Behind,
+    ControllerLock,
+    Kept,
+    Lock,
+    WrittenBlock,
+    written_block,
+)
 from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.bases import SourceEvidence, bases_of, merge_with_bases
 from tracerisk.adder.merge.hand_edits import check_targets, give_way, is_next_by_hand, ranks_by_hand
@@ -183,26 +190,14 @@ def annotate_sources(
         after = insert_blocks(source.source, merged[source.file].blocks, source.name, source.lines)
         if after != source.before:
             changed.append(AnnotatedSource(source.file, source.before, after))
-    is_same = entry is not None and is_same_run(entry, fingerprint, behind, policy)
-    kept = {
-        source.file: row
-        for source in sources
-        if (
-            row := kept_values(
-                merged[source.file].blocks,
-                source.computed,
-                entry.kept.get(source.file, {}) if entry is not None and is_same else None,
-                policy.tolerance,
-            )
-        )
-    }
+    same = entry if is_same_run(entry, fingerprint, behind, policy) else None
     final = ControllerLock(
         fingerprint=fingerprint,
         blocks={file: _written(one.blocks) for file, one in merged.items()},
         trace=trace,
         inputs=inputs or {},
         behind=behind,
-        kept=kept,
+        kept=_kept(sources, merged, same, policy),
     )
     pending = replace(
         final,
@@ -213,6 +208,21 @@ def annotate_sources(
     if not changed and new_lock.dumps() == lock.dumps():
         return Unchanged(lock)
     return Changed(tuple(changed), new_lock, lock.with_controller(controller, pending))
+
+
+def _kept(
+    sources: Sequence[SourceBlocks],
+    merged: Mapping[str, _MergedSource],
+    same: ControllerLock | None,
+    policy: MergePolicy,
+) -> Kept:
+    """Return what was computed where blocks keep another value; `same`: a lock of the same run."""
+    kept = {}
+    for source in sources:
+        earlier = None if same is None else same.kept.get(source.file, {})
+        blocks = merged[source.file].blocks
+        kept[source.file] = kept_values(blocks, source.computed, earlier, policy.tolerance)
+    return {file: values for file, values in kept.items() if values}
 
 
 def _in_the_way(merged: Mapping[str, _MergedSource], policy: MergePolicy) -> tuple[HandEdit, ...]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -49,7 +49,7 @@ _BARE_COMPONENT = r"[\w<~](?:(?!:=)[^\s!{}\"])*"
 _PIN = r"(?::=)?"
 _FUNCTION = re.compile(
     rf"(?P<name>{_QUOTED}|{_BARE_FUNCTION})\s*(?P<added>(?<=\s):=\s*add(?=\s))?\s*"
-    rf"(?P<rank_pin>{_PIN})(?<=[\s=])\s*(?P<rank>[^\s:!>-]+)\s*(?:->\s*(?P<next_pin>{_PIN})\s*(?P<next>.*))?"
+    rf"(?P<callSequence_pin>{_PIN})(?<=[\s=])\s*(?P<rank>[^\s:!>-]+)\s*(?:->\s*(?P<next_pin>{_PIN})\s*(?P<next>.*))?"
 )
 _COMPONENT = re.compile(
     rf"(?P<name>{_QUOTED}|{_BARE_COMPONENT})\s+(?:(?P<mark>:=\s*(?:add|omit))(?:\s+|\Z))?(?P<values>.*)"
@@ -65,7 +65,6 @@ _OF_FIELD = re.compile(
 )
 _GROUP = re.compile(r"(?:true|required (?P<required>\d+))(?P<options>,.*)?")
 _PROBABILITY_WIDTH, _COUNT_WIDTH = 10, 7
-_FUNCTION_ALLOWED = "`NAME RANK -> FUNCTION SHARE, FUNCTION SHARE`"
 _COMPONENT_ALLOWED = (
     "`NAME PROBABILITY UNITS` or `NAME PROBABILITY REQUIRED of UNITS`, `:=` before a value that a "
     "user set; `NAME := add PROBABILITY UNITS`; `NAME := omit`"
@@ -183,8 +182,8 @@ class _Reader:
         if matched is None and is_first:
             raise self._error(
                 number,
-                f"cannot read `{words}`; a risk block begins with its function, "
-                f"{_FUNCTION_ALLOWED}, or in the published form with `@Function {{`",
+                f"cannot read `{words}`; a risk block begins with its function, `NAME RANK -> "
+                "FUNCTION SHARE, FUNCTION SHARE`, or in the published form with `@Function {`",
             )
         parts = {} if matched is None else matched.groupdict()
         if not is_first:
@@ -197,13 +196,12 @@ class _Reader:
         values = parts.get("values") or ""
         matched = _VALUES.fullmatch(values)
         if matched is not None:
-            return matched.groupdict()
+            return _spelled_out(matched.groupdict())
         if values or not (parts.get("mark") or "").endswith("omit"):
             raise self._error(
                 number, f"cannot read `{words}` as a component; allowed: {_COMPONENT_ALLOWED}"
             )
-        left_out = ("probability", "quantity", "redundancy")
-        return dict.fromkeys(left_out, UNSTATED)
+        return dict.fromkeys((kind.key for kind in COMPONENT_KINDS), UNSTATED)
 
     def _own_comment(self, line: _Line) -> list[str] | None:
         """Return the comment on the line itself: that of what a user set first in it."""
@@ -229,10 +227,10 @@ class _Reader:
         following = None
         if parts["next"] is not None:
             steps = [" ".join(step.split()) for step in parts["next"].split(",")]
-            following = self._field(line, NEXT, ", ".join(steps), "next_pin")
+            following = self._field(line, NEXT, ", ".join(steps))
         return RiskBlock(
             name=name,
-            call_sequence=self._field(line, CALL_SEQUENCE, parts["rank"] or "", "rank_pin"),
+            call_sequence=self._field(line, CALL_SEQUENCE, parts["rank"] or ""),
             next=following,
             components=(),
             added=parts["added"] is not None,
@@ -247,7 +245,8 @@ class _Reader:
             raise self._error(line.number, f"`{name}` cannot be the name of a component")
         omitted = (parts["mark"] or "").endswith("omit")
         fields: list[Field[Any]] = []
-        for (kind, text), default in zip(_texts(parts), (0.0, 1, Redundancy(False)), strict=True):
+        for kind, default in zip(COMPONENT_KINDS, (0.0, 1, Redundancy(False)), strict=True):
+            text = " ".join((parts[kind.key] or "").split())
             if text == UNSTATED:
                 if not omitted:
                     raise self._error(
@@ -256,7 +255,7 @@ class _Reader:
                     )
                 fields.append(Field(default, ""))
             else:
-                fields.append(self._field(line, kind, text, f"{kind.key}_pin"))
+                fields.append(self._field(line, kind, text))
         probability, quantity, redundancy = fields
         return ComponentEntry(
             name=name,
@@ -269,10 +268,10 @@ class _Reader:
             reason=joined_comment(line.comments.get("", [])),
         )
 
-    def _field(self, line: _Line, kind: FieldKind, text: str, pin: str) -> Field[Any]:
-        pinned = bool(line.parts.get("group_pin" if _is_group(line.parts, kind) else pin))
-        comment = line.comments.get(kind.key, [])
-        return read_field(kind, ValueText(text, pinned, comment, Location(self._file, line.number)))
+    def _field(self, line: _Line, kind: FieldKind, text: str) -> Field[Any]:
+        pinned, comment = line.parts.get(f"{kind.key}_pin"), line.comments.get(kind.key, [])
+        place = Location(self._file, line.number)
+        return read_field(kind, ValueText(text, bool(pinned), comment, place))
 
     def _name(self, line: _Line) -> str:
         text = line.parts["name"] or ""
@@ -290,34 +289,26 @@ def _with_more_next(line: _Line, words: str) -> _Line:
     return line._replace(parts={**line.parts, "next": f"{before}, {more}" if before else more})
 
 
-def _is_group(parts: Mapping[str, str | None], kind: FieldKind) -> bool:
-    """Return whether a value is part of `REQUIRED of UNITS`."""
-    return parts.get("required") is not None and kind.key in ("quantity", "redundancy")
-
-
-def _texts(parts: Mapping[str, str | None]) -> Iterator[tuple[FieldKind, str]]:
-    """Yield the text of each value of a component."""
-    required, options = parts.get("required"), parts.get("options") or ""
-    for kind in COMPONENT_KINDS:
-        text = parts.get(kind.key)
-        if required is not None and kind.key == "quantity":
-            text = parts["units"]
-        elif required is not None and kind.key == "redundancy":
-            text = ("true" if required == "1" else f"required {required}") + options
-        yield kind, "false" if text is None else " ".join(text.split())
+def _spelled_out(parts: dict[str, str | None]) -> dict[str, str | None]:
+    """Return the values of a component with `REQUIRED of UNITS` as a quantity and a redundancy."""
+    required = parts["required"]
+    if required is None:
+        return {**parts, "redundancy": parts["redundancy"] or "false"}
+    words = "true" if required == "1" else f"required {required}"
+    return {
+        **parts,
+        "quantity": parts["units"],
+        "redundancy": words + (parts["options"] or ""),
+        "quantity_pin": parts["group_pin"],
+        "redundancy_pin": parts["group_pin"],
+    }
 
 
 def _keys_set(parts: Mapping[str, str | None]) -> list[str]:
     """Return the keys of what a user set in a line, in their order; the empty one for the whole."""
-    pins = {
-        "": ("added", "mark"),
-        "callSequence": ("rank_pin",),
-        "next": ("next_pin",),
-        "probability": ("probability_pin",),
-        "quantity": ("quantity_pin", "group_pin"),
-        "redundancy": ("redundancy_pin", "group_pin"),
-    }
-    return [key for key, names in pins.items() if any(parts.get(name) for name in names)]
+    whole = [""] if parts.get("added") or parts.get("mark") else []
+    kinds = (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS)
+    return [*whole, *(kind.key for kind in kinds if parts.get(f"{kind.key}_pin"))]
 
 
 def print_compact(block: RiskBlock, width: int) -> list[str]:
@@ -360,8 +351,7 @@ def _print_component(name: str, entry: ComponentEntry, width: int) -> list[str]:
         f"{_printed_count(entry):{_COUNT_WIDTH}}",
     ]
     if entry.omitted and not any(value.is_stated for _, value in fields):
-        values = [" " * _PROBABILITY_WIDTH, " " * _COUNT_WIDTH]
-        values[0] = f"{mark:{_PROBABILITY_WIDTH}}"
+        values = [f"{mark:{_PROBABILITY_WIDTH}}", " " * _COUNT_WIDTH]
     elif mark:
         values = [mark, *values]
     is_by_hand = entry.added or entry.omitted

@@ -122,6 +122,10 @@ def _field(kind: FieldKind, values: Mapping[str, str]) -> Field[Any] | None:
     return None if text is None else Field(kind.read(text), text)
 
 
+Kept = Mapping[str, Mapping[str, Mapping[str, str]]]
+"""The text of a computed probability, by source, function and component."""
+
+
 class Behind(NamedTuple):
     """Digests of what stands behind computed values: where they are the same, only noise differs.
 
@@ -157,9 +161,8 @@ class ControllerLock:
     """Whether a merge has put lines of several entries into this one."""
     behind: Behind = field(default_factory=Behind)
     """What the values in the blocks rest on."""
-    kept: Mapping[str, Mapping[str, Mapping[str, str]]] = field(default_factory=dict)
-    """The probability that was computed, where the blocks keep one within the tolerance of it: by
-    source, function and component."""
+    kept: Kept = field(default_factory=dict)
+    """What was computed where the blocks keep a value within the tolerance of it."""
 
     @property
     def is_settled(self) -> bool:

@@ -89,7 +89,11 @@ def kept_values(
     kept: dict[str, dict[str, str]] = {}
     for name, block in blocks.items():
         new_block = computed.get(name)
-        of_run = {} if new_block is None else {e.name: e for e in new_block.components}
+        of_run = (
+            {}
+            if new_block is None
+            else {component.name: component for component in new_block.components}
+        )
         for entry in block.components if block is not None else ():
             new = of_run.get(entry.name)
             standing = _tool_text(entry)
