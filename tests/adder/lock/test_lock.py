@@ -1,10 +1,12 @@
 import json
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from tracerisk.adder.lock.lock import (
+    Behind,
     ControllerLock,
     Lock,
     LockError,
@@ -68,6 +70,34 @@ def test_a_lock_read_again_is_the_same_lock() -> None:
     lock = Lock().with_controller("b.py", ENTRY).with_controller("a.py", pending)
     assert loads(lock.dumps(), "tracerisk.lock") == lock
     assert lock.without_controller("a.py") == Lock().with_controller("b.py", ENTRY)
+
+
+BEHIND = Behind("r", {"src/pick.py": {"place": "f"}}, {"gripper": "g"})
+KEEPING = replace(ENTRY, behind=BEHIND, kept={"src/pick.py": {"place": {"gripper": "7.35e-08"}}})
+
+
+def test_what_is_behind_the_values_and_what_was_computed_is_read_again() -> None:
+    lock = Lock().with_controller("c.py", KEEPING)
+    assert loads(lock.dumps(), "tracerisk.lock") == lock
+    assert b'"behind"' not in Lock().with_controller("c.py", ENTRY).dumps()
+    other = loads(lock.dumps().replace(b"7.35e-08", b"7.36e-08"), "tracerisk.lock")
+    assert not other.controllers["c.py"].is_settled
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"7.35e-08"', '"7"', "kept: src/pick.py: place: gripper = 7 is not allowed"),
+        ('"run"', '"ran"', "behind: unknown key ran; did you mean 'run'?"),
+        ('"kept": {', '"kept": {"x": 1, ', "kept: x is missing or not a JSON object"),
+    ],
+)
+def test_what_is_wrong_in_it_is_reported(old: str, new: str, message: str) -> None:
+    text = Lock().with_controller("c.py", KEEPING).dumps().decode()
+    assert old in text
+    with pytest.raises(LockError) as caught:
+        loads(text.replace(old, new).encode(), "tracerisk.lock")
+    assert message in str(caught.value)
 
 
 def test_the_order_of_writing_leaves_no_mark() -> None:
