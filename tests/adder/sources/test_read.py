@@ -85,7 +85,7 @@ REFUSED = {
     "another function's name": (
         f"def f():\n{block('g')}    pass\n",
         BlockError,
-        "c.py:2: the risk block of `g` stands at `f`; write `name = f`, or move or delete",
+        "c.py:2: the risk block of `g` stands at `f`; write `name = f`, there and in what leads to `g`",
     ),
     "a block after the first statement": (
         f"def f():\n    pass\n{block('f')}",

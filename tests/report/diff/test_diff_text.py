@@ -104,7 +104,9 @@ def test_the_first_sentence_of_several_controllers_reports_the_greatest(differen
     small = difference(one_step("motor = 1e-7"), one_step("motor = 2e-7"), name="small.py")
     same = difference(one_step("motor = 1e-7"), one_step("motor = 1e-7"), name="same.py")
     sentence = first_sentence(render_diff(review_of(big, small, same)))
-    assert sentence.startswith("The risk of 2 of 3 controllers changed, most of all big.py: ")
+    assert sentence.startswith(
+        "The risk of 2 of 3 controllers changed. The greatest change: big.py: "
+    )
     both = first_sentence(render_diff(review_of(same, same)))
     assert both == "The risk of 2 controllers is unchanged."
     none = first_sentence(render_diff(review_of()))
@@ -281,16 +283,27 @@ def test_code_that_has_not_run_is_said_beside_the_figure_of_the_code_that_has(
     difference, review_of
 ):
     same = replace(
-        difference(one_step("motor = 4e-8 x7"), one_step("motor = 4e-8 x7")), unrun=("cell.py",)
+        difference(one_step("motor = 4e-8 x7"), one_step("motor = 4e-8 x7")),
+        stale=("cell.py has changed",),
+        verdicts=RunVerdicts(run_of("complete"), run_of("complete")),
     )
-    assert first_sentence(render_diff(review_of(same))) == (
-        "cell.py is not assessed as it is now: cell.py has changed since the run that gave "
-        "2.800e-07; `tracerisk refresh cell.py` runs it."
+    text = " ".join(render_diff(review_of(same)).split())
+    said = (
+        "cell.py is not assessed as it is now: since its last run cell.py has changed; its blocks "
+        "give 2.800e-07; `tracerisk refresh cell.py` writes them again."
     )
-    other = replace(same, name="other.py", unrun=())
-    assert first_sentence(render_diff(review_of(other, same))) == (
-        "Not run since they changed: 1 of 2 controllers. The first: cell.py is not assessed as it "
-        "is now: cell.py has changed since the run that gave 2.800e-07; "
-        "`tracerisk refresh cell.py` runs it."
-    )
+    assert said in text
+    other = replace(same, name="other.py", stale=())
+    text = " ".join(render_diff(review_of(other, same)).split())
+    assert f"Not assessed as they are now: 1 of 2 controllers. The first: {said}" in text
     assert same.is_worth_telling(0.5)
+
+
+def test_blocks_of_no_run_are_not_said_to_be_an_assessment(difference, review_of):
+    new = replace(
+        difference(None, one_step("motor = 4e-8")), stale=("tracerisk.lock knows no run of it",)
+    )
+    assert first_sentence(render_diff(review_of(new))) == (
+        "cell.py is not assessed as it is now: tracerisk.lock knows no run of it; its blocks give "
+        "4.000e-08; `tracerisk run cell.py` writes them again."
+    )

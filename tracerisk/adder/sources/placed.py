@@ -33,8 +33,8 @@ class MisplacedBlockError(BlockError):
         names = " or ".join(self.owners)
         advice = f"`{names}` for its name" if block.form == "compact" else f"`name = {names}`"
         super().__init__(
-            f"the risk block of `{block.name}` stands at `{names}`; write {advice}, "
-            "or move or delete the block",
+            f"the risk block of `{block.name}` stands at `{names}`; write {advice}, there and in "
+            f"what leads to `{block.name}`, or move or delete the block",
             location,
         )
         self.block = block

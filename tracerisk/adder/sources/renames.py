@@ -51,7 +51,7 @@ def follow_renames(source: bytes, file: str, known: Collection[QualifiedName]) -
     """
     renamed: dict[QualifiedName, QualifiedName] = {}
     while True:
-        named = _with_names(source, renamed)
+        named = source_with_names(source, renamed)
         try:
             return FollowedBlocks(named, read_blocks(named, file), renamed)
         except MisplacedBlockError as error:
@@ -73,7 +73,7 @@ def _new_name(
     return error.owners[0]
 
 
-def _with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedName]) -> bytes:
+def source_with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedName]) -> bytes:
     """Return the source with new names in its blocks: of their functions, and of what follows."""
     if not renamed:
         return source

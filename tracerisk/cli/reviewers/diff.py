@@ -164,7 +164,11 @@ def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
 
 
 def _bad_run(diff: RiskDiff) -> str | None:
-    """Return why the newer run keeps a change from being compared; `None` where it does not."""
+    """Return why no limit can be held against the newer figure; `None` where one can."""
+    if diff.stale:
+        from tracerisk.report.diff.sentences import not_assessed
+
+        return not_assessed(diff)
     verdicts = diff.verdicts
     if verdicts is None or not verdicts.in_after:
         return None
@@ -195,8 +199,10 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -
     bad = _bad_run(diff)
     # Of two runs of unknown verdict, and of two missions, the figures are all there is.
     unknown = diff.verdicts is not None and diff.verdicts == RunVerdicts(None, None)
-    if max_increase is not None and bad is not None:
-        texts.append(f"{diff.name}: {bad}; --max-increase {max_increase:g}")
+    if bad is not None and (max_increase is not None or (limit is not None and diff.stale)):
+        held = {"--max-increase": max_increase, "--max-failure-probability": limit}
+        given = [f"{name} {value:g}" for name, value in held.items() if value is not None]
+        texts.append(f"{diff.name}: {bad}; {given[0]}")
     elif (
         max_increase is not None
         and diff.before is not None

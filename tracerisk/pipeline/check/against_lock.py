@@ -14,7 +14,7 @@ from tracerisk.adder.blocks.values import (
     component_fields,
 )
 from tracerisk.adder.lock.digest import is_as_written
-from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock, as_written
+from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock, as_written, written_block
 from tracerisk.adder.merge.bases import bases_of, merge_with_bases
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import PlacedBlock
@@ -94,7 +94,11 @@ def _edits(
     """
     for name, placed in current.items():
         written = bases[0].get(name)
-        is_settled = written is not None and is_as_written(placed.block, written)
+        is_settled = written is not None and (
+            is_as_written(placed.block, written)
+            # Only the names in it are new; the digest is of the earlier ones.
+            or (bool(source.renamed) and written_block(placed.block) == written)
+        )
         if is_settled or placed.block.added:
             continue
         from tracerisk.adder.merge.merge import MergePolicy

@@ -24,6 +24,10 @@ class AnnotatedFiles(NamedTuple):
     """Sentences on what was left out."""
     lock_folders: tuple[str, ...] = ()
     """The folders of the locks that changed; empty where the review names paths."""
+    changed: frozenset[str] = frozenset()
+    """The paths of all files that changed, of those that the review names."""
+    locks: tuple[str, ...] = ()
+    """The folders of all locks of the later version."""
 
 
 def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:
@@ -50,7 +54,21 @@ def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:
         and PurePosixPath(file.after).name == LOCK_NAME
         and what.paths is None
     )
-    return AnnotatedFiles(tuple(_joined(pairs, renames)), renames, notes, locks)
+    touched = frozenset(
+        path
+        for file in changed
+        if file.mode not in (SYMLINK, SUBMODULE) and _is_within(file, what.paths)
+        for path in (file.before, file.after)
+        if path is not None
+    )
+    all_locks = tuple(_folders_of_locks(what.after)) if touched else ()
+    return AnnotatedFiles(tuple(_joined(pairs, renames)), renames, notes, locks, touched, all_locks)
+
+
+def _folders_of_locks(version: GitVersion) -> Iterator[str]:
+    for path in sorted(version.tracked()):
+        if PurePosixPath(path).name == LOCK_NAME:
+            yield str(PurePosixPath(path).parent)
 
 
 def is_annotated(path: str, content: bytes | None) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, get_args
 
 from tracerisk.adder.blocks.values import FieldKind, block_fields
@@ -12,6 +12,7 @@ from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c, is_c_like
 from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.review.changed_inputs import changed_inputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.review.renamed_functions import FunctionSource
 from tracerisk.prm.review.change_records import Cause, ChangedField
@@ -109,29 +110,7 @@ def input_changes(before: ControllerVersion, after: ControllerVersion) -> tuple[
     if before.entry is None or after.entry is None:
         return ()
     old, new = RunInputs.from_data(before.entry.inputs), RunInputs.from_data(after.entry.inputs)
-    changed = [
-        *_changed_files(old.sources, new.sources),
-        *_changed_files(old.files, new.files),
-    ]
-    if old.hardware != new.hardware and old.hardware and new.hardware:
-        changed.append("the hardware description has changed")
-    for name in sorted({*old.settings, *new.settings}):
-        values = old.settings.get(name), new.settings.get(name)
-        if values[0] != values[1]:
-            shown = ["the default" if value is None else str(value) for value in values]
-            what = "the version of tracerisk" if name == "tracerisk" else f"setting {name}"
-            changed.append(f"{what} was {shown[0]}, is {shown[1]}")
-    return tuple(changed)
-
-
-def _changed_files(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
-    for file in sorted({*old, *new}):
-        if file not in new:
-            yield f"{file} is no part of the run any more"
-        elif file not in old:
-            yield f"{file} is part of the run now"
-        elif old[file] != new[file]:
-            yield f"{file} has changed"
+    return tuple(changed_inputs(old, new))
 
 
 def _run_causes(before: ControllerVersion, after: ControllerVersion) -> tuple[Cause, ...]:

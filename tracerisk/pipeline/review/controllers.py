@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
@@ -12,12 +13,26 @@ from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.errors import InputError, Location, TraceRiskError
+from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
+from tracerisk.pipeline.review.changed_inputs import changed_inputs
 from tracerisk.pipeline.review.git_versions import GitVersion
+from tracerisk.pipeline.review.version_inputs import (
+    RunOfVersion,
+    depends_on,
+    description_of,
+    inputs_now,
+)
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 
 if TYPE_CHECKING:
     from tracerisk.common.evidence.cells import Evidence
+    from tracerisk.common.hardware.model import Hardware
+
+NOT_RUN = f"{LOCK_NAME} knows no run of it"
+"""Why the blocks of a controller that no lock knows are stale."""
+
+_DIGEST = re.compile(rb"RiskAnnotation [0-9A-Za-z]{6}")
 
 
 class ControllerVersion(NamedTuple):
@@ -31,6 +46,10 @@ class ControllerVersion(NamedTuple):
     """The folder of the lock, from which the entry names files."""
     evidence: Evidence | None = None
     """What failures of its hardware did on the twin; `None` where none is kept."""
+    stale: tuple[str, ...] = ()
+    """What has changed since the run behind the blocks, or that there was none, in words."""
+    hardware: Hardware | None = None
+    """The hardware description; `None` unless the two versions differ in it."""
 
 
 class ReviewedController(NamedTuple):
@@ -69,6 +88,8 @@ class Locks:
     """The version of the repository."""
     shown: Callable[[str], str] = _as_it_is
     """Returns how messages name a path."""
+    changed: frozenset[str] = frozenset()
+    """The paths of the files that differ from the version that this one is compared with."""
     _read: dict[str, dict[str, _Known]] = field(default_factory=dict)
     """The controllers of each lock read so far, by folder and path."""
     _evidence: dict[str, dict[str, Evidence]] = field(default_factory=dict)
@@ -88,6 +109,20 @@ class Locks:
             if controller in (known := self._in(str(folder))):
                 return known[controller]
         return None
+
+    def run_of(self, controller: str) -> RunOfVersion | None:
+        """Return what the nearest lock knows of the run of a controller."""
+        known = self.known(controller)
+        if known is None:
+            return None
+        return RunOfVersion(self.version, controller, known.entry, known.folder)
+
+    def is_beside_lock(self, path: str) -> bool:
+        """Return whether a lock lies in a folder above a file."""
+        return any(
+            self.version.file(_below(str(folder), LOCK_NAME)) is not None
+            for folder in PurePosixPath(path).parents
+        )
 
     def evidence_of(self, controller: str, folder: str) -> Evidence | None:
         """Return what is kept beside the lock of a folder of a controller below it."""
@@ -135,7 +170,7 @@ def reviewed_controllers(
     A file that no lock knows is a controller of its own. `shown` returns how messages name a path.
     Raises InputError, naming the version, where a lock cannot be read.
     """
-    locks = Locks(before, shown), Locks(after, shown)
+    locks = Locks(before, shown), Locks(after, shown, files.changed)
     was = {new: old for old, new in files.renames.items()}
     names: dict[str, None] = {}
     for old, new in files.pairs:
@@ -146,6 +181,9 @@ def reviewed_controllers(
         names.update(dict.fromkeys(controllers or [str(own)]))
     for folder in files.lock_folders:
         names.update(dict.fromkeys(_of_other_verdict(locks, folder)))
+    for folder in files.locks:
+        stale = _made_stale(locks[1], folder, files.changed - names.keys())
+        names.update(dict.fromkeys(stale))
     return [_reviewed(name, was.get(name), locks, files.renames) for name in sorted(names)]
 
 
@@ -157,6 +195,14 @@ def _of_other_verdict(locks: tuple[Locks, Locks], folder: str) -> Iterator[str]:
         if old is None or new is None:
             continue
         if old.kind != new.kind or old.acceptances != new.acceptances:
+            yield name
+
+
+def _made_stale(locks: Locks, folder: str, changed: frozenset[str]) -> Iterator[str]:
+    """Yield the controllers of a lock whose blocks a changed file made stale."""
+    for name in sorted(locks._in(folder)):
+        run = locks.run_of(name)
+        if run is not None and depends_on(run, changed) and version_of(locks, name).stale:
             yield name
 
 
@@ -172,7 +218,25 @@ def _reviewed(
     )
     before = _version(locks[0], known[0], guesses[0], earlier)
     after = _version(locks[1], known[1], guesses[1], name)
+    if after.stale or _hardware(before) != _hardware(after):
+        before, after = (
+            version._replace(hardware=_description(one, path, version))
+            for one, path, version in zip(locks, (earlier, name), (before, after), strict=True)
+        )
     return ReviewedController(name, was, before, after)
+
+
+def _hardware(version: ControllerVersion) -> tuple[str, object]:
+    """Return what identifies the hardware description behind the blocks of a version."""
+    inputs = RunInputs() if version.entry is None else RunInputs.from_data(version.entry.inputs)
+    return inputs.hardware, inputs.settings.get("hardware")
+
+
+def _description(locks: Locks, controller: str, version: ControllerVersion) -> Hardware | None:
+    run = locks.run_of(controller)
+    if run is None:
+        return None
+    return description_of(run, inputs_now(run, version.sources, locks.changed))
 
 
 def version_of(locks: Locks, controller: str) -> ControllerVersion:
@@ -204,10 +268,28 @@ def _version(
         for file, content in contents.items()
         if content is not None and is_annotated(file, content)
     }
-    if known is None:
-        return ControllerVersion(sources, None, ".")
+    run = locks.run_of(controller)
+    if known is None or run is None:
+        is_left_out = any(map(_is_by_tool, sources.values())) or locks.is_beside_lock(controller)
+        not_run = (NOT_RUN,) if sources and is_left_out else ()
+        return ControllerVersion(sources, None, ".", stale=not_run)
     evidence = locks.evidence_of(controller, known.folder)
-    return ControllerVersion(sources, known.entry, known.folder, evidence)
+    try:
+        now = inputs_now(run, sources, locks.changed)
+    except TraceRiskError as error:
+        raise in_version(error, locks.version) from error
+    stale = tuple(changed_inputs(run.recorded, now, lambda file: _shown(run, file, locks)))
+    return ControllerVersion(sources, known.entry, known.folder, evidence, stale)
+
+
+def _shown(run: RunOfVersion, file: str, locks: Locks) -> str:
+    path = run.path_of(file)
+    return file if path is None else locks.shown(path)
+
+
+def _is_by_tool(source: bytes) -> bool:
+    """Return whether a source has a block with a digest: the tool has written it, here or not."""
+    return _DIGEST.search(source) is not None
 
 
 class NamedVersion(Protocol):

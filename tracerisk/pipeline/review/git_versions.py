@@ -41,6 +41,28 @@ class GitVersion:
         with readable(path):
             return place.read_bytes()
 
+    def names_in(self, folder: str) -> list[str]:
+        """Return the paths, from the top, of what is in a folder; its name is empty for the top."""
+        if self.commit is None:
+            return [f"{folder}/{name}".lstrip("/") for name in self._listed(folder)]
+        below = (f"{folder}/",) if folder else ()
+        raw = self.repository.output("ls-tree", "--name-only", "-z", self.commit, *below)
+        return [name for name in raw.decode(errors="surrogateescape").split("\0") if name]
+
+    def _listed(self, folder: str) -> list[str]:
+        try:
+            return sorted(path.name for path in (self.repository.top / folder).iterdir())
+        except OSError:
+            return []
+
+    def tracked(self) -> list[str]:
+        """Return the paths of all files that git knows in the version."""
+        words: tuple[str, ...] = ("ls-files", "-z")
+        if self.commit is not None:
+            words = ("ls-tree", "-r", "--name-only", "-z", self.commit)
+        raw = self.repository.output(*words).decode(errors="surrogateescape")
+        return [name for name in raw.split("\0") if name]
+
 
 class Compared(NamedTuple):
     """The two versions that are compared."""

@@ -7,12 +7,13 @@ the same but for the name, or, where it is not, if their blocks say the same.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.values import component_fields
 from tracerisk.adder.sources.python_lines import parse_python
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.instrument.source.function_definitions import definitions
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.prm.review.change_records import is_noise
@@ -42,7 +43,10 @@ def renamed_functions(
     new = {name: function_source for name, function_source in after.items() if name not in before}
     if not gone or not new:
         return {}
-    codes = _codes(gone.values(), sources[0]), _codes(new.values(), sources[1])
+    codes = (
+        _codes({function.file for function in gone.values()}, sources[0]),
+        _codes({function.file for function in new.values()}, sources[1]),
+    )
     pairs = _pairs(
         {
             name: codes[0].get((function_source.file, function_source.name))
@@ -69,6 +73,49 @@ def renamed_functions(
     return {**pairs, **_pairs(left[0], left[1], _say_the_same)}
 
 
+def renamed_without_block(
+    before: Collection[FunctionRef],
+    after: Collection[FunctionRef],
+    sources: tuple[Mapping[str, bytes], Mapping[str, bytes]],
+    renamed: Mapping[str, str],
+) -> dict[str, str]:
+    """Return the later name of functions without a block, such as those that never ran.
+
+    `renamed` are the functions with blocks that were renamed: what shares a class with one has
+    that class's new name. Other functions are the same one if their code is.
+    """
+    gone = [ref for ref in before if ref not in after]
+    new = [ref for ref in after if ref not in before]
+    if not gone or not new:
+        return {}
+    pairs = (_without_common_end(old, name) for old, name in renamed.items())
+    classes = {pair for pair in pairs if pair is not None}
+    names = {ref.name for ref in new}
+    by_class = {
+        str(ref.name): moved
+        for ref in gone
+        for old, name in sorted(classes)
+        if ref.name.startswith(f"{old}.") and (moved := name + ref.name.removeprefix(old)) in names
+    }
+    codes = [
+        _codes({ref.file for ref in refs}, version)
+        for refs, version in zip((gone, new), sources, strict=True)
+    ]
+    by_code = _pairs(
+        {ref.name: codes[0].get((ref.file, ref.name)) for ref in gone},
+        {ref.name: codes[1].get((ref.file, ref.name)) for ref in new},
+        lambda one, other: one == other,
+    )
+    return {**by_code, **by_class}
+
+
+def _without_common_end(old: str, new: str) -> tuple[str, str] | None:
+    """Return the classes of one method before and after its class was renamed; else `None`."""
+    class_of, _, method = old.rpartition(".")
+    now, _, name = new.rpartition(".")
+    return (class_of, now) if method == name and class_of and now else None
+
+
 def _pairs(
     gone: Mapping[str, Hashable | None],
     new: Mapping[str, Hashable | None],
@@ -88,13 +135,10 @@ def _pairs(
     }
 
 
-def _codes(
-    functions: Iterable[FunctionSource], sources: Mapping[str, bytes]
-) -> dict[tuple[str, str], str]:
+def _codes(files: Iterable[str], sources: Mapping[str, bytes]) -> dict[tuple[str, str], str]:
     """Return what each function does, as text without its name, by file and qualified name."""
-    files = {function.file for function in functions if not is_c_like(function.file)}
     codes = {}
-    for file in sorted(files):
+    for file in sorted(file for file in files if file in sources and not is_c_like(file)):
         tree = parse_python(sources[file], file).tree
         lines = {definition.line: definition.name for definition in definitions(tree)}
         for node in ast.walk(tree):

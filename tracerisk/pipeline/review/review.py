@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import posixpath
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -10,7 +11,7 @@ from pathlib import Path, PurePath
 from typing import NamedTuple
 
 from tracerisk.adder.lock.kept import as_computed
-from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.outcome.changes import OutcomeChanges, outcome_changes
 from tracerisk.common.outcome.kept import kept_outcome, kept_tolerances
 from tracerisk.common.outcome.tolerances import TOLERANCES, Tolerances
@@ -22,16 +23,23 @@ from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.review.annotated_files import annotated_files
 from tracerisk.pipeline.review.causes import cause_finder, input_changes
 from tracerisk.pipeline.review.controllers import (
+    NOT_RUN,
     ControllerVersion,
     ReviewedController,
     in_version,
     reviewed_controllers,
 )
 from tracerisk.pipeline.review.git_versions import GitVersion, compared
-from tracerisk.pipeline.review.renamed_functions import FunctionSource, renamed_functions
-from tracerisk.pipeline.review.run_changes import run_changes, unrun_files
+from tracerisk.pipeline.review.lost_blocks import with_lost_blocks, written_blocks
+from tracerisk.pipeline.review.renamed_functions import (
+    FunctionSource,
+    renamed_functions,
+    renamed_without_block,
+)
+from tracerisk.pipeline.review.run_changes import run_changes
 from tracerisk.pipeline.review.run_verdicts import version_verdict
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
+from tracerisk.pipeline.trace.last_run import kept_uncovered
 from tracerisk.prm.review.change_records import Review, RiskDiff, RunVerdicts
 from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import compare
@@ -168,6 +176,7 @@ def difference(
         inputs=input_changes(controller.before, controller.after),
     )
     verdicts = None
+    names = {**_renamed_without_block(controller, renamed), **renamed}
     has_lock = controller.before.entry is not None or controller.after.entry is not None
     # C and C++ are not run: there is no verdict that could part two versions.
     if has_lock and not is_c(controller.name):
@@ -176,18 +185,43 @@ def difference(
             version_verdict(controller.after),
             before is not None,
             after is not None,
-            renamed,
+            names,
         )
-    changes_of_run = run_changes(controller.before, controller.after, renamed)
+    changes_of_run = run_changes(controller.before, controller.after, names)
     diff = replace(
         diff,
         of_run=(*changes_of_run, *(_of_outcomes(controller) if old and new else ())),
         verdicts=verdicts,
-        unrun=unrun_files(controller.after),
+        stale=_stale(controller, diff),
         outcome=_outcome_changes(controller, before is not None and after is not None),
     )
     # Where a run went wrong, no cause of a difference is one.
     return diff if diff.is_comparable else replace(diff, causes=())
+
+
+def _renamed_without_block(
+    controller: ReviewedController, renamed: Mapping[str, str]
+) -> dict[str, str]:
+    before, after = (_never_ran(version) for version in (controller.before, controller.after))
+    sources = controller.before.sources, controller.after.sources
+    return renamed_without_block(before, after, sources, renamed)
+
+
+def _never_ran(version: ControllerVersion) -> list[FunctionRef]:
+    if version.entry is None:
+        return []
+
+    def path(file: str) -> str:
+        return posixpath.normpath(posixpath.join(version.folder, file))
+
+    return [ref.with_file(path) for ref in kept_uncovered(version.entry.trace)]
+
+
+def _stale(controller: ReviewedController, diff: RiskDiff) -> tuple[str, ...]:
+    """Return why the later blocks are not those of a run; nothing of blocks that never were."""
+    if diff.after is None or (diff.before is not None and NOT_RUN in controller.before.stale):
+        return ()
+    return controller.after.stale
 
 
 def _outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeChanges | None:
@@ -230,9 +264,10 @@ def _built(
 ) -> tuple[RiskVersion | None, dict[str, FunctionRef]]:
     """Return a version's model, `None` without blocks, and its functions by their names in it."""
     try:
+        placed = with_lost_blocks(blocks_of(version.sources, _known(version)), version)
         blocks = [
             (ref, as_computed(block, version.entry, _from_lock(ref.file, version), ref.name))
-            for ref, block in blocks_of(version.sources)
+            for ref, block in placed
         ]
         model = RiskVersion.of_blocks([block for _, block in blocks], name) if blocks else None
     except TraceRiskError as error:
@@ -245,6 +280,14 @@ def _built(
 def _from_lock(file: str, version: ControllerVersion) -> str:
     """Return how the lock of a version names one of its sources."""
     return PurePath(os.path.relpath(file, version.folder)).as_posix()
+
+
+def _known(version: ControllerVersion) -> dict[str, set[QualifiedName]]:
+    """Return the names under which the last run wrote blocks, by file."""
+    known: dict[str, set[QualifiedName]] = {}
+    for ref in written_blocks(version):
+        known.setdefault(ref.file, set()).add(ref.name)
+    return known
 
 
 def _functions(version: RiskVersion, refs: Mapping[str, FunctionRef]) -> dict[str, FunctionSource]:

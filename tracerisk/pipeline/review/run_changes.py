@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.instrument.source.code_digest import code_digest
-from tracerisk.instrument.source.language import is_c_like
-from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.trace.last_run import kept_contacts, kept_uncovered
 
@@ -39,20 +35,6 @@ def run_changes(
     if before.evidence is not None and after.evidence is not None:
         texts += _evidence_changes(before.evidence, after.evidence)
     return tuple(texts)
-
-
-def unrun_files(version: ControllerVersion) -> tuple[str, ...]:
-    """Return the files with blocks whose code is not the one that ran, by the lock."""
-    if version.entry is None:
-        return ()
-    ran = RunInputs.from_data(version.entry.inputs).sources
-    return tuple(
-        file
-        for file, source in sorted(version.sources.items())
-        if not is_c_like(file)
-        and (digest := ran.get(os.path.relpath(file, version.folder))) is not None
-        and digest != code_digest(source, file)
-    )
 
 
 def _evidence_changes(before: Evidence, after: Evidence) -> Iterator[str]:

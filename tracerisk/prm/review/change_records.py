@@ -339,8 +339,9 @@ class RiskDiff:
     """Verdicts of both runs; `None` where neither version has a run in its lock."""
     causes: tuple[CauseShare, ...] = ()
     """The changes by component and kind of cause, the greatest contribution first."""
-    unrun: tuple[str, ...] = ()
-    """Files of the later version whose code is not the code that ran."""
+    stale: tuple[str, ...] = ()
+    """What has changed since the run behind the later version's blocks, or that no run of it is
+    known; one sentence each."""
     outcome: OutcomeChanges | None = None
     """How the later run's outcome differs from the earlier run's; `None` if either is unknown."""
 
@@ -396,7 +397,7 @@ class RiskDiff:
         runs = self.verdicts
         if runs is not None and (runs.new_acceptances or runs.does_less or _is_news(runs)):
             return True
-        if self.unrun or (self.outcome is not None and self.outcome.of_mission):
+        if self.stale or (self.outcome is not None and self.outcome.of_mission):
             return True
         marks = {mark for change in self.changes for mark in change.marks}
         if marks & {"lost_redundancy", "single_point_of_failure"}:

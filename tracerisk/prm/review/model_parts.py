@@ -44,7 +44,7 @@ class RiskVersion(NamedTuple):
         """Return the version with new names for some of its functions."""
         if not names:
             return self
-        blocks = [_renamed(block, names) for block in self.blocks.values()]
+        blocks = [renamed_block(block, names) for block in self.blocks.values()]
         return RiskVersion.of_blocks(blocks, self.model.name)
 
     @property
@@ -53,7 +53,8 @@ class RiskVersion(NamedTuple):
         return {state.name: state for state in self.model.states}
 
 
-def _renamed(block: RiskBlock, names: Mapping[str, str]) -> RiskBlock:
+def renamed_block(block: RiskBlock, names: Mapping[str, str]) -> RiskBlock:
+    """Return a block with new names for functions, in its own name and in its `next`."""
     following = block.next
     if following is not None:
         steps = tuple(

@@ -61,14 +61,16 @@ def headline(review: Review, *, below_verdicts: bool = False) -> str:
         lead = f"The runs of {len(apart)} of {len(review.controllers)} controllers"
         first = sentence(apart[0], below_verdict=below_verdicts)
         return f"{lead} cannot be compared. The first: {first}."
-    unrun = [controller for controller in review.controllers if controller.unrun]
-    if not changed and unrun:
-        lead = f"Not run since they changed: {len(unrun)} of {len(review.controllers)} controllers"
-        return f"{lead}. The first: {sentence(unrun[0])}."
+    stale = [controller for controller in review.controllers if controller.stale]
+    if not changed and stale:
+        lead = (
+            f"Not assessed as they are now: {len(stale)} of {len(review.controllers)} controllers"
+        )
+        return f"{lead}. The first: {sentence(stale[0])}."
     if not changed:
         return f"The risk of {len(review.controllers)} controllers is unchanged."
     lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
-    return f"{lead}, most of all {sentence(changed[0])}."
+    return f"{lead}. The greatest change: {sentence(changed[0])}."
 
 
 def verdict_lines(review: Review) -> list[str]:
@@ -173,28 +175,28 @@ def _can_tell(diff: RiskDiff) -> bool:
 def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
     """Return what a change did to one controller's risk, without the full stop."""
     if diff.outcome is not None and not diff.is_same_mission and _can_tell(diff):
-        return _other_mission(diff, diff.outcome) + _unrun(diff)
+        return _other_mission(diff, diff.outcome) + _stale(diff)
     if diff.verdicts is not None and not diff.is_comparable:
         return _incomparable(diff, diff.verdicts, below_verdict=below_verdict)
     if diff.before is None:
         assert diff.after is not None, "one version at least has blocks"
         figure = probability(diff.after.failure_probability)
+        if diff.stale:
+            return f"{diff.name} {not_assessed(diff)}; its blocks give {figure}; {_remedy(diff)}"
         return f"{diff.name} is assessed for the first time: its mission fails with {figure}"
     if diff.after is None:
         figure = probability(diff.before.failure_probability)
         return f"{diff.name} has no risk blocks any more; its mission failed with {figure}"
     old, new = diff.before.failure_probability, diff.after.failure_probability
-    if diff.is_unchanged and diff.unrun and not _structural(diff):
-        verb = "has" if len(diff.unrun) == 1 else "have"
+    if diff.is_unchanged and diff.stale and not _structural(diff):
         return (
-            f"{diff.name} is not assessed as it is now: {some(diff.unrun)} {verb} changed since "
-            f"the run that gave {probability(new)}; `tracerisk refresh {diff.name}` runs it"
+            f"{diff.name} {not_assessed(diff)}; its blocks give {probability(new)}; {_remedy(diff)}"
         )
     if diff.is_unchanged:
         text = f"{diff.name}: mission failure is unchanged at {probability(new)}"
         if diff.outcome is not None and diff.outcome.of_mission:
             text += f", yet the way is another: {(*diff.outcome.lost, *diff.outcome.added)[0]}"
-        return text + (f", yet {_structural(diff)}{_unrun(diff)}" if _structural(diff) else "")
+        return text + (f", yet {_structural(diff)}{_stale(diff)}" if _structural(diff) else "")
     verb = "rises" if new > old else "falls"
     text = (
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
@@ -207,18 +209,27 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
         share = _share(alike[0], diff)
         if len(diff.causes) > 1 or share != "100 %":
             text += f", {share} of the {'rise' if new > old else 'fall'}"
-    return text + _per_cycle(diff) + _unrun(diff)
+    return text + _per_cycle(diff) + _stale(diff)
 
 
-def _unrun(diff: RiskDiff) -> str:
-    """Return that the later figure is not of the code that it stands beside."""
-    if not diff.unrun:
-        return ""
-    verb = "has" if len(diff.unrun) == 1 else "have"
-    return (
-        f"; {some(diff.unrun)} {verb} changed since the run that gave these figures: "
-        f"`tracerisk refresh {diff.name}`"
-    )
+def _stale(diff: RiskDiff) -> str:
+    """Return that the later figure is not of the version that it stands beside."""
+    return f"; {diff.name} {not_assessed(diff)}; {_remedy(diff)}" if diff.stale else ""
+
+
+def not_assessed(diff: RiskDiff) -> str:
+    """Return why the blocks of a controller are not those of a run of it as it is."""
+    is_run = diff.verdicts is not None and diff.verdicts.in_after
+    since = "since its last run " if is_run else ""
+    return f"is not assessed as it is now: {since}{some(diff.stale)}"
+
+
+def _remedy(diff: RiskDiff) -> str:
+    """Return the command that makes the blocks those of the later version."""
+    if is_c(diff.name):
+        return f"`tracerisk annotate {diff.name} --log LOG` writes them again"
+    verb = "refresh" if diff.verdicts is not None else "run"
+    return f"`tracerisk {verb} {diff.name}` writes them again"
 
 
 def _because(cause: CauseShare) -> str:
@@ -250,7 +261,8 @@ def _per_cycle(diff: RiskDiff) -> str:
         return ""
     counts = diff.before.expected_cycles, diff.after.expected_cycles
     if not is_noise(*counts):
-        why = f"the mission has {count(counts[1])} cycles, it had {count(counts[0])}"
+        plural = "" if count(counts[1]) == "1" else "s"
+        why = f"the mission has {count(counts[1])} cycle{plural}, it had {count(counts[0])}"
     else:
         why = (
             "all redundant units work when it begins, and failures that stay hidden add up in "

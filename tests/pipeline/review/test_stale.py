@@ -1,0 +1,175 @@
+"""A version that nobody has run: its figure is that of another, and no limit holds for it."""
+
+import pytest
+
+from tests.pipeline.review.test_review import lock_of, only, write
+from tracerisk.common.text.digests import sha256
+from tracerisk.common.text.plain_data import plain_data
+from tracerisk.common.verdict import Coverage, Verdict
+from tracerisk.instrument.source.code_digest import code_digest
+from tracerisk.pipeline.review.review import review
+
+SETTINGS = '[tool.tracerisk]\nhardware = "hw.yaml"\n'
+HARDWARE = "components:\n  motor: {failure_rate: {value: RATE, per: hour}, source: SOURCE}\n"
+COMPLETE = plain_data(Verdict("complete", (), Coverage(1, 1)))
+LIMITS = ("--max-increase", "0.1"), ("--max-failure-probability", "0.5")
+
+
+def hardware(rate="1e-7", source="IEC 61709"):
+    return HARDWARE.replace("RATE", rate).replace("SOURCE", source)
+
+
+@pytest.fixture
+def cell(repository, annotated_source):
+    """A controller whose run depended on settings, a hardware description and a scene."""
+    source = annotated_source(pick=("place 1", "motor = 1e-7"), place=("done 1", "gripper = 2e-07"))
+    files = {"pick.py": source, "helper.py": "REACH = 0.2\n"}
+    entry = lock_of(
+        {"pick.py": source},
+        "pick.py",
+        sources={name: code_digest(text.encode(), name) for name, text in files.items()},
+        files={"scene.xml": sha256(b"<mujoco/>")},
+        settings={"hardware": "hw.yaml", "tracerisk": "0.1"},
+        hardware=sha256(hardware().encode()),
+    )
+    entry = replace(entry, trace={"verdict": COMPLETE})
+    more = {"pyproject.toml": SETTINGS, "hw.yaml": hardware(), "scene.xml": "<mujoco/>"}
+    write(repository, {**files, **more}, ("pick.py", entry))
+    repository.commit()
+    return repository
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "said"),
+    [
+        ("hw.yaml", hardware("3e-7"), "hw.yaml has changed"),
+        ("helper.py", "REACH = 0.5\n", "helper.py has changed"),
+        ("scene.xml", "<mujoco><worldbody/></mujoco>", "scene.xml has changed"),
+        ("pyproject.toml", f"{SETTINGS}seed = 4\n", "setting seed was the default, is 4"),
+        (
+            "pyproject.toml",
+            "[tool.tracerisk]\n",
+            "setting hardware was hw.yaml, is the default",
+        ),
+    ],
+)
+@pytest.mark.parametrize("limit", LIMITS)
+@pytest.mark.parametrize("committed", [False, True])
+def test_a_change_that_nobody_has_run_is_said_and_passes_no_limit(
+    cell, file, text, said, limit, committed
+):
+    cell.write(file, text)
+    versions = ["HEAD"]
+    if committed:
+        cell.commit()
+        versions = ["HEAD~1..HEAD"]
+    found = only(review(versions, cell.folder))
+    assert found.stale == (said,)
+    done = cell.run("diff", *versions)
+    assert done.code == 0
+    assert f"pick.py is not assessed as it is now: since its last run {said}" in " ".join(
+        done.out.split()
+    )
+    assert "falls" not in done.out
+    done = cell.run("diff", *versions, *limit)
+    assert done.code == 1
+    assert f"{said}; {limit[0]}" in done.err
+
+
+def test_what_changes_no_run_is_no_change(cell):
+    cell.write("README.md", "A cell\n")
+    cell.write("pyproject.toml", f"# a comment\n{SETTINGS}max_failure_probability = 0.1\n")
+    cell.write("helper.py", "# said better\nREACH = 0.2\n")
+    assert review([], cell.folder).controllers == ()
+
+
+def test_a_file_that_is_gone_is_said(cell):
+    (cell.folder / "scene.xml").unlink()
+    assert only(review([], cell.folder)).stale == ("scene.xml is gone",)
+
+
+def test_a_changed_input_is_looked_at_from_a_subfolder_and_by_the_name_that_is_typed_there(cell):
+    cell.write("sub/x.txt", "")
+    cell.write("hw.yaml", hardware("3e-7"))
+    assert only(review([], cell.folder / "sub")).stale == ("../hw.yaml has changed",)
+
+
+@pytest.mark.parametrize("lost", ["pick", "place"])
+def test_a_function_that_is_gone_makes_nothing_look_safer(cell, lost):
+    text = (cell.folder / "pick.py").read_text()
+    at = text.index(f"def {lost}(")
+    after = text.find("\ndef ", at)
+    cell.write("pick.py", text[:at] + ("" if after < 0 else text[after + 1 :]))
+    found = only(review([], cell.folder))
+    assert found.stale == ("pick.py has changed",)
+    assert found.is_unchanged
+    assert cell.run("diff", "--max-increase", "0.1").code == 1
+
+
+@pytest.mark.parametrize("also", ["", "name = ", "next = "])
+def test_a_function_that_was_renamed_keeps_its_figure(cell, also):
+    text = (cell.folder / "pick.py").read_text().replace("def place(", "def put(")
+    if also:
+        text = text.replace("name = place", "name = put")
+    if also == "next = ":
+        text = text.replace("next = place", "next = put")
+    cell.write("pick.py", text)
+    found = only(review([], cell.folder))
+    assert found.stale == ("pick.py has changed",)
+    assert found.is_unchanged
+    assert [(one.name, one.was) for one in found.functions] == [("pick", None), ("put", "place")]
+
+
+def test_a_copy_that_no_run_wrote_is_no_assessment(cell):
+    copy = (cell.folder / "pick.py").read_text()
+    cell.write("copy.py", copy)
+    cell.commit()
+    found = only(review(["HEAD~1..HEAD"], cell.folder))
+    assert found.stale == ("tracerisk.lock knows no run of it",)
+    done = cell.run("diff", "HEAD~1..HEAD", "--max-failure-probability", "0.5")
+    assert done.code == 1
+    assert "assessed for the first time" not in done.out
+
+
+CLASS = """\
+class Cell:
+    def go(self, arm):
+        BLOCK
+        arm.go("part")
+
+    def never(self, arm):
+        self.helper(arm)
+
+    def helper(self, arm):
+        arm.go("tray")
+
+
+def apart(arm):
+    arm.go("box")
+"""
+
+
+@pytest.mark.parametrize(
+    "names", [[("Cell", "Zelle")], [("apart", "aside")], [("Cell", "Zelle"), ("apart", "aside")]]
+)
+def test_what_never_ran_is_no_news_under_another_name(repository, annotated_source, names):
+    block = annotated_source(go=("done 1", "motor = 1e-7")).split("\n")
+    lines = [line.strip() for line in block if line.strip().startswith("#")]
+    text = CLASS.replace("BLOCK", "\n        ".join(lines)).replace("name = go", "name = Cell.go")
+    never = ["Cell.helper", "Cell.never", "apart"]
+    for version in (0, 1):
+        if version:
+            for old, new in names:
+                text = text.replace(old, new)
+                never = [name.replace(old, new) for name in never]
+        entry = lock_of({"pick.py": text}, "pick.py")
+        trace = {"verdict": COMPLETE, "uncovered": {"pick.py": never}}
+        entry = replace(entry, trace=trace)
+        write(repository, {"pick.py": text}, ("pick.py", entry))
+        if not version:
+            repository.commit()
+    found = only(review([], repository.folder))
+    assert found.of_run == (
+        "what the earlier run brought about is not known: its lock does not say",
+        "what the later run brought about is not known: its lock does not say",
+    )

@@ -1,0 +1,236 @@
+"""What the run behind a version's blocks depended on, as that version has it: nothing is run."""
+
+from __future__ import annotations
+
+import os
+import posixpath
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from tracerisk.adder.lock.lock import ControllerLock
+from tracerisk.common.text.digests import sha256
+from tracerisk.config import Settings, loads_toml
+from tracerisk.errors import SettingsError, TraceRiskError
+from tracerisk.instrument.source.code_digest import code_digest
+from tracerisk.instrument.source.language import is_c_like
+from tracerisk.pipeline.check.check import given_options
+from tracerisk.pipeline.freshness.freshness import (
+    GONE,
+    RunInputs,
+    hardware_digest,
+    settings_data,
+)
+from tracerisk.pipeline.review.git_versions import GitVersion
+from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.pipeline.workspace.project import Project
+
+if TYPE_CHECKING:
+    from tracerisk.common.hardware.model import Hardware
+
+PROJECT_FILE = "pyproject.toml"
+_SYSML = ".sysml"
+
+
+class RunOfVersion(NamedTuple):
+    """A run that a version's lock knows, and the version."""
+
+    version: GitVersion
+    """The version of the repository."""
+    controller: str
+    """The path of the controller from the top."""
+    entry: ControllerLock
+    """The entry of the controller in the lock."""
+    folder: str
+    """The folder of the lock, from the top."""
+
+    @property
+    def recorded(self) -> RunInputs:
+        """What the run depended on."""
+        return RunInputs.from_data(self.entry.inputs)
+
+    def path_of(self, file: str) -> str | None:
+        """Return the path of an input from the top; `None` for one outside the repository."""
+        path = posixpath.normpath(posixpath.join(self.folder, file))
+        return None if path.startswith(("../", "/")) else path
+
+    @property
+    def paths(self) -> Iterator[str]:
+        """The paths of all that the run depended on, and of the settings."""
+        recorded = self.recorded
+        named = [PROJECT_FILE, *recorded.sources, *recorded.files]
+        hardware = recorded.settings.get("hardware")
+        if isinstance(hardware, str):
+            named.append(hardware)
+        yield from (path for path in map(self.path_of, named) if path is not None)
+
+
+def depends_on(run: RunOfVersion, changed: Collection[str]) -> bool:
+    """Return whether a run depended on a changed file, or on one beside its SysML description."""
+    if any(path in changed for path in run.paths):
+        return True
+    hardware = run.path_of(str(run.recorded.settings.get("hardware", "")))
+    return hardware is not None and any(
+        path in changed for path in _beside(hardware, sorted(changed))
+    )
+
+
+def inputs_now(
+    run: RunOfVersion, sources: Mapping[str, bytes], changed: Collection[str]
+) -> RunInputs:
+    """Return what the run depended on, as the version has it.
+
+    `sources` are the version's annotated sources. Of other files only those that are in `changed`
+    are looked at: what git does not track, or links to, is not in a commit.
+    Raises TraceRiskError where a source or the settings cannot be read.
+    """
+    recorded = run.recorded
+    now = replace(
+        recorded,
+        sources={
+            file: _code(run, file, digest, sources, changed)
+            for file, digest in recorded.sources.items()
+        },
+        files={file: _file(run, file, digest, changed) for file, digest in recorded.files.items()},
+    )
+    settings = _settings_now(run, changed)
+    if settings is not None:
+        now = replace(now, settings=settings)
+    return replace(now, hardware=_hardware_now(run, now, changed))
+
+
+def description_of(run: RunOfVersion, inputs: RunInputs) -> Hardware | None:
+    """Return the hardware description that the settings of a version name, else the shipped one.
+
+    `None` for one that the version does not have, or that cannot be read.
+    """
+    from tracerisk.common.hardware.formats import read_description
+    from tracerisk.common.hardware.shipped import hardware_of
+
+    name = inputs.settings.get("hardware")
+    if name is None:
+        return hardware_of(str(run.entry.trace.get("robot", "")))
+    path = run.path_of(str(name))
+    if path is None:
+        return None
+    try:
+        with _as_files(run.version, _described_by(run.version, path)) as top:
+            return read_description(top / path, shown=path)
+    except TraceRiskError:
+        return None
+
+
+def _code(
+    run: RunOfVersion,
+    file: str,
+    digest: str,
+    sources: Mapping[str, bytes],
+    changed: Collection[str],
+) -> str:
+    path = run.path_of(file)
+    if path is None or is_c_like(file):
+        return digest
+    if path in sources:
+        return code_digest(sources[path], path)
+    if path not in changed:
+        return digest
+    content = run.version.file(path)
+    return GONE if content is None else code_digest(content, path)
+
+
+def _file(run: RunOfVersion, file: str, digest: str, changed: Collection[str]) -> str:
+    path = run.path_of(file)
+    if path is None or path not in changed:
+        return digest
+    content = run.version.file(path)
+    return GONE if content is None else sha256(content)
+
+
+def _settings_now(run: RunOfVersion, changed: Collection[str]) -> dict[str, Any] | None:
+    """Return the settings of a version as the lock keeps them; `None` where they cannot differ."""
+    project = run.path_of(PROJECT_FILE)
+    if project is None or (project not in changed and run.controller not in changed):
+        return None
+    script = run.version.file(run.controller)
+    if script is None or (project not in changed and b"# /// script" not in script):
+        return None
+    recorded = run.recorded
+    text = run.version.file(project)
+    names = [run.controller, *([] if text is None else [project]), *_own_tables(run, text)]
+    with _as_files(run.version, names) as top:
+        root = top / run.folder
+        controller = load_controller(top / run.controller, Project(root))
+        try:
+            settings: Settings = controller.settings
+        except SettingsError as error:
+            place = error.location
+            if place is not None:
+                file = os.path.relpath(place.file, top)
+                place = replace(place, file=file)
+            raise SettingsError(error.message, place) from error
+        data = settings_data(settings.with_options(given_options(recorded, controller)), root)
+    # Which tracerisk looks is no change of the settings, nor that a trace was measured.
+    kept = {name: recorded.settings[name] for name in ("measured",) if name in recorded.settings}
+    data.pop("tracerisk", None)
+    if "tracerisk" in recorded.settings:
+        kept["tracerisk"] = recorded.settings["tracerisk"]
+    return {**data, **kept}
+
+
+def _own_tables(run: RunOfVersion, text: bytes | None) -> Iterator[str]:
+    """Yield the controllers that have a table of their own in the settings: they must be there."""
+    try:
+        table: Any = loads_toml((text or b"").decode())
+        for key in ("tool", "tracerisk", "controllers"):
+            table = table.get(key, {})
+    except (ValueError, AttributeError):
+        return  # whoever reads the settings says what is wrong
+    for name in table:
+        path = run.path_of(name)
+        if path is not None and run.version.file(path) is not None:
+            yield path
+
+
+def _hardware_now(run: RunOfVersion, now: RunInputs, changed: Collection[str]) -> str:
+    recorded = run.recorded
+    name = now.settings.get("hardware")
+    if name is None:
+        return ""
+    path = run.path_of(str(name))
+    is_same = name == recorded.settings.get("hardware")
+    if path is None or (is_same and path not in changed and not _beside(path, sorted(changed))):
+        return recorded.hardware
+    with _as_files(run.version, _described_by(run.version, path)) as top:
+        return hardware_digest(Settings(hardware=str(top / path)))
+
+
+def _described_by(version: GitVersion, path: str) -> list[str]:
+    """Return the files that a description may be read from: itself, and of SysML those beside."""
+    names = version.names_in(posixpath.dirname(path)) if path.endswith(_SYSML) else []
+    return list(dict.fromkeys([path, *_beside(path, names)]))
+
+
+def _beside(path: str, names: Collection[str]) -> list[str]:
+    """Return which of the paths are SysML files in the folder of a SysML description."""
+    if not path.lower().endswith(_SYSML):
+        return []
+    folder = PurePosixPath(path).parent
+    return [
+        name for name in names if name.endswith(_SYSML) and PurePosixPath(name).parent == folder
+    ]
+
+
+@contextmanager
+def _as_files(version: GitVersion, paths: Collection[str]) -> Iterator[Path]:
+    """Yield a folder that holds those of the files that the version has, by their paths."""
+    with TemporaryDirectory(prefix="tracerisk-") as name:
+        top = Path(name).resolve()
+        for path in paths:
+            content = version.file(path)
+            if content is not None:
+                (top / path).parent.mkdir(parents=True, exist_ok=True)
+                (top / path).write_bytes(content)
+        yield top
