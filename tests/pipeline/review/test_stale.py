@@ -1,5 +1,7 @@
 """A version that nobody has run: its figure is that of another, and no limit holds for it."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests.pipeline.review.test_review import lock_of, only, write
@@ -173,3 +175,20 @@ def test_what_never_ran_is_no_news_under_another_name(repository, annotated_sour
         "what the earlier run brought about is not known: its lock does not say",
         "what the later run brought about is not known: its lock does not say",
     )
+
+
+def test_check_finds_blocks_that_no_run_wrote(cell):
+    assert cell.run("check").code == 1  # the settings say more than this run had
+    copy = (cell.folder / "pick.py").read_text()
+    cell.write("more/copy.py", copy)
+    cell.write("more/own/package.xml", "<package/>")
+    cell.write("more/own/by_hand.py", copy)
+    cell.write(
+        "more/own/by_tool.py", copy.replace("RiskAnnotation", "RiskAnnotation BmIYUI-ZtZrQ2")
+    )
+    cell.write("more/text.py", f'TEXT = """\n{copy}"""\n')
+    found = cell.run("check")
+    assert found.code == 1
+    unknown = [line.partition(":")[0] for line in found.out.splitlines() if ": unknown: " in line]
+    assert unknown == ["more/copy.py", "more/own/by_tool.py"]
+    assert "more/copy.py:1: unknown: tracerisk.lock knows nothing of its 2 risk blocks" in found.out

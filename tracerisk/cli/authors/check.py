@@ -79,10 +79,15 @@ def _watch(options: argparse.Namespace, projects: Projects) -> NoReturn:
 
 
 def _paths(options: argparse.Namespace, projects: Projects) -> Sequence[Path]:
-    """Return the controllers to check; raise InputError where none is known."""
-    from tracerisk.pipeline.freshness.known_controllers import named_or_all
+    """Return the controllers to check; raise InputError where none is known.
 
-    return named_or_all(options.files, projects)
+    Where no file is named, those are among them whose blocks no run wrote.
+    """
+    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
+
+    if options.files:
+        return controllers_of(options.files, projects)
+    return all_controllers(projects, with_unknown=True)
 
 
 def _check(options: argparse.Namespace, projects: Projects) -> int:

@@ -95,8 +95,8 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     if entry is None:
         blocks = read_blocks(controller.source, str(controller.path))
         check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
-        message = f"{LOCK_NAME} knows nothing of its {len(blocks)} risk blocks"
-        finding = CheckFinding("unknown", message, place)
+        number = "risk block" if len(blocks) == 1 else f"{len(blocks)} risk blocks"
+        finding = CheckFinding("unknown", f"{LOCK_NAME} knows nothing of its {number}", place)
         return Checked(controller.path, (with_remedy(finding, controller.path),))
     recorded = RunInputs.from_data(entry.inputs)
     settings = controller.settings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -12,7 +13,7 @@ from typing import TypeVar
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock, LockError, lock_key
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.config import controller_root
-from tracerisk.errors import InputError, Location
+from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.workspace.controller import Controller
@@ -21,6 +22,7 @@ from tracerisk.pipeline.workspace.project import Project, Projects
 T = TypeVar("T")
 
 _MOST_FOLDERS = 20_000
+_DIGEST = re.compile(rb"RiskAnnotation [0-9A-Za-z]{6}")
 _OF_ALL = ("pyproject.toml", LOCK_NAME)  # what every controller of a root depends on
 
 
@@ -60,10 +62,13 @@ def controllers_of(files: Sequence[Path | str], projects: Projects) -> tuple[Pat
         for name in users:
             controller = path if name == key else _shown(root / name, path)
             paths.setdefault(controller.resolve(), controller)
-        is_source = path.suffix == ".py" or is_c(path.name)
-        if not users and is_source and b"RiskAnnotation" in path.read_bytes():
+        if not users and _is_source(path.name) and b"RiskAnnotation" in path.read_bytes():
             paths.setdefault(path.resolve(), path)
     return tuple(paths[item] for item in sorted(paths))
+
+
+def _is_source(name: str) -> bool:
+    return name.endswith(".py") or is_c(name)
 
 
 def controllers_in(root: Path, projects: Projects) -> tuple[Path, ...]:
@@ -82,16 +87,19 @@ def named_or_all(files: Sequence[Path | str], projects: Projects) -> tuple[Path,
     return controllers_of(files, projects) if files else all_controllers(projects)
 
 
-def all_controllers(projects: Projects) -> tuple[Path, ...]:
+def all_controllers(projects: Projects, *, with_unknown: bool = False) -> tuple[Path, ...]:
     """Return every controller of the locks in and below this folder: where no file is named.
 
-    Where there is none, those of the lock of the project that this folder is part of.
+    Where there is none, those of the lock of the project that this folder is part of. If asked,
+    the `unknown_controllers` in this folder are among them.
     Raises InputError where that has none either.
     """
     controllers = controllers_in(Path(), projects)
     if not controllers:
         above = controllers_in(controller_root(Path("here.py")), projects)
         controllers = tuple(Path(os.path.relpath(path)) for path in above)
+    if with_unknown:
+        controllers = tuple(sorted({*controllers, *unknown_controllers(Path(), projects)}))
     if not controllers:
         raise InputError(f"no {LOCK_NAME} in or below this folder knows a controller; name a FILE")
     return controllers
@@ -99,14 +107,61 @@ def all_controllers(projects: Projects) -> tuple[Path, ...]:
 
 def lock_folders(root: Path) -> Iterator[Path]:
     """Yield the folders in and below one that have a lock; hidden ones and packages left out."""
+    for folder, files in _folders(root):
+        if LOCK_NAME in files:
+            yield folder
+
+
+def _folders(root: Path) -> Iterator[tuple[Path, Sequence[str]]]:
+    """Yield the folders in and below one with the names of their files."""
     for folder, folders, files in islice(os.walk(root), _MOST_FOLDERS):
         folders[:] = sorted(
             name for name in folders if not name.startswith(".") and name != "node_modules"
         )
         if "pyvenv.cfg" in files:
             folders.clear()
-        elif LOCK_NAME in files:
-            yield Path(folder)
+        else:
+            yield Path(folder), files
+
+
+def unknown_controllers(root: Path, projects: Projects) -> tuple[Path, ...]:
+    """Return the sources in and below a folder with blocks that no run wrote there, sorted.
+
+    These are the ones that no lock knows beside a lock, or with the digest of a run elsewhere.
+    Raises InputError where a lock cannot be read.
+    """
+    return tuple(
+        sorted(
+            folder / name
+            for folder, files in _folders(root)
+            for name in files
+            if _is_source(name) and _is_unknown(folder / name, projects)
+        )
+    )
+
+
+def _is_unknown(path: Path, projects: Projects) -> bool:
+    try:
+        source = path.read_bytes() if path.is_file() and not path.is_symlink() else b""
+    except OSError:
+        return False  # whose file it is has to make it readable
+    if b"RiskAnnotation" not in source:
+        return False
+    project = projects.of(path)
+    key = lock_key(path, project.root)
+    lock = project.lock
+    if any(key == name or key in entry.blocks for name, entry in lock.controllers.items()):
+        return False
+    try:
+        blocks = read_blocks(source, str(path))
+    except TraceRiskError:
+        return False  # it is no controller that could run
+    return bool(blocks) and (bool(lock.controllers) or has_digest(source))
+
+
+def has_digest(source: bytes) -> bool:
+    """Return whether a source has a block that tracerisk wrote, here or elsewhere."""
+    return _DIGEST.search(source) is not None
 
 
 def locks_in(root: Path, projects: Projects) -> Iterator[tuple[Path, Lock]]:

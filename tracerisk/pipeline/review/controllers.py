@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
@@ -14,6 +13,7 @@ from tracerisk.adder.lock.reading import loads
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.freshness.known_controllers import has_digest
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
 from tracerisk.pipeline.review.changed_inputs import changed_inputs
 from tracerisk.pipeline.review.git_versions import GitVersion
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 NOT_RUN = f"{LOCK_NAME} knows no run of it"
 """Why the blocks of a controller that no lock knows are stale."""
-
-_DIGEST = re.compile(rb"RiskAnnotation [0-9A-Za-z]{6}")
 
 
 class ControllerVersion(NamedTuple):
@@ -270,7 +268,7 @@ def _version(
     }
     run = locks.run_of(controller)
     if known is None or run is None:
-        is_left_out = any(map(_is_by_tool, sources.values())) or locks.is_beside_lock(controller)
+        is_left_out = any(map(has_digest, sources.values())) or locks.is_beside_lock(controller)
         not_run = (NOT_RUN,) if sources and is_left_out else ()
         return ControllerVersion(sources, None, ".", stale=not_run)
     evidence = locks.evidence_of(controller, known.folder)
@@ -285,11 +283,6 @@ def _version(
 def _shown(run: RunOfVersion, file: str, locks: Locks) -> str:
     path = run.path_of(file)
     return file if path is None else locks.shown(path)
-
-
-def _is_by_tool(source: bytes) -> bool:
-    """Return whether a source has a block with a digest: the tool has written it, here or not."""
-    return _DIGEST.search(source) is not None
 
 
 class NamedVersion(Protocol):
