@@ -353,3 +353,21 @@ def test_a_folder_stands_for_all_that_its_lock_knows(project):
     outcome = project.run("check", "empty")
     assert outcome.code == 2
     assert "empty: no tracerisk.lock in or below it knows a controller" in outcome.err
+
+
+def test_a_refresh_that_goes_wrong_keeps_the_blocks_of_a_good_run(project):
+    change(project, "c.py", "\nhome()\n", '\nraise ValueError("no part")\n')
+    before = {name: project.read(name) for name in ("c.py", "tracerisk.lock")}
+    outcome = project.run("refresh", "c.py")
+    assert outcome.code == 1
+    assert {name: project.read(name) for name in before} == before
+    lines = [line for line in outcome.err.splitlines() if line.startswith("c.py: ")]
+    assert lines[0].startswith("c.py: faulted: the controller raised ValueError: no part")
+    assert lines[1].startswith(
+        "c.py: unchanged (c.py has changed): the blocks of its last good run"
+    )
+    assert len(lines) == 2
+    assert check(project)[1] == [("stale", "c.py", 1)]
+    # A run that is asked for by name writes what it shows.
+    assert project.run("run", "c.py").code == 1
+    assert project.read("c.py") != before["c.py"]

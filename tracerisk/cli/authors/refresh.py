@@ -81,15 +81,24 @@ def run(options: argparse.Namespace) -> int:
         )
         if done.annotated is not None:
             note_draft(done.annotated.trace, quiet=options.quiet)
-        state = "changed" if done.is_changed else "unchanged"
         note(f"{path}: {verdict_line(as_typed(done.verdict, path))}", quiet=options.quiet)
-        note(f"{path}: {state} ({done.reason})", quiet=options.quiet)
+        note(f"{path}: {_state(done, path)}", quiet=options.quiet)
     forgotten = _forget_gone(paths, options)
     if forgotten and options.check:
         code = max(code, ExitCode.WOULD_CHANGE)
     if options.json:
         print_json("refresh", exit_code=int(code), controllers=outcomes, forgotten=forgotten)
     return int(code)
+
+
+def _state(done: Refreshed, path: Path) -> str:
+    """Return what became of the blocks of a controller, and why."""
+    if done.how != "kept":
+        return f"{'changed' if done.is_changed else 'unchanged'} ({done.reason})"
+    return (
+        f"unchanged ({done.reason}): the blocks of its last good run stay, and are stale; mend the "
+        f"controller and refresh it again, or `tracerisk run {path}` writes those of this run"
+    )
 
 
 def _forget_gone(paths: Sequence[Path], options: argparse.Namespace) -> list[str]:

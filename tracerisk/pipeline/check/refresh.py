@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.adder.lock.lock import lock_key
+from tracerisk.adder.lock.lock import ControllerLock, lock_key
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.verdict import Verdict
@@ -26,8 +26,9 @@ from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.trace import Trace
 
-How = Literal["fresh", "recomputed", "simulated"]
-"""Nothing was to do; values were recomputed from a cached trace; the controller was run."""
+How = Literal["fresh", "recomputed", "simulated", "kept"]
+"""Nothing was to do; values were recomputed from a cached trace; the controller was run; it was
+run, went wrong, and the blocks of its last good run stay."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class Refreshed:
     reason: str
     """Why it was done so, in words."""
     annotated: Annotated | None = None
-    """The sources and lock to write; `None` where they are fresh."""
+    """The sources and lock to write; `None` where they are fresh, or stay as they are."""
     verdict: Verdict | None = None
     """The verdict of the run behind the blocks; `None` where none is known."""
 
@@ -96,6 +97,9 @@ def refresh_controller(
     if trace is None:
         trace = trace_controller(controller, settings, progress=progress)
         _check_end(trace, str(controller.path))
+    text = "; ".join(reasons) or "values recomputed from the cached trace"
+    if not (policy is not None and policy.fresh) and _would_lose(entry, trace):
+        return Refreshed("kept", text, verdict=trace.verdict)
     if progress is not None:
         progress("annotating", trace.end.simulated_s or 0.0)
     annotated = annotate(
@@ -106,8 +110,17 @@ def refresh_controller(
         policy=policy,
         given=given,
     )
-    text = "; ".join(reasons) or "values recomputed from the cached trace"
     return Refreshed(how, text, annotated, trace.verdict)
+
+
+def _would_lose(entry: ControllerLock | None, trace: Trace) -> bool:
+    """Return whether blocks of a run that went well would give way to those of one that did not.
+
+    A run that went wrong shows less: the blocks of what it did not reach would go.
+    """
+    before = None if entry is None else kept_verdict(entry)
+    is_good = before is not None and before.kind in ("complete", "partial")
+    return is_good and trace.verdict is not None and trace.verdict.kind in ("faulted", "stuck")
 
 
 def _check_end(trace: Trace, path: str) -> None:
