@@ -192,3 +192,17 @@ def test_check_finds_blocks_that_no_run_wrote(cell):
     unknown = [line.partition(":")[0] for line in found.out.splitlines() if ": unknown: " in line]
     assert unknown == ["more/copy.py", "more/own/by_tool.py"]
     assert "more/copy.py:1: unknown: tracerisk.lock knows nothing of its 2 risk blocks" in found.out
+
+
+def test_a_changed_description_is_said_with_old_and_new_figures_and_sources(cell):
+    cell.write("hw.yaml", hardware("3e-7", "data sheet"))
+    said = "motor: failure_rate 1e-07/h (IEC 61709) -> 3e-07/h (data sheet)"
+    assert only(review([], cell.folder)).hardware == (said,)
+    assert said in " ".join(cell.run("diff").out.split())
+    lock = (cell.folder / "tracerisk.lock").read_text()
+    old, new = (sha256(hardware(*given).encode()) for given in ((), ("3e-7", "data sheet")))
+    cell.write("tracerisk.lock", lock.replace(old, new))
+    source = (cell.folder / "pick.py").read_text()
+    cell.write("pick.py", source.replace("1e-7", "3e-7"))
+    refreshed = only(review([], cell.folder))
+    assert (refreshed.hardware, refreshed.stale) == ((said,), ())

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
+import re
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,6 +70,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="print a source with its risk model below it, for `git diff`: `tracerisk docs review`",
     )
+    parser.add_argument(
+        "--link-base",
+        metavar="URL",
+        type=_address,
+        help="where places in Markdown lead, the address before a commit: "
+        "https://github.com/OWNER/NAME/blob (default: what GitHub and GitLab say in their jobs)",
+    )
     shared.add_sarif(parser)
     shared.add_json(parser)
 
@@ -98,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         _print_json(result, code, exceeded)
     elif options.silent_below is None or result.is_worth_telling(options.silent_below):
-        sys.stdout.buffer.write(_rendered(result, options.format).encode(errors="replace"))
+        sys.stdout.buffer.write(_rendered(result, options).encode(errors="replace"))
         sys.stdout.flush()
     for line in exceeded:
         note(f"tracerisk: {line}")
@@ -118,11 +128,12 @@ def _print_json(review: Review, code: ExitCode, exceeded: list[str]) -> None:
     )
 
 
-def _rendered(review: Review, form: str) -> str:
-    if form == "markdown":
+def _rendered(review: Review, options: argparse.Namespace) -> str:
+    if options.format == "markdown":
         from tracerisk.report.diff.markdown import render_diff_markdown
 
-        return render_diff_markdown(review)
+        base = _link_base(os.environ) if options.link_base is None else options.link_base
+        return render_diff_markdown(review, link_base=base or None)
     from tracerisk.report.diff.text import render_diff
 
     return render_diff(review, width=terminal_width())
@@ -228,6 +239,23 @@ def _is_other_mission(diff: RiskDiff) -> bool:
     """Return whether both runs went well, and are of different missions."""
     went_well = diff.verdicts is None or diff.verdicts.is_comparable
     return went_well and not diff.is_same_mission
+
+
+def _link_base(environment: Mapping[str, str]) -> str:
+    """Return where the files of a commit are to be seen, by what a job of CI is told; else ""."""
+    server, name = environment.get("GITHUB_SERVER_URL"), environment.get("GITHUB_REPOSITORY")
+    if server and name:
+        return _address(f"{server}/{name}/blob")
+    project = environment.get("CI_PROJECT_URL")
+    return _address(f"{project}/-/blob") if project else ""
+
+
+def _address(text: str) -> str:
+    if text and not re.fullmatch(r"https?://[\w.~:/%+@-]+", text):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no address such as https://github.com/OWNER/NAME/blob"
+        )
+    return text
 
 
 def _increase(text: str) -> float:

@@ -78,6 +78,8 @@ def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:
         controllers=tuple(sorted(diffs, key=lambda diff: (-abs(diff.increase), diff.name))),
         notes=files.notes,
         prefixes=(what.before.prefix, what.after.prefix),
+        commits=(what.before.commit, what.after.commit),
+        folder=shown.folder,
     )
 
 
@@ -115,6 +117,14 @@ class _Shown:
     def __init__(self, top: Path, folder: Path) -> None:
         self._top = top.resolve()
         self._folder = folder.resolve()
+
+    @property
+    def folder(self) -> str:
+        """The path from the top to where the user stands; empty for the top."""
+        if not self._folder.is_relative_to(self._top):
+            return ""
+        path = self._folder.relative_to(self._top).as_posix()
+        return "" if path == "." else path
 
     def name(self, path: str) -> str:
         shown = os.path.relpath(self._top / path, self._folder)
@@ -192,11 +202,22 @@ def difference(
         diff,
         of_run=(*changes_of_run, *(_of_outcomes(controller) if old and new else ())),
         verdicts=verdicts,
+        hardware=_hardware_changes(controller),
         stale=_stale(controller, diff),
         outcome=_outcome_changes(controller, before is not None and after is not None),
     )
     # Where a run went wrong, no cause of a difference is one.
     return diff if diff.is_comparable else replace(diff, causes=())
+
+
+def _hardware_changes(controller: ReviewedController) -> tuple[str, ...]:
+    """Return what differs in the hardware description between two versions."""
+    old, new = controller.before.hardware, controller.after.hardware
+    if old is None or new is None:
+        return ()
+    from tracerisk.common.hardware.changes import description_changes  # few changes touch it
+
+    return description_changes(old, new)
 
 
 def _renamed_without_block(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -332,6 +333,8 @@ class RiskDiff:
     """Number of values that changed by less than 1 % and count as unchanged."""
     inputs: tuple[str, ...] = ()
     """Inputs of the runs behind the blocks that differ, one sentence each."""
+    hardware: tuple[str, ...] = ()
+    """What differs in the hardware description, a line a value, with both values and sources."""
     of_run: tuple[str, ...] = ()
     """What only the later run showed, such as unexpected contacts and motions without risk
     data; one sentence each."""
@@ -420,6 +423,11 @@ class Review:
     """Remarks on the comparison, one sentence each."""
     prefixes: tuple[str, str] = ("", "")
     """Text before file names of the earlier and the later version, as git writes it (`HEAD:`)."""
+    commits: tuple[str | None, str | None] = (None, None)
+    """The commits of the earlier and the later version; `None` for the working tree."""
+    folder: str = ""
+    """The path from the repository's top to the folder from which files are named; empty for the
+    top."""
     statement: str = FIGURE_STATEMENT
     """What the figures are and are not, for every output."""
 
@@ -431,6 +439,11 @@ class Review:
         of failure, values set by hand and what a run newly showed are reported.
         """
         return any(controller.is_worth_telling(threshold) for controller in self.controllers)
+
+    def path(self, location: Location) -> str | None:
+        """Return the path of a place's file from the repository's top; `None` outside it."""
+        path = posixpath.normpath(posixpath.join(self.folder, location.file))
+        return None if path.startswith(("../", "/")) else path
 
     def place(self, location: Location | None, *, is_gone: bool = False) -> str:
         """Return a place as the user finds it: `place.py:12`, `HEAD:place.py:12` if it is gone."""

@@ -2,63 +2,104 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 
-from tracerisk.prm.review.change_records import FunctionFigures, Review, RiskDiff
+from tracerisk.common.text.one_in import one_in
+from tracerisk.prm.review.change_records import NOISE, FunctionFigures, Review, RiskDiff
 from tracerisk.report.diff import sentences
+from tracerisk.report.diff.links import Links, escaped, in_html
 
 TAG = "<!-- tracerisk-diff -->"
 """By it a bot finds the comment that it wrote before."""
 
 MOST_CONTROLLERS = 50
 MOST_CHANGES = 30
-"""How many controllers and changes of one are shown; GitHub takes 65,536 characters a comment."""
+"""How many controllers and changes of one are shown."""
+MOST_UNFOLDED = 3
+"""Of so many controllers the lists are shown that a reviewer must see; of others they are folded.
+"""
+MOST_CHARACTERS = 65_000
+"""The length of a comment; GitHub takes 65,536 characters."""
 
 _NONE = "none"
-_SPECIAL = re.compile(r"([\\`*_\[\]<>|~])")
 
 
-def render_diff_markdown(review: Review) -> str:
-    """Return the review as Markdown: one sentence, a small table, the rest folded."""
+def render_diff_markdown(review: Review, *, link_base: str | None = None) -> str:
+    """Return the review as Markdown: what went wrong, one sentence, a small table, the rest folded.
+
+    Where nothing changed it is one line. `link_base` is the address that a commit, a path and a
+    line follow, such as `https://github.com/OWNER/NAME/blob`: places lead there.
+    """
+    links = Links(review, link_base)
+    if not review.is_worth_telling(NOISE) and not review.notes:
+        headline = links.text(sentences.headline(review, one_in_n=True))
+        return f"{TAG}\n**{headline}** *{escaped(review.statement)}*\n"
     shown = review.controllers[:MOST_CONTROLLERS]
-    lines = [TAG]
-    verdicts = sentences.verdict_lines(review)[:MOST_CONTROLLERS]
+    head = [TAG]
+    verdicts = sentences.verdict_lines(review, only_wrong=True)[:MOST_CONTROLLERS]
     accepted = [line for risk_diff in shown for line in sentences.acceptances(risk_diff)]
     for line in (*verdicts, *accepted):
-        lines += [_escaped(line), ""]
-    lines += [f"**{_escaped(sentences.headline(review, below_verdicts=True))}**", ""]
-    for risk_diff in shown:
-        for title, entries in sentences.of_missions(risk_diff):
-            of = "" if len(shown) == 1 else f", {risk_diff.name}"
-            lines += _list(title + _escaped(of), entries)
+        head += [links.text(line), ""]
+    headline = sentences.headline(review, below_verdicts=bool(verdicts), one_in_n=True)
+    head += [f"**{links.text(headline)}**", ""]
+    unfolded = [diff for diff in shown if any(_open_lists(diff))][:MOST_UNFOLDED]
+    for risk_diff in unfolded:
+        of = "" if len(shown) == 1 else f", {risk_diff.name}"
+        for title, entries in _open_lists(risk_diff):
+            head += _list(title + escaped(of), entries, links)
     if review.controllers:
-        lines += _table(
-            ("controller", _escaped(review.before), _escaped(review.after), "ratio", "per cycle"),
-            [_figures(risk_diff) for risk_diff in shown],
-            right=(1, 2, 3, 4),
-        )
+        head += _summary(review, shown, links)
+    folded = []
     for risk_diff in shown:
-        parts = list(_parts(review, risk_diff))
+        parts = list(_parts(review, risk_diff, links, with_lists=risk_diff not in unfolded))
         if parts:
-            lines += [
-                "<details>",
-                f"<summary>What changed in {_html(risk_diff.name)}</summary>",
-                "",
-                *parts,
-                "</details>",
-                "",
-            ]
-    notes = [_escaped(note) for note in review.notes]
+            title = f"<summary>What changed in {in_html(risk_diff.name)}</summary>"
+            folded.append(["<details>", title, "", *parts, "</details>", ""])
+    notes = [escaped(note) for note in review.notes]
     if len(review.controllers) > len(shown):
         notes.insert(0, f"and {len(review.controllers) - len(shown)} more controllers")
-    if notes:
-        lines += [*(f"- {note}" for note in notes), ""]
-    lines.append(f"*{_escaped(review.statement)}*")
-    return "\n".join(lines) + "\n"
+    return _fitting(head, folded, notes, f"*{escaped(review.statement)}*")
 
 
-def _figures(diff: RiskDiff) -> tuple[str, ...]:
+def _fitting(
+    head: Sequence[str], folded: Sequence[Sequence[str]], notes: Sequence[str], end: str
+) -> str:
+    """Return as much of a comment as a comment may hold, and what was left out."""
+    kept, left_out = list(folded), 0
+    head = list(head)
+    while True:
+        more = [*notes]
+        if left_out:
+            more.append("too long for a comment: `tracerisk diff` prints the rest")
+        listed = [*(f"- {note}" for note in more), ""] if more else []
+        text = "\n".join([*head, *(line for part in kept for line in part), *listed, end]) + "\n"
+        if len(text) <= MOST_CHARACTERS:
+            return text
+        left_out += 1
+        if kept:
+            kept.pop()
+        elif notes:
+            notes = notes[:-1]
+        else:
+            head.pop()
+
+
+def _open_lists(diff: RiskDiff) -> Iterator[tuple[str, Sequence[str]]]:
+    """Yield what a reviewer must see beside the figures, each list with its title."""
+    yield from sentences.of_missions(diff)
+    if diff.hardware:
+        yield sentences.OF_HARDWARE, sentences.of_hardware(diff)
+
+
+def _summary(review: Review, shown: Sequence[RiskDiff], links: Links) -> Iterator[str]:
+    heads = ["controller", escaped(review.before), escaped(review.after), "ratio", "per cycle"]
+    rows = [[*_figures(risk_diff, links), sentences.later_run(risk_diff)] for risk_diff in shown]
+    if any(row[-1] for row in rows):
+        heads.append("run")
+    yield from _table(heads, [row[: len(heads)] for row in rows], right=(1, 2, 3, 4))
+
+
+def _figures(diff: RiskDiff, links: Links) -> tuple[str, ...]:
     old, new = diff.before, diff.after
     ratio = cycles = ""
     if old is not None and new is not None:
@@ -66,43 +107,34 @@ def _figures(diff: RiskDiff) -> tuple[str, ...]:
         ratio = ratio if diff.is_comparable else "not comparable"
         earlier, later = old.cycle_failure_probability, new.cycle_failure_probability
         cycles = f"{sentences.probability(earlier)} → {sentences.probability(later)}"
+    name = sentences.name_of(diff)
     return (
-        _escaped(sentences.name_of(diff)),
-        _NONE if old is None else sentences.probability(old.failure_probability),
-        _NONE if new is None else sentences.probability(new.failure_probability),
+        escaped(name) if new is None else links.file(name, diff.name),
+        _NONE if old is None else _figure(old.failure_probability),
+        _NONE if new is None else _figure(new.failure_probability),
         ratio,
         cycles,
     )
 
 
-def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
+def _figure(probability: float) -> str:
+    often = one_in(probability)
+    return sentences.probability(probability) + (f"<br>{often}" if often else "")
+
+
+def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) -> Iterator[str]:
+    if with_lists:
+        for title, entries in _open_lists(diff):
+            yield from _list(title, entries, links)
     if diff.changes and diff.is_comparable:
-        small = sentences.small_changes(diff)
-        large = [change for change in diff.changes if change not in small]
-        rows = [
-            (
-                sentences.difference(change.contribution),
-                _escaped(change.summary) + _marked(sentences.marks(change)),
-                _escaped(sentences.causes(change)),
-                _escaped(sentences.places(review, change)),
-            )
-            for change in large[:MOST_CHANGES]
-        ]
-        if len(large) > MOST_CHANGES:
-            rows.append(("", f"and {len(large) - MOST_CHANGES} more changes", "", ""))
-        if small:
-            rows.append(("", sentences.small_line(small, diff), "", ""))
-        if diff.interaction is not None and sentences.has_interaction(diff):
-            text = "what they do only together, and noise"
-            rows.append((sentences.difference(diff.interaction), text, "", ""))
-        yield from _table(("alone", "change", "cause", "where"), rows, right=(0,))
+        yield from _changes(review, diff, links)
     functions = [function for function in diff.functions if function.status != "unchanged"]
     if functions and diff.is_comparable:
         yield from _table(
             ("function", "a visit, before", "after", "visits, before", "after"),
             [
                 (
-                    _escaped(sentences.name_of(function)),
+                    escaped(sentences.name_of(function)),
                     *_of_function(function.before, function.after),
                 )
                 for function in functions
@@ -111,22 +143,46 @@ def _parts(review: Review, diff: RiskDiff) -> Iterator[str]:
         )
     for point in diff.single_points:
         where = f"{point.component} is a single point of failure now, in "
-        yield f"- {_escaped(where + sentences.some(point.functions))}"
+        yield f"- {escaped(where + sentences.some(point.functions))}"
     for pin in diff.pins:
         place = review.place(pin.location, is_gone=pin.kind == "removed")
-        yield f"- {_escaped(sentences.pin(pin))} ({_escaped(place)})"
+        yield f"- {links.text(f'{sentences.pin(pin)} ({place})')}"
     if diff.within_noise:
         yield f"- values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
     if diff.single_points or diff.pins or diff.within_noise:
         yield ""
-    yield from _list(sentences.OF_PACE, sentences.of_pace(diff))
-    yield from _list(sentences.OF_RUN, diff.of_run)
-    yield from _list(sentences.OF_INPUTS, diff.inputs)
+    yield from _list(sentences.OF_PACE, sentences.of_pace(diff), links)
+    yield from _list(sentences.OF_RUN, diff.of_run, links)
+    yield from _list(sentences.OF_INPUTS, diff.inputs, links)
 
 
-def _list(title: str, entries: Sequence[str]) -> Iterator[str]:
+def _changes(review: Review, diff: RiskDiff, links: Links) -> Iterator[str]:
+    small = sentences.small_changes(diff)
+    large = [change for change in diff.changes if change not in small]
+    rows = [
+        (
+            sentences.difference(change.contribution),
+            escaped(change.summary) + _marked(sentences.marks(change)),
+            escaped(sentences.causes(change)),
+            links.text(sentences.places(review, change)),
+        )
+        for change in large[:MOST_CHANGES]
+    ]
+    if len(large) > MOST_CHANGES:
+        rows.append(("", f"and {len(large) - MOST_CHANGES} more changes", "", ""))
+    if small:
+        rows.append(("", sentences.small_line(small, diff), "", ""))
+    if diff.interaction is not None and sentences.has_interaction(diff):
+        text = "what they do only together, and noise"
+        rows.append((sentences.difference(diff.interaction), text, "", ""))
+    yield from _table(("alone", "change", "cause", "where"), rows, right=(0,))
+
+
+def _list(title: str, entries: Sequence[str], links: Links) -> Iterator[str]:
     if entries:
-        yield from (f"{title}:", "", *(f"- {_escaped(entry)}" for entry in entries), "")
+        is_gone = title.startswith(sentences.REPAIRED)
+        texts = (links.text(entry, is_gone=is_gone) for entry in entries)
+        yield from (f"{title}:", "", *(f"- {text}" for text in texts), "")
 
 
 def _marked(marks: str) -> str:
@@ -152,12 +208,3 @@ def _table(
     for row in rows:
         yield f"| {' | '.join(row)} |"
     yield ""
-
-
-def _escaped(text: str) -> str:
-    """Keep names and reasons from being read as Markdown, HTML, a mention or a cell's end."""
-    return _SPECIAL.sub(r"\\\1", " ".join(text.split())).replace("@", "@\u200b")
-
-
-def _html(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

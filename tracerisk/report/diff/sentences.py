@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from tracerisk.common.outcome.changes import OutcomeChanges
+from tracerisk.common.text.one_in import one_in
 from tracerisk.common.verdict import UNKNOWN_VERDICT, Verdict, verdict_line
 from tracerisk.instrument.source.language import is_c
+from tracerisk.prm.hybrid.assessment import MissionFigures
 from tracerisk.prm.review.change_records import (
     NOISE,
     CauseShare,
@@ -26,6 +29,8 @@ OF_OUTCOME = "What changed in what the mission does"
 MOST_OF_KIND = 6
 """How many sentences on the outcome of one kind are shown; --json has all."""
 OF_PACE = "What takes another time"
+OF_HARDWARE = "What changed in the hardware description"
+BROKE, REPAIRED = "What broke", "What was repaired"
 OF_INPUTS = "What the runs behind the blocks depended on"
 
 _MARKS: dict[Mark, str] = {
@@ -46,37 +51,43 @@ _CAUSES = {
 }
 
 
-def headline(review: Review, *, below_verdicts: bool = False) -> str:
+def headline(review: Review, *, below_verdicts: bool = False, one_in_n: bool = False) -> str:
     """Return the one sentence that says what the change did to the risk.
 
-    Where it stands `below_verdicts`, a reason that is in these is not said again.
+    Where it stands `below_verdicts`, a reason that is in these is not said again. With `one_in_n`
+    a figure is also said as one in so many missions.
     """
+    said = partial(sentence, below_verdict=below_verdicts, one_in_n=one_in_n)
     changed = [controller for controller in review.controllers if not controller.is_unchanged]
     apart = [controller for controller in review.controllers if not controller.is_comparable]
     if not review.controllers:
         return f"No risk block differs between {review.before} and {review.after}."
     if len(review.controllers) == 1:
-        return f"{sentence(review.controllers[0], below_verdict=below_verdicts)}."
+        return f"{said(review.controllers[0])}."
     if apart:
         lead = f"The runs of {len(apart)} of {len(review.controllers)} controllers"
-        first = sentence(apart[0], below_verdict=below_verdicts)
-        return f"{lead} cannot be compared. The first: {first}."
+        return f"{lead} cannot be compared. The first: {said(apart[0])}."
     stale = [controller for controller in review.controllers if controller.stale]
     if not changed and stale:
         lead = (
             f"Not assessed as they are now: {len(stale)} of {len(review.controllers)} controllers"
         )
-        return f"{lead}. The first: {sentence(stale[0])}."
+        return f"{lead}. The first: {said(stale[0])}."
     if not changed:
         return f"The risk of {len(review.controllers)} controllers is unchanged."
     lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
-    return f"{lead}. The greatest change: {sentence(changed[0])}."
+    return f"{lead}. The greatest change: {said(changed[0])}."
 
 
-def verdict_lines(review: Review) -> list[str]:
-    """Return the verdicts of the later runs with those of the earlier, a line a controller."""
+def verdict_lines(review: Review, *, only_wrong: bool = False) -> list[str]:
+    """Return the verdicts of the later runs with those of the earlier, a line a controller.
+
+    If asked, only of runs that went wrong, lost their verdict, or left out what they did before.
+    """
     lines = []
     for diff in review.controllers:
+        if only_wrong and not _is_wrong(diff):
+            continue
         name = "" if len(review.controllers) == 1 else f"{diff.name}: "
         if diff.verdicts is None:
             lines += [f"{name}no verdict: C and C++ are not run"] if is_c(diff.name) else []
@@ -87,6 +98,20 @@ def verdict_lines(review: Review) -> list[str]:
         before = f"; before: {_short(diff.verdicts.before)}" if diff.verdicts.in_before else ""
         lines.append(f"{name}{verdict_line(diff.verdicts.after)}{before}")
     return lines
+
+
+def _is_wrong(diff: RiskDiff) -> bool:
+    verdicts = diff.verdicts
+    if verdicts is None or not verdicts.in_after:
+        return False
+    is_whole = verdicts.after is not None and verdicts.after.kind in ("complete", "partial")
+    return not is_whole or verdicts.does_less or bool(verdicts.new_acceptances)
+
+
+def later_run(diff: RiskDiff) -> str:
+    """Return the verdict of the later run in a few words; empty where there is none."""
+    verdicts = diff.verdicts
+    return "" if verdicts is None or not verdicts.in_after else _short(verdicts.after)
 
 
 def _short(verdict: Verdict | None) -> str:
@@ -112,10 +137,15 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
         pairs.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
     if diff.verdicts is not None:
         pairs += [
-            ("What broke", [str(reason) for reason in diff.verdicts.broke]),
-            ("What was repaired", [str(reason) for reason in diff.verdicts.repaired]),
+            (BROKE, [str(reason) for reason in diff.verdicts.broke]),
+            (REPAIRED, [str(reason) for reason in diff.verdicts.repaired]),
         ]
     return [(title, lines) for title, lines in pairs if lines]
+
+
+def of_hardware(diff: RiskDiff) -> tuple[str, ...]:
+    """Return what changed in the hardware description, with old and new values and sources."""
+    return _at_most(diff.hardware)
 
 
 def of_pace(diff: RiskDiff) -> tuple[str, ...]:
@@ -172,8 +202,9 @@ def _can_tell(diff: RiskDiff) -> bool:
     return verdicts is None or (verdicts.is_comparable and not verdicts.does_less)
 
 
-def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
+def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = False) -> str:
     """Return what a change did to one controller's risk, without the full stop."""
+    missions = "" if diff.after is None or not one_in_n else _missions(diff.after)
     if diff.outcome is not None and not diff.is_same_mission and _can_tell(diff):
         return _other_mission(diff, diff.outcome) + _stale(diff)
     if diff.verdicts is not None and not diff.is_comparable:
@@ -183,7 +214,9 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
         figure = probability(diff.after.failure_probability)
         if diff.stale:
             return f"{diff.name} {not_assessed(diff)}; its blocks give {figure}; {_remedy(diff)}"
-        return f"{diff.name} is assessed for the first time: its mission fails with {figure}"
+        return (
+            f"{diff.name} is assessed for the first time: its mission fails with {figure}{missions}"
+        )
     if diff.after is None:
         figure = probability(diff.before.failure_probability)
         return f"{diff.name} has no risk blocks any more; its mission failed with {figure}"
@@ -193,14 +226,14 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
             f"{diff.name} {not_assessed(diff)}; its blocks give {probability(new)}; {_remedy(diff)}"
         )
     if diff.is_unchanged:
-        text = f"{diff.name}: mission failure is unchanged at {probability(new)}"
+        text = f"{diff.name}: mission failure is unchanged at {probability(new)}{missions}"
         if diff.outcome is not None and diff.outcome.of_mission:
             text += f", yet the way is another: {(*diff.outcome.lost, *diff.outcome.added)[0]}"
         return text + (f", yet {_structural(diff)}{_stale(diff)}" if _structural(diff) else "")
     verb = "rises" if new > old else "falls"
     text = (
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
-        f"({ratio(old, new)})"
+        f"({ratio(old, new)}{missions})"
     )
     # What works against the change is not what made it.
     alike = [cause for cause in diff.causes if (cause.contribution or 0.0) * diff.increase > 0.0]
@@ -210,6 +243,12 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False) -> str:
         if len(diff.causes) > 1 or share != "100 %":
             text += f", {share} of the {'rise' if new > old else 'fall'}"
     return text + _per_cycle(diff) + _stale(diff)
+
+
+def _missions(mission: MissionFigures) -> str:
+    """Return how many missions a failure is one in, as what follows a figure."""
+    often = one_in(mission.failure_probability)
+    return f", {often} missions" if often else ""
 
 
 def _stale(diff: RiskDiff) -> str:

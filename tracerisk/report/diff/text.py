@@ -76,6 +76,7 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         ],
         room,
     )
+    yield from _list(sentences.OF_HARDWARE, sentences.of_hardware(diff), room)
     yield from _list("Pins", sentences.pins(review, diff), room)
     yield from _list(sentences.OF_PACE, sentences.of_pace(diff), room)
     yield from _list(sentences.OF_RUN, diff.of_run, room)

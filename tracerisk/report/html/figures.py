@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from tracerisk.common.text.one_in import one_in as one_in
+
 NOTHING = "\N{EN DASH}"
 """What stands in a cell for which there is no figure."""
 
@@ -22,17 +24,6 @@ def powered(value: float) -> str:
     mantissa, _, exponent = f"{value:.2e}".partition("e")
     power = str(int(exponent)).translate(_SUPERSCRIPTS)
     return f"{mantissa}\N{NO-BREAK SPACE}\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}10{power}"
-
-
-def one_in(value: float) -> str:
-    """Return a probability as one in so many, in words; empty where that says nothing."""
-    if not 0.0 < value < 0.5:
-        return ""
-    times = 1.0 / value
-    if times >= 1e15:
-        return f"one in {powered(times)}"
-    digits = max(0, math.floor(math.log10(times)) - 2)
-    return f"one in {round(times, -digits):,.0f}"
 
 
 def percent(share: float) -> str:

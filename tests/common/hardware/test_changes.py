@@ -1,0 +1,64 @@
+"""What is said of two descriptions: old and new figures with their sources."""
+
+from pathlib import Path
+
+import pytest
+
+from tracerisk.common.hardware.changes import description_changes
+from tracerisk.common.hardware.formats import read_description
+
+MOTOR = """\
+components:
+  motor:
+    failure_rate: {value: 2.1e-7, per: hour, source: IEC 61709}
+    quantity: 7
+    twin: {joints: "*"}
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [
+        ("", "", []),
+        (
+            "value: 2.1e-7, per: hour, source: IEC 61709",
+            "value: 3.0e-7, per: hour, source: data sheet",
+            ["motor: failure_rate 2.1e-07/h (IEC 61709) -> 3e-07/h (data sheet)"],
+        ),
+        (
+            "IEC 61709",
+            "IEC 61709:2017",
+            ["motor: failure_rate 2.1e-07/h (IEC 61709) -> 2.1e-07/h (IEC 61709:2017)"],
+        ),
+        (
+            "failure_rate: {value: 2.1e-7, per: hour, source: IEC 61709}",
+            "probability: {value: 1e-6, per: demand}",
+            [
+                "motor: probability not given -> 1e-06 per demand (no source)",
+                "motor: failure_rate 2.1e-07/h (IEC 61709) -> not given",
+            ],
+        ),
+        ("quantity: 7", "quantity: 6", ["motor: quantity 7 -> 6"]),
+        (
+            "quantity: 7",
+            "quantity: 7\n    redundancy: true",
+            ["motor: redundancy not given -> true"],
+        ),
+        (
+            "  motor:",
+            "  drive:",
+            [
+                "drive is new: failure_rate 2.1e-07/h (IEC 61709)",
+                "motor is gone: failure_rate 2.1e-07/h (IEC 61709)",
+            ],
+        ),
+    ],
+)
+def test_each_value_that_differs_is_said_with_its_sources(tmp_path: Path, before, after, expected):
+    paths = tmp_path / "before.yaml", tmp_path / "after.yaml"
+    for path, text in zip(
+        paths, (MOTOR, MOTOR.replace(before, after) if before else MOTOR), strict=True
+    ):
+        path.write_text(text)
+    old, new = map(read_description, paths)
+    assert list(description_changes(old, new)) == expected
