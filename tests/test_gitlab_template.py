@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,9 @@ from urllib.parse import parse_qs
 
 import pytest
 from ruamel.yaml import YAML
+
+from tracerisk.adder.lock.lock import ControllerLock, Lock, written_block
+from tracerisk.adder.sources.read import read_blocks
 
 TEMPLATE = Path(__file__).parents[1] / "action" / "tracerisk.gitlab-ci.yml"
 NOTES = "/api/v4/projects/3/merge_requests/7/notes"
@@ -174,8 +178,8 @@ echo "$@" >>"{told}"
     path = f"{python.parent}{os.pathsep}{os.environ['PATH']}"
     assert job("base", token="", PATH=path, **variables) == 1
     (diff,) = (line for line in told.read_text().splitlines() if line.startswith("diff"))
-    given = " ".join(limits)
-    assert diff == f"diff --format markdown {given} --silent-below 0.01 base..HEAD"
+    given = re.sub(r" --code-quality \S+/diff\.json", "", diff)
+    assert given == f"diff --format markdown {' '.join(limits)} --silent-below 0.01 base..HEAD"
 
 
 def test_each_controller_has_its_report_with_the_replay_of_the_cache(repository, job, quick):
@@ -189,3 +193,42 @@ def test_each_controller_has_its_report_with_the_replay_of_the_cache(repository,
     page = repository.read("tracerisk-report/cell-arm.html").decode()
     assert 'id="replay-canvas"' in page
     assert 'id="difference"' in page
+
+
+def test_code_quality_and_metrics_are_artefacts_of_both_pipelines(
+    repository, annotated_source, server, job
+):
+    def commit(redundancy):
+        text = annotated_source(place=("done 1", f"gripper = 2e-07 {redundancy}"))
+        blocks = {
+            "cell.py": {
+                placed.function: written_block(placed.block)
+                for placed in read_blocks(text.encode(), "cell.py")
+            }
+        }
+        lock = Lock().with_controller("cell.py", ControllerLock("f", blocks))
+        repository.write("cell.py", text)
+        repository.write("tracerisk.lock", lock.dumps())
+        return repository.commit()
+
+    base = commit("of2")
+    commit("x2")
+    job(base)
+    found = json.loads(repository.read("tracerisk-quality.json"))
+    assert {entry["check_name"] for entry in found} >= {"lost-redundancy", "stale-block"}
+    fingerprints = [entry["fingerprint"] for entry in found]
+    assert len(set(fingerprints)) == len(fingerprints)
+    assert {entry["location"]["path"] for entry in found} == {"cell.py"}
+    assert {entry["severity"] for entry in found} <= {"info", "minor", "major"}
+    metrics = repository.read("tracerisk-metrics.txt").decode()
+    assert 'tracerisk_mission_failure_probability{controller="cell.py"} 4e-07\n' in metrics
+    assert metrics.endswith("# EOF\n")
+    # On the default branch there is nothing to compare with, and no note to write.
+    notes = list(server.notes)
+    for name in ("tracerisk.md", "tracerisk-quality.json", "tracerisk-metrics.txt"):
+        (repository.folder / name).unlink()
+    job("")
+    assert server.notes == notes
+    assert not (repository.folder / "tracerisk.md").exists()
+    assert repository.read("tracerisk-metrics.txt").decode() == metrics
+    assert json.loads(repository.read("tracerisk-quality.json"))

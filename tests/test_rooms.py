@@ -95,7 +95,7 @@ SUB_ROOMS = {
             "mutants",
             "terminal",
         ),
-        *("sarif", "explain", "hardware_table", "functions_table", "run_figures", "assumed"),
+        *("ci", "explain", "hardware_table", "functions_table", "run_figures", "assumed"),
         *("instances", "fmea", "worlds", "series", "diff", "tables"),
     ),
     "instrument": (REST, "marks", "source", "hidden_frames", "code_positions"),

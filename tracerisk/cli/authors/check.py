@@ -13,7 +13,8 @@ from tracerisk.cli.shared.output import (
     note_without_controllers,
     print_json,
     show,
-    write_sarif,
+    write_alerts,
+    write_file,
 )
 from tracerisk.cli.shared.values import probability
 from tracerisk.common.text.plain_data import picked
@@ -52,7 +53,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--watch", action="store_true", help="check again whenever a file changes that it reads"
     )
-    shared.add_sarif(parser)
+    shared.add_ci_reports(parser)
     shared.add_json(parser)
 
 
@@ -103,10 +104,7 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
     checked = [item for item in check_findings if isinstance(item, Checked)]
     errors = [item for item in check_findings if isinstance(item, TraceRiskError)]
     findings = [finding for check_finding in checked for finding in check_finding.findings]
-    if options.sarif is not None:
-        from tracerisk.pipeline.review.alerts import check_alerts
-
-        write_sarif(options.sarif, check_alerts(paths, check_findings, projects))
+    _write_reports(options, paths, check_findings, projects)
     code = max(
         (*(finding.exit_code for finding in findings), *(error.exit_code for error in errors)),
         default=ExitCode.FINE,
@@ -145,6 +143,26 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
     count = f"{len(paths)} controller{'' if len(paths) == 1 else 's'}"
     note(f"{count} checked, {bad} to mend", quiet=options.quiet)
     return int(code)
+
+
+def _write_reports(
+    options: argparse.Namespace,
+    paths: Sequence[Path],
+    found: Sequence[Checked | TraceRiskError],
+    projects: Projects,
+) -> None:
+    """Write the files for CI that were asked for."""
+    if options.sarif is not None or options.code_quality is not None:
+        from tracerisk.pipeline.review.alerts import check_alerts
+
+        write_alerts(options, check_alerts(paths, found, projects))
+    if options.metrics is not None:
+        from tracerisk.pipeline.check.metrics import check_metrics
+        from tracerisk.pipeline.review.alerts import name_in_repository
+        from tracerisk.report.ci.open_metrics import render_open_metrics
+
+        samples = check_metrics(paths, found, projects, lambda path: name_in_repository(str(path)))
+        write_file(options.metrics, render_open_metrics(samples))
 
 
 def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import note, print_json, terminal_width, write_sarif
+from tracerisk.cli.shared.output import note, print_json, terminal_width, write_alerts, write_file
 from tracerisk.cli.shared.values import probability
 from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import ExitCode, InputError
@@ -77,7 +77,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="where places in Markdown lead, the address before a commit: "
         "https://github.com/OWNER/NAME/blob (default: what GitHub and GitLab say in their jobs)",
     )
-    shared.add_sarif(parser)
+    shared.add_ci_reports(parser)
     shared.add_json(parser)
 
 
@@ -100,11 +100,7 @@ def run(options: argparse.Namespace) -> int:
         )
     ]
     code = ExitCode.WOULD_CHANGE if exceeded else ExitCode.FINE
-    if options.sarif is not None:
-        from tracerisk.pipeline.review.alerts import repository_root, review_alerts
-
-        alerts = review_alerts(result, repository_root(Path.cwd() / "_"))
-        write_sarif(options.sarif, alerts)
+    _write_reports(result, options)
     if options.json:
         _print_json(result, code, exceeded)
     elif options.silent_below is None or result.is_worth_telling(options.silent_below):
@@ -113,6 +109,18 @@ def run(options: argparse.Namespace) -> int:
     for line in exceeded:
         note(f"tracerisk: {line}")
     return int(code)
+
+
+def _write_reports(review: Review, options: argparse.Namespace) -> None:
+    """Write the files for CI that were asked for."""
+    if options.sarif is not None or options.code_quality is not None:
+        from tracerisk.pipeline.review.alerts import repository_root, review_alerts
+
+        write_alerts(options, review_alerts(review, repository_root(Path.cwd() / "_")))
+    if options.metrics is not None:
+        from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
+
+        write_file(options.metrics, render_open_metrics(review_metrics(review)))
 
 
 def _print_json(review: Review, code: ExitCode, exceeded: list[str]) -> None:

@@ -42,6 +42,21 @@ def add_sarif(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_ci_reports(parser: argparse.ArgumentParser) -> None:
+    """Add the files that jobs of GitHub and GitLab take."""
+    add_sarif(parser)
+    parser.add_argument(
+        "--code-quality",
+        metavar="FILE",
+        help="write what was found as JSON, for code quality on GitLab",
+    )
+    parser.add_argument(
+        "--metrics",
+        metavar="FILE",
+        help="write the figures as OpenMetrics, for metrics reports on GitLab",
+    )
+
+
 def add_record(parser: argparse.ArgumentParser) -> None:
     """Add the recording of the run as a file for other tools."""
     parser.add_argument(

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from tracerisk.common.text.paper import Paper
     from tracerisk.pipeline.annotate import Annotated
     from tracerisk.pipeline.workspace.project import Projects
-    from tracerisk.report.sarif import Alert
+    from tracerisk.report.ci.sarif import Alert
 
 SCHEMA = "tracerisk"
 VERSION = 1
@@ -62,9 +62,19 @@ def write_file(path: str, content: str | bytes) -> None:
 
 def write_sarif(path: str, alerts: Sequence[Alert]) -> None:
     """Write alerts as SARIF; raises InputError when the file cannot be written."""
-    from tracerisk.report.sarif import render_sarif
+    from tracerisk.report.ci.sarif import render_sarif
 
     write_file(path, render_sarif(alerts, version=__version__))
+
+
+def write_alerts(options: argparse.Namespace, alerts: Sequence[Alert]) -> None:
+    """Write alerts in the formats that were asked for: SARIF, and what GitLab takes."""
+    if options.sarif is not None:
+        write_sarif(options.sarif, alerts)
+    if options.code_quality is not None:
+        from tracerisk.report.ci.code_quality import render_code_quality
+
+        write_file(options.code_quality, render_code_quality(alerts))
 
 
 def scenario_advice(lines: str) -> str:

@@ -18,6 +18,7 @@ from tracerisk.config import controller_root
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.check import without_reason
 from tracerisk.pipeline.check.finding import Checked, CheckFinding, FindingKind
+from tracerisk.pipeline.check.metrics import annotated_sources
 from tracerisk.pipeline.check.run import function_place
 from tracerisk.pipeline.freshness.known_controllers import is_gone
 from tracerisk.pipeline.model import build
@@ -32,8 +33,8 @@ from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.review.change_records import Review
 from tracerisk.prm.review.model_parts import single_points
+from tracerisk.report.ci.sarif import Alert, alert_at
 from tracerisk.report.diff.sentences import some
-from tracerisk.report.sarif import Alert, alert_at
 from tracerisk.trace import Trace
 
 _RULES: dict[FindingKind, str] = {
@@ -89,7 +90,7 @@ def check_alerts(
         project = projects.of(path)
         root = project.root
         entry = project.lock.controllers.get(lock_key(path, root))
-        held = {file: file.read_bytes() for file in _sources(path, root, entry)}
+        held = annotated_sources(path, projects)
         sources = {file: read_blocks(text, str(file)) for file, text in held.items()}
         placed = [block for blocks in sources.values() for block in blocks]
         pins = [one for file, here in sources.items() for one in without_reason(here, str(file))]
@@ -229,21 +230,15 @@ def _uncovered(ref: FunctionRef, name: str, line: int, root: Path) -> Alert:
 
 def _alert(rule: str, message: str, place: Location, folder: Path = Path(), **names: str) -> Alert:
     """Return the alert at a place, whose file is named from `folder`."""
-    return alert_at(rule, message, place, _file(str(folder / place.file)), **names)
+    return alert_at(rule, message, place, name_in_repository(str(folder / place.file)), **names)
 
 
-def _file(shown: str) -> str:
+def name_in_repository(shown: str) -> str:
     """Return a file's name from the root of its repository, with `/`."""
     path = Path(shown)
     resolved = path.resolve()
     root = repository_root(path)
     return (resolved.relative_to(root) if resolved.is_relative_to(root) else path).as_posix()
-
-
-def _sources(path: Path, root: Path, entry: ControllerLock | None) -> list[Path]:
-    """Return the files with blocks of a controller, itself first."""
-    others = [] if entry is None else [root / file for file in sorted(entry.blocks)]
-    return [path, *(other for other in others if other.is_file() and not other.samefile(path))]
 
 
 def _of_check(finding: CheckFinding, placed: Sequence[PlacedBlock]) -> Alert:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shutil
 import signal
 import subprocess
 import time
@@ -24,7 +25,14 @@ from tracerisk.common.sandbox.process import (
 from tracerisk.common.sandbox.process import start as start_process
 from tracerisk.config import Settings
 from tracerisk.pipeline.run.child_output import PassingOn, place_in
-from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, ProcessEnd, RunOptions, ended_run
+from tracerisk.pipeline.run.ended_run import (
+    PLAIN,
+    ControllerRun,
+    ProcessEnd,
+    RunOptions,
+    ended_run,
+    replaced_file,
+)
 from tracerisk.pipeline.run.run_folders import run_folders
 from tracerisk.pipeline.trace.run_files import (
     EVENTS,
@@ -50,6 +58,8 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
 
 _STARTING = "starting the twin"
+_MOST_STARTS = 5
+"""How often a run is started whose files are being replaced."""
 _LIVE = "tracerisk.pipeline.run.live.child"
 _FIGURES = "module://tracerisk.ros.controller.unseen_windows"
 """The backend of matplotlib in a run, which has no screen."""
@@ -213,7 +223,17 @@ def run_request(
     (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
     if options.progress is not None:
         options.progress(_STARTING, 0.0)
-    process_end = _run_child(request, settings, options, watch or _watch)
+    for _ in range(_MOST_STARTS):
+        process_end = _run_child(request, settings, options, watch or _watch)
+        file = replaced_file(process_end, Path(request.root))
+        if file is None:
+            break
+        shutil.rmtree(written / TEMPORARY, ignore_errors=True)  # each start makes its own
+    else:
+        raise errors.InputError(
+            "is replaced again and again while the run starts; run it again once nothing writes it",
+            errors.Location(os.path.relpath(str(file))),
+        )
     done = ended_run(controller, robot, settings, request, process_end, options)
     return replace(done, request=asked_for)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shutil
 import signal
 from collections.abc import Callable, Sequence
@@ -263,6 +265,19 @@ def _installed(
             what = "1 file" if count == 1 else f"{count} files"
             lines.append(f"installed: {what} of {prefix.path} ({prefix.found_in})")
     return lines, shown(read, Path(request.root))
+
+
+def replaced_file(process: ProcessEnd, root: Path) -> Path | None:
+    """Return the file that was replaced while a run started, which then did not begin; else `None`.
+
+    An editor saves by renaming a new file: what the sandbox lets a process read is the old one.
+    """
+    found = re.fullmatch(r"PermissionError: \[Errno 13\] [^']*'([^']+)'", process.last_line)
+    if process.has_begun or found is None:
+        return None
+    path = Path(found[1])
+    is_ours = path.is_relative_to(root.resolve()) and os.access(path, os.R_OK)
+    return path if is_ours else None
 
 
 def _raise_failure(recording: Recording) -> None:

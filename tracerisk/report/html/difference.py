@@ -58,7 +58,7 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
         for point in diff.single_points
     ]
     lines += sentences.pins(review, diff)
-    lines += (*diff.of_run, *diff.inputs)
+    lines += (*diff.hardware, *diff.of_run, *diff.inputs)
     lines[:0] = [
         f"{title}: {entry}" for title, lines in sentences.of_missions(diff) for entry in lines
     ]

@@ -7,7 +7,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tracerisk.errors import Location
-from tracerisk.report.sarif import RULES, Alert, alert_at, render_sarif
+from tracerisk.report.ci.sarif import RULES, Alert, alert_at, render_sarif
 
 SCHEMA = os.environ.get("TRACERISK_SARIF_SCHEMA", "")
 HOSTILE = 'a "b" </script> \\ <!-- é\u2028.py'

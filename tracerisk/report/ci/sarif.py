@@ -220,13 +220,6 @@ def alert_at(rule: str, message: str, location: Location, file: str, **names: st
 
 def render_sarif(alerts: Sequence[Alert], *, version: str) -> str:
     """Return the alerts as a SARIF log of one run, sorted by place; `version` is the tool's."""
-    ordered = sorted(
-        set(alerts),
-        key=lambda item: (
-            *(item.file, item.line or 0, _RULES[item.rule], item.fingerprint),
-            *(item.column or 0, item.message, item.line is None, item.column is None),
-        ),
-    )
     log = {
         "$schema": SCHEMA,
         "version": "2.1.0",
@@ -243,11 +236,27 @@ def render_sarif(alerts: Sequence[Alert], *, version: str) -> str:
                 "originalUriBaseIds": {
                     ROOT: {"description": {"text": "The root of the repository."}}
                 },
-                "results": [_result(alert) for alert in ordered],
+                "results": [_result(alert) for alert in ordered(alerts)],
             }
         ],
     }
     return json.dumps(log, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+
+
+def ordered(alerts: Sequence[Alert]) -> list[Alert]:
+    """Return the alerts, each once, sorted by place."""
+    return sorted(
+        set(alerts),
+        key=lambda item: (
+            *(item.file, item.line or 0, _RULES[item.rule], item.fingerprint),
+            *(item.column or 0, item.message, item.line is None, item.column is None),
+        ),
+    )
+
+
+def level_of(alert: Alert) -> Level:
+    """Return the severity of an alert, which is that of its rule."""
+    return RULES[_RULES[alert.rule]].level
 
 
 def _rule(rule: Rule) -> dict[str, Any]:

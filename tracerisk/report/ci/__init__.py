@@ -1,0 +1,1 @@
+"""What jobs of CI take: alerts and figures in the formats of GitHub and GitLab."""
