@@ -27,6 +27,7 @@ PROGRAMS = sorted(
 )
 LONG = {
     *("branches.py", "broken_controllers.py", "bug_reports.py", "check_speed.py", "corpus.py"),
+    "comments.py",
     *("editor_times.py", "greenlets.py", "independent_missions.py", "needed.py"),
     *("run_overhead.py", "sandbox.py", "streams.py", "watch_speed.py", "worlds.py"),
 }
@@ -93,6 +94,16 @@ def test_a_broken_mission_is_noticed_by_the_rules_alone(verdict, reasons, is_not
 @pytest.fixture
 def corpus(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return _loaded("corpus", monkeypatch)
+
+
+def test_the_page_of_comments_shows_every_change(monkeypatch):
+    comments = _loaded("comments", monkeypatch)
+    page = (ROOT / "docs" / "comments.md").read_text(encoding="utf-8")
+    assert re.findall(r"^## (.+)$", page, re.MULTILINE) == [one.title for one in comments.CHANGES]
+    texts = re.findall(r"````markdown\n(.*?)````", page, re.DOTALL)
+    assert comments.page_of(list(zip(comments.CHANGES, texts, strict=True))) == page
+    assert len(texts[0].splitlines()) == 2
+    assert (ROOT / "docs" / "pictures" / "comments.png").stat().st_size < 400_000
 
 
 def _loaded(name: str, monkeypatch: pytest.MonkeyPatch) -> ModuleType:

@@ -42,7 +42,7 @@ components:
         (
             "quantity: 7",
             "quantity: 7\n    redundancy: true",
-            ["motor: redundancy not given -> true"],
+            ["motor: redundancy false -> true"],
         ),
         (
             "  motor:",

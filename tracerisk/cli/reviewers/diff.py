@@ -250,7 +250,7 @@ def _is_other_mission(diff: RiskDiff) -> bool:
 
 
 def _link_base(environment: Mapping[str, str]) -> str:
-    """Return where the files of a commit are to be seen, by what a job of CI is told; else ""."""
+    """Return where the files of a commit are, as the environment of a CI job says; else empty."""
     server, name = environment.get("GITHUB_SERVER_URL"), environment.get("GITHUB_REPOSITORY")
     if server and name:
         return _address(f"{server}/{name}/blob")

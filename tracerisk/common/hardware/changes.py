@@ -42,7 +42,10 @@ def _values(component: Component, hardware: Hardware) -> dict[str, str]:
     figures: dict[str, list[str]] = {}
     for figure in component.figures:
         figures.setdefault(_key(figure), []).append(_text(figure, component, hardware))
-    data = component_data(component)
+    usual = {"quantity": "*" if component.quantity is None else component.quantity}
+    if not component.redundancy:
+        usual["redundancy"] = "false"
+    data = {**usual, **component_data(component)}
     others = {key: value for key, value in data.items() if key not in (*_FIGURES, "source")}
     return {key: ", ".join(texts) for key, texts in figures.items()} | dict(_flat(others, ""))
 

@@ -71,7 +71,9 @@ class Links:
         for found in self._places.finditer(text):
             parts.append(_kept(text[end : found.start()]))
             address = self._address(found[1], found[2], int(found[3]), is_gone=is_gone)
-            shown = escaped(found[0])
+            # The address says of which commit it is.
+            is_later = found[1] is not None and found[1] == self._review.prefixes[1]
+            shown = escaped(found[0].removeprefix(found[1]) if address and is_later else found[0])
             parts.append(f"[{shown}]({address})" if address else shown)
             end = found.end()
         return "".join([*parts, _kept(text[end:])]).strip()

@@ -87,6 +87,8 @@ def _fitting(
 def _open_lists(diff: RiskDiff) -> Iterator[tuple[str, Sequence[str]]]:
     """Yield what a reviewer must see beside the figures, each list with its title."""
     yield from sentences.of_missions(diff)
+    if diff.of_run:
+        yield sentences.OF_RUN, diff.of_run
     if diff.hardware:
         yield sentences.OF_HARDWARE, sentences.of_hardware(diff)
 
@@ -105,6 +107,7 @@ def _figures(diff: RiskDiff, links: Links) -> tuple[str, ...]:
     if old is not None and new is not None:
         ratio = sentences.ratio(old.failure_probability, new.failure_probability)
         ratio = ratio if diff.is_comparable else "not comparable"
+        ratio = "not assessed" if diff.stale else ratio
         earlier, later = old.cycle_failure_probability, new.cycle_failure_probability
         cycles = f"{sentences.probability(earlier)} → {sentences.probability(later)}"
     name = sentences.name_of(diff)
@@ -152,7 +155,6 @@ def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) ->
     if diff.single_points or diff.pins or diff.within_noise:
         yield ""
     yield from _list(sentences.OF_PACE, sentences.of_pace(diff), links)
-    yield from _list(sentences.OF_RUN, diff.of_run, links)
     yield from _list(sentences.OF_INPUTS, diff.inputs, links)
 
 

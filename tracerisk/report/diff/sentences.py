@@ -111,7 +111,9 @@ def _is_wrong(diff: RiskDiff) -> bool:
 def later_run(diff: RiskDiff) -> str:
     """Return the verdict of the later run in a few words; empty where there is none."""
     verdicts = diff.verdicts
-    return "" if verdicts is None or not verdicts.in_after else _short(verdicts.after)
+    if verdicts is None or not verdicts.in_after:
+        return ""
+    return _short(verdicts.after) + (", stale" if diff.stale else "")
 
 
 def _short(verdict: Verdict | None) -> str:
