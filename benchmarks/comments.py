@@ -45,7 +45,7 @@ components:
 """
 REPOSITORY = "https://github.com/OWNER/cell/blob"
 IGNORED = ".tracerisk_cache\n"
-WIDTH = 1500
+WIDTH = 1660
 """The width of the picture [px]; its height is what the comments take."""
 COLOURS = 32
 

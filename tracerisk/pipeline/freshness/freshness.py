@@ -204,7 +204,10 @@ def values_reasons(
 ) -> tuple[str, ...]:
     """Return why the values no longer follow from the trace: other hardware, other evidence."""
     texts = []
-    if recorded.hardware != hardware_digest(settings):
+    # Another description that the settings name is a change of the settings.
+    named = settings_data(settings, controller.root.resolve()).get("hardware")
+    is_same = named == recorded.settings.get("hardware")
+    if is_same and recorded.hardware != hardware_digest(settings):
         name = settings.hardware or "the hardware description"
         if Path(name).is_absolute():
             name = os.path.relpath(name, controller.root.resolve())
