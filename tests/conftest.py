@@ -19,6 +19,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests import other_system
 from tests.browser import browser as browser
 from tests.commands import Commands
 from tracerisk.common.sandbox.fork_server import several_come
@@ -141,14 +142,32 @@ def pytest_configure_node(node: Any) -> None:
         node.workerinput["commands"] = [_commands().path]
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--system",
+        choices=("windows", "macos"),
+        help="run commands that need no run of a controller as if on this system",
+    )
+
+
+_ELSEWHERE: list[str] = []
+"""The other system that `--system` names."""
+ON_LINUX_ALONE = (
+    *("run", "trace", "attach", "scenario", "success", "refresh", "evidence", "sweep", "mutate"),
+    *("annotate", "field", "drivers", "serve"),
+)
+"""The verbs that are run as on Linux, whatever `--system` says."""
+
+
 def pytest_configure(config: pytest.Config) -> None:
+    _ELSEWHERE.extend(filter(None, [config.getoption("--system")]))
     config.option.loadscopereorder = False  # of pytest-xdist: files come in the order given here
     _SERVED_AT.extend(getattr(config, "workerinput", {}).get("commands", ()))
 
 
 def _are_quick_in(environment: Mapping[str, str]) -> bool:
     """Whether commands that are forked are as those that are started there."""
-    return sys.platform == "linux" and _commands().can_run(environment)
+    return not _ELSEWHERE and sys.platform == "linux" and _commands().can_run(environment)
 
 
 def program(environment: Mapping[str, str], *, is_afresh: bool = False) -> list[str]:
@@ -209,8 +228,11 @@ class Example:
         if python == sys.executable and _are_quick_in(environment):
             code, out, err = _commands().run(self.folder, arguments, environment)
             return Outcome(code, out.decode(), err.decode())
+        start = ["-m", "tracerisk"]
+        if _ELSEWHERE and arguments[:1] and arguments[0] not in ON_LINUX_ALONE:
+            start = [other_system.__file__, *_ELSEWHERE]
         done = subprocess.run(
-            [python, "-m", "tracerisk", *arguments],
+            [python, *start, *arguments],
             cwd=self.folder,
             capture_output=True,
             env=environment,

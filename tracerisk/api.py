@@ -92,8 +92,7 @@ def trace_controller(
     `keep` is a folder in which the recording stays. `progress` is called with each phase and the
     simulated time [s]. With `live_speed` it runs once on real rospy, at most so many times as fast
     as the wall clock. A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
-    Raises SourceError, RobotError, HardwareError before anything runs, DependencyError where the
-    simulator is not installed.
+    Raises SourceError, RobotError, HardwareError before anything runs, and as `require_runs`.
     """
     from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 
@@ -342,10 +341,10 @@ def gather_evidence(
     from pathlib import Path
 
     from tracerisk.common.campaign import DEFAULT_CAMPAIGN
-    from tracerisk.common.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.evidence.campaign import gather
 
-    require_simulator("trying failures")
+    require_runs("trying failures")
     return gather(Path(path), settings, options or DEFAULT_CAMPAIGN, cells=cells, until=until)
 
 
@@ -365,10 +364,10 @@ def sweep(
     from pathlib import Path
 
     from tracerisk.common.campaign import DEFAULT_CAMPAIGN
-    from tracerisk.common.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.evidence.sweep import Factor, parse_factor, sweep
 
-    require_simulator("sweeping over runs")
+    require_runs("sweeping over runs")
     if isinstance(over, Mapping):
         factors = [Factor(name, tuple(values)) for name, values in over.items()]
     else:
@@ -392,10 +391,10 @@ def mutate(
     from pathlib import Path
 
     from tracerisk.common.campaign import DEFAULT_CAMPAIGN
-    from tracerisk.common.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.mutation.campaign import MOST, mutate
 
-    require_simulator("running changes of a controller")
+    require_runs("running changes of a controller")
     most = MOST if most is None else most
     return mutate(Path(path), settings, options or DEFAULT_CAMPAIGN, most=most)
 
@@ -436,10 +435,10 @@ def evidence_replays(
     """
     from pathlib import Path
 
-    from tracerisk.common.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.pictures.evidence_replays import write_replays
 
-    require_simulator("replaying failures")
+    require_runs("replaying failures")
     return write_replays(Path(path), found, Path(folder), settings, progress=progress)
 
 
@@ -460,7 +459,7 @@ def run_with_faults(
     Raises InputError for a fault that is none or that the robot cannot have, RunFailedError when
     the run without a fault came to a bad end, and ControllerFailedError when it commanded nothing.
     """
-    from tracerisk.common.dependencies import require_simulator
+    from tracerisk.common.dependencies import require_runs
     from tracerisk.errors import InputError
     from tracerisk.trace import RunFailedError
     from tracerisk.twin.faults.fault import parse_fault
@@ -470,7 +469,7 @@ def run_with_faults(
         raise InputError("no fault is given; expected UNIT:MODE@SECONDS")
     controller = load_controller(path)
     loaded = load_settings(controller, settings)
-    require_simulator("running a controller")
+    require_runs("running a controller")
     from tracerisk.pipeline.run.ended_run import RunOptions
     from tracerisk.pipeline.run.fault_run import nominal_run, run_with_faults
     from tracerisk.pipeline.scenarios.trace_controller import nothing_commanded

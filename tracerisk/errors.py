@@ -155,6 +155,12 @@ class DependencyError(TraceRiskError, ImportError):
     code = "dependency"
 
 
+class OtherSystemError(TraceRiskError, NotImplementedError):
+    """What was asked for works on another operating system alone."""
+
+    code = "system"
+
+
 class RenderError(TraceRiskError, RuntimeError):
     """Pictures cannot be drawn on this machine."""
 

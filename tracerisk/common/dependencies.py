@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from importlib import import_module
 from importlib.util import find_spec
 
-from tracerisk.errors import DependencyError
+from tracerisk.errors import DependencyError, OtherSystemError
 
 MODULES: Mapping[str, str] = {
     "av": "av",
@@ -123,6 +123,28 @@ def require_simulator(purpose: str) -> None:
     """Raise DependencyError unless the extra `sim` is installed; `purpose` says what needs it."""
     if not is_installed("mujoco"):
         raise missing_extra("sim", purpose)
+
+
+def require_linux(purpose: str) -> None:
+    """Raise OtherSystemError where the system is not Linux; `purpose` says what needs it."""
+    if sys.platform == "linux":
+        return
+    name = {"win32": "Windows", "darwin": "macOS"}.get(sys.platform, sys.platform)
+    wsl = "`wsl` or " if name == "Windows" else ""
+    raise OtherSystemError(
+        f"{purpose} needs Linux, and this is {name}; open a shell of Linux with {wsl}"
+        "`docker run -it --rm -v .:/work -w /work python:3.13 bash`, and run there "
+        f"`{install_command('sim')}` and this command again"
+    )
+
+
+def require_runs(purpose: str) -> None:
+    """Raise an error unless controllers can run here; `purpose` says what needs that.
+
+    Raises OtherSystemError where the system is not Linux, DependencyError without the simulator.
+    """
+    require_linux(purpose)
+    require_simulator(purpose)
 
 
 def require_cpp() -> None:

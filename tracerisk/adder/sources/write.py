@@ -7,12 +7,16 @@ import itertools
 import os
 import re
 import stat
+import sys
+import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 from tracerisk.errors import InputError, Location
 
+_LONGEST_WRITE_S = 3600.0
 _LEFTOVER = re.compile(r"\.(?P<of>.+)\.(?P<process>\d+)-\d+\.tmp")
 
 
@@ -72,12 +76,12 @@ def atomic_write(path: Path, data: bytes, expected: bytes | None = None) -> None
     target = path.resolve()
     try:
         _remove_leftovers(target)
-        with _written_beside(target, data) as temporary:
+        with _written_beside(target, data) as (temporary, stream):
             _check_expected(FileWrite(path, data, expected))
             if _links(target) > 1:
                 _overwrite(target, data)
             else:
-                temporary.take_name()
+                temporary.take_name(stream)
         _sync_folder(target.parent)
     except OSError as error:
         raise InputError(
@@ -109,11 +113,13 @@ class _Temporary:
     def __init__(self, target: Path) -> None:
         self._target = target
         self._path: Path | None = None
-        try:
-            self.descriptor = os.open(target.parent, os.O_WRONLY | os.O_TMPFILE, 0o666)
-        except OSError:
-            # Some file systems, those of networks say, have no files without a name.
-            self.descriptor = self._create()
+        # Linux alone has files without a name, and some file systems, those of networks say, lack
+        # them there too.
+        unnamed = None
+        if sys.platform == "linux":
+            with contextlib.suppress(OSError):
+                unnamed = os.open(target.parent, os.O_WRONLY | os.O_TMPFILE, 0o666)
+        self.descriptor = self._create() if unnamed is None else unnamed
 
     def _names(self) -> Iterator[Path]:
         for number in itertools.count():
@@ -127,10 +133,11 @@ class _Temporary:
                 return descriptor
         raise AssertionError("there is always a further name")
 
-    def take_name(self) -> None:
-        """Put the file in the place of its target."""
+    def take_name(self, stream: BinaryIO) -> None:
+        """Put the file, which is open as `stream`, in the place of its target; close it."""
         if self._path is None:
             self._path = self._link()
+        stream.close()  # Windows renames no file that is open
         self._path.replace(self._target)
         self._path = None
 
@@ -152,17 +159,18 @@ class _Temporary:
 
 
 @contextlib.contextmanager
-def _written_beside(target: Path, data: bytes) -> Iterator[_Temporary]:
+def _written_beside(target: Path, data: bytes) -> Iterator[tuple[_Temporary, BinaryIO]]:
     """Yield a new file that holds `data`, on the disk already, with the mode of `target`."""
     temporary = _Temporary(target)
     try:
         with os.fdopen(temporary.descriptor, "wb") as stream:
             stream.write(data)
             stream.flush()
-            with contextlib.suppress(FileNotFoundError):
-                os.fchmod(stream.fileno(), stat.S_IMODE(target.stat().st_mode))
+            if sys.platform != "win32":  # its one mode bit is for files that we refuse to write
+                with contextlib.suppress(FileNotFoundError):
+                    os.fchmod(stream.fileno(), stat.S_IMODE(target.stat().st_mode))
             os.fsync(stream.fileno())
-            yield temporary
+            yield temporary, stream
     finally:
         temporary.remove()
 
@@ -177,11 +185,15 @@ def _remove_leftovers(target: Path) -> None:
         ]
     for path, match in pairs:
         is_ours = match["of"] == target.name or path.with_name(match["of"]).is_file()
-        if is_ours and not _is_running(int(match["process"])):
+        if is_ours and not _is_in_use(path, int(match["process"])):
             path.unlink(missing_ok=True)
 
 
-def _is_running(process: int) -> bool:
+def _is_in_use(path: Path, process: int) -> bool:
+    """Return whether the process that made a temporary file may still write it."""
+    if sys.platform == "win32":
+        # There is no asking: `os.kill` would end the process.
+        return time.time() - path.stat().st_mtime < _LONGEST_WRITE_S
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -192,6 +204,8 @@ def _is_running(process: int) -> bool:
 
 
 def _sync_folder(folder: Path) -> None:
+    if sys.platform == "win32":
+        return  # it opens no folder, and keeps names by itself
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)

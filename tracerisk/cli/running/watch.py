@@ -15,6 +15,7 @@ from tracerisk.cli.shared.output import note
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.sources import read_profile
 from tracerisk.cli.shared.watching import Watch, note_error, watch
+from tracerisk.common.dependencies import require_runs
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.freshness.watched_files import watched_files
@@ -29,6 +30,7 @@ RUNNING = ("starting the twin", "simulating")
 
 def watch_run(options: argparse.Namespace) -> NoReturn:
     """Run the controller again and again; ends by an interrupt."""
+    require_runs("running a controller")
     several_come()
     path = Path(options.controller)
     read_profile(options)

@@ -53,7 +53,10 @@ def run(options: argparse.Namespace) -> int:
         _look(shown, faults, "engine", _engine)
         _look(shown, faults, "physics", _physics)
     _look(shown, faults, "robots", _robots)
-    _look(shown, faults, "sandbox", _sandbox)
+    if sys.platform == "linux":
+        _look(shown, faults, "sandbox", _sandbox)
+    else:
+        shown["controllers"] = "run on Linux alone; `tracerisk run FILE` says how to have one here"
     settings: dict[str, dict[str, Any]] = {}
     if options.controller is None:
         shown["installed ROS"] = _of_environment()

@@ -13,21 +13,25 @@ import contextlib
 import gc
 import math
 import os
-import resource
 import select
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from time import clock_gettime, monotonic, process_time, sleep
+from time import monotonic, process_time, sleep
 from typing import NoReturn
 
+from tracerisk.common.dependencies import require_linux
 from tracerisk.common.limits import Limit, Limits
 from tracerisk.common.sandbox.process import end, passed_environment, start
 from tracerisk.common.sandbox.scratch import scratch
 from tracerisk.errors import LimitError, Location
+
+if sys.platform != "win32":
+    import resource
 
 POLL_S = 0.02
 """How often a process is looked at [s]."""
@@ -142,7 +146,7 @@ def _cpu_s(pid: int) -> float | None:
         return None
     # clock_getcpuclockid(3): the clock of a process, in the form that the kernel reads.
     with contextlib.suppress(OSError):
-        return clock_gettime((~pid << 3) | 2)
+        return time.clock_gettime((~pid << 3) | 2)
     return None
 
 
@@ -179,8 +183,9 @@ def run_limited(
     besides those that every such process has, `None` for one that it does not get.
     The module calls `limit_memory`, `mark_start` and `end_with` of this module.
     Raises LimitError at `place` where a limit ends it, or the system does, or where it answers
-    more than `MOST_ANSWERED` bytes.
+    more than `MOST_ANSWERED` bytes; OtherSystemError where the system is not Linux.
     """
+    require_linux(doing)
     mark = StartMark()
     is_strange = reads is not None
     inherited = passed_environment(limits.sandbox) if is_strange else dict(os.environ)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import atexit
 import contextlib
-import fcntl
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -27,8 +27,11 @@ _OWNED: dict[Path, int] = {}
 """The folders of this process, each with the descriptor of its locked file."""
 
 
-# A process that is forked owns nothing of its parent's.
-os.register_at_fork(after_in_child=_OWNED.clear)
+if sys.platform != "win32":
+    import fcntl
+
+    # A process that is forked owns nothing of its parent's.
+    os.register_at_fork(after_in_child=_OWNED.clear)
 
 
 def new_scratch(kind: str = "") -> Path:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Protocol
 
-from tracerisk.common.dependencies import require_dds
+from tracerisk.common.dependencies import require_dds, require_linux
 from tracerisk.common.version import __version__
 from tracerisk.errors import InputError
 from tracerisk.pipeline.recordings.recorded_topics import COMMANDS
@@ -102,6 +102,7 @@ def record_robot(
         DependencyError: there is no rospy, or no DDS.
     """
     given = os.environ if environment is None else environment
+    require_linux("listening to a robot")
     source = _source((COMMANDS, *topics), given, by_dds=by_dds)
     with contextlib.closing(source), path.open("wb") as stream:
         return _record(stream, source, seconds, on_message)

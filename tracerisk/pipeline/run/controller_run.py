@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk import errors
+from tracerisk.common.dependencies import require_linux
 from tracerisk.common.limits import Limit, Sandbox
 from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime, StartMark
 from tracerisk.common.sandbox.process import (
@@ -106,6 +107,7 @@ def run_controller(
     taken hold, and else to the standard error of this process.
     Raises SourceError, RobotError or another error of the input when nothing could run.
     """
+    require_linux("running a controller")
     scene = settings.scene or robot.default_scene
     if scene is None:
         raise errors.RobotError(f"robot '{robot.name}' has no scene of its own; give --scene")

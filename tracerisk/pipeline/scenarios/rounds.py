@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.common.dependencies import require_linux
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.common.sandbox.scratch import scratch
 from tracerisk.config import Settings
@@ -99,6 +100,7 @@ def draft_scenario(
     Raises ScenarioError where the base is malformed. What else keeps the controller from running
     is in the result.
     """
+    require_linux("running a controller")
     several_come()
     return Rounds(controller, settings, base, progress, KeptChoices(), own_s).result()
 

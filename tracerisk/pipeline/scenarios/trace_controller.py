@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.common.dependencies import require_simulator
+from tracerisk.common.dependencies import require_runs
 from tracerisk.config import Settings
 from tracerisk.errors import ControllerFailedError, InputError, Location, TraceRiskError
 from tracerisk.pipeline.workspace.controller import Controller
@@ -36,8 +36,7 @@ def trace_controller(
     What is assumed of its robot and its launch file is tried again where the run shows that it
     does not fit: see `Trace.assumptions`. What it asks its world for in vain is drafted where it
     would show no risk without, and the settings do not say otherwise: see `Trace.drafted`.
-    Raises SourceError, RobotError, HardwareError before anything runs, DependencyError where the
-    simulator is not installed.
+    Raises SourceError, RobotError, HardwareError before anything runs, and as `require_runs`.
     """
     if not controller.is_python:
         raise InputError(
@@ -45,7 +44,7 @@ def trace_controller(
             "`tracerisk annotate FILE --log LOG` or `--trace TRACE`",
             Location(str(controller.path)),
         )
-    require_simulator("running a controller")
+    require_runs("running a controller")
     from tracerisk.pipeline.run.ended_run import RunOptions
 
     options = RunOptions(
