@@ -18,6 +18,8 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
+PURE = "TRACERISK_PURE"
+"""The variable that, set to anything, asks for a wheel of every machine, without compiled loops."""
 REPOSITORY = "TRACERISK_REPOSITORY"
 """The variable that says where the repository is; without it there are no links to it."""
 
@@ -157,7 +159,12 @@ def man_page(root: Path, version: str) -> str:
 
 
 def compile_loops(root: Path, library: Path) -> bool:
-    """Compile the loops of the sources below a folder; return whether that could be done."""
+    """Compile the loops of the sources below a folder; return whether that could be done.
+
+    On Windows they are not, for nobody has tried them there.
+    """
+    if os.environ.get(PURE) or sys.platform == "win32":
+        return False
     sources = sorted(str(path) for path in (root / LIBRARY).parent.glob("*.c"))
     compiler = (
         shlex.split(os.environ.get("CC", ""))
@@ -170,9 +177,13 @@ def compile_loops(root: Path, library: Path) -> bool:
     made = library.with_suffix(".new")
     command = [*compiler, *FLAGS, *sources, "-o", str(made)]
     try:
-        subprocess.run(command, check=True)
-    except (OSError, subprocess.CalledProcessError) as error:
-        sys.stderr.write(f"{error}: {_WITHOUT}\n")
+        done = subprocess.run(command, stderr=subprocess.PIPE, text=True, check=False)
+    except OSError as error:
+        sys.stderr.write(f"{compiler[0]} cannot be run ({error.strerror}): {_WITHOUT}\n")
+        return False
+    if done.returncode:
+        words = next(iter(done.stderr.splitlines()), f"it ended with {done.returncode}")
+        sys.stderr.write(f"{compiler[0]} failed ({words}): {_WITHOUT}\n")
         return False
     made.replace(library)
     return True

@@ -10,6 +10,7 @@ import shutil
 import sys
 import tarfile
 import zipfile
+from collections.abc import Iterable
 from email import message_from_string
 from pathlib import Path
 
@@ -34,8 +35,34 @@ PLACEHOLDER = re.compile(r"OWNER|REPOSITORY|TODO|FIXME|XXX")
 
 def main(folder: Path, repository: str) -> None:
     """Exit with what is wrong, or print what was built."""
-    (wheel,) = folder.glob("tracerisk-*.whl")
+    wheels = sorted(folder.glob("tracerisk-*.whl"))
+    compiled = [wheel for wheel in wheels if not is_pure(wheel)]
+    expect(len(wheels) - len(compiled) == 1, f"wheels: {[wheel.name for wheel in wheels]}")
+    expect(len(compiled) == (shutil.which("cc") is not None), "the wheel of this machine")
     (sdist,) = folder.glob("tracerisk-*.tar.gz")
+    for wheel in wheels:
+        check_wheel(wheel, repository)
+    with tarfile.open(sdist) as packed_source:
+        inside = {name.split("/")[1] for name in packed_source.getnames() if "/" in name}
+    expect(inside == TOP_OF_SDIST, f"in the sdist: {sorted(inside ^ TOP_OF_SDIST)}")
+    check_no_leftovers(inside)
+    check_probe(folder)
+    print(f"{sdist.name}: {sdist.stat().st_size / 1e6:.1f} MB")
+
+
+def is_pure(wheel: Path) -> bool:
+    """Return whether a wheel is for every machine."""
+    return wheel.stem.endswith("-any")
+
+
+def check_no_leftovers(names: Iterable[str]) -> None:
+    """Exit with a file that Python has left where nobody wants it."""
+    for left in names:
+        expect("__pycache__" not in left and not left.endswith(".pyc"), f"left over: {left}")
+
+
+def check_wheel(wheel: Path, repository: str) -> None:
+    """Exit with what is wrong with a wheel, or print its size."""
     with zipfile.ZipFile(wheel) as packed:
         names = packed.namelist()
         (metadata,) = [name for name in names if name.endswith(".dist-info/METADATA")]
@@ -49,11 +76,7 @@ def main(folder: Path, repository: str) -> None:
     missing = [name for name in MUST_BE if name not in names]
     expect(not missing, f"not in the wheel: {missing}")
     expect_library(wheel, names)
-    with tarfile.open(sdist) as packed_source:
-        inside = {name.split("/")[1] for name in packed_source.getnames() if "/" in name}
-    expect(inside == TOP_OF_SDIST, f"in the sdist: {sorted(inside ^ TOP_OF_SDIST)}")
-    for left in (*names, *inside):
-        expect("__pycache__" not in left and not left.endswith(".pyc"), f"left over: {left}")
+    check_no_leftovers(names)
 
     told = message_from_string(text)
     description = told.get_payload()
@@ -69,15 +92,12 @@ def main(folder: Path, repository: str) -> None:
     expect(PLACEHOLDER.search(header) is None, "a placeholder in the metadata")
     extras = set(told.get_all("Provides-Extra") or [])
     expect({"sim", "large", "dev", "test", "docs"} <= extras, f"extras: {sorted(extras)}")
-    check_probe(folder)
     print(f"{wheel.name}: {len(names)} files, {wheel.stat().st_size / 1e6:.1f} MB")
-    print(f"{sdist.name}: {sdist.stat().st_size / 1e6:.1f} MB")
 
 
 def expect_library(wheel: Path, names: list[str]) -> None:
     """Exit unless a wheel for one machine has the compiled loops, and no other has them."""
-    compiled = not wheel.stem.endswith("-any")
-    expect(compiled or shutil.which("cc") is None, f"no compiled loops: {wheel.name}")
+    compiled = not is_pure(wheel)
     expect((LIBRARY in names) == compiled, f"the compiled loops in {wheel.name}: {not compiled}")
     expect(not any(name.endswith((".c", ".h")) for name in names), "C sources in the wheel")
     if compiled:

@@ -154,7 +154,7 @@ _ELSEWHERE: list[str] = []
 """The other system that `--system` names."""
 ON_LINUX_ALONE = (
     *("run", "trace", "attach", "scenario", "success", "refresh", "evidence", "sweep", "mutate"),
-    *("annotate", "field", "drivers", "serve"),
+    *("annotate", "field", "serve"),
 )
 """The verbs that are run as on Linux, whatever `--system` says."""
 

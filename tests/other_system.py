@@ -1,6 +1,7 @@
 """Start tracerisk, or a program, on this machine as if it were Windows or macOS.
 
     python other_system.py windows check cell.py
+    python other_system.py macos -c 'print(__import__("sys").platform)'
 
 What the system's Python lacks is gone: modules, names of `os`, `signal`, `socket`, `select` and
 `time`, as typeshed has them under `sys.platform`. What Windows does otherwise, it does here too:
@@ -206,11 +207,14 @@ def _text_has_crlf() -> None:
 
 
 def main() -> None:
-    """Run the module `tracerisk` with the arguments that follow the system's name."""
+    """Run `tracerisk` with the arguments that follow the system's name, or a program after -c."""
     system, *arguments = sys.argv[1:]
     sys.argv[:] = ["tracerisk", *arguments]
     sys.path[0] = str(Path.cwd())  # as `python -m` has it
     become(system)
+    if arguments[:1] == ["-c"]:
+        exec(arguments[1], {"__name__": "__main__"})
+        return
     runpy.run_module("tracerisk", run_name="__main__", alter_sys=True)
 
 

@@ -332,6 +332,7 @@ def test_each_code_has_a_section_and_each_section_a_code():
     assert set(SECTIONS) == raised | ends | set(get_args(FindingKind)) | {"usage"}
     # tests/common/test_dependencies.py, tests/report/png, tests/pipeline: errors of the machine
     others = {"edit", "unequal", "contact", "dependency", "limit", "machine", "render", "sandbox"}
+    others.add("system")  # tests/test_other_systems.py
     assert set(SECTIONS) == {*STATIC, *RUNS, *CHECKS, *VERDICTS, *others}
 
 

@@ -6,6 +6,7 @@ No verb is imported before it is chosen, and no parser where a verb has paths al
 from __future__ import annotations
 
 import gc
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -50,6 +51,9 @@ def _guarded(given: list[str]) -> int:
     sys.stdin = sys.stdin or open(os.devnull)  # noqa: PTH123, SIM115 - lives as long as we
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: PTH123, SIM115
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: PTH123, SIM115
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        # A pipe of Windows has the encoding of its region, which lacks most characters.
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         return _run(given)
     except KeyboardInterrupt:

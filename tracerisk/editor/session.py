@@ -7,6 +7,7 @@ lines that it has now.
 from __future__ import annotations
 
 import io
+import sys
 import tokenize
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -225,7 +226,13 @@ def _is_saved(document: Document) -> bool:
 def path_of(uri: str) -> Path | None:
     """Return the path of a file by its URI; `None` of what is no file."""
     parts = urlsplit(uri)
-    return Path(unquote(parts.path)) if parts.scheme == "file" and parts.path else None
+    if parts.scheme != "file" or not parts.path:
+        return None
+    path = unquote(parts.path)
+    if sys.platform == "win32":
+        # `/c:/cell` is on a drive; a host means a folder that it shares.
+        path = f"//{parts.netloc}{path}" if parts.netloc else path.lstrip("/")
+    return Path(path)
 
 
 def _encoded(text: str, path: Path | None) -> bytes:

@@ -27,6 +27,7 @@ VERSION = 1
 """Version of the JSON that every verb prints with `--json`."""
 
 _MOST_NAMED = 5  # files without blocks
+_STANDARD_OUTPUT, _WITH_ESCAPES = -11, 4  # as SetConsoleMode of Windows has them
 _NARROWEST = 40  # columns of a terminal to which lines are fitted
 
 _PLAIN_SIGNS = str.maketrans(
@@ -175,7 +176,21 @@ def use_color() -> bool:
     """
     if os.environ.get("NO_COLOR"):
         return False
-    return bool(os.environ.get("FORCE_COLOR")) or (sys.stdout.isatty() and not is_dumb())
+    if os.environ.get("FORCE_COLOR"):
+        return True
+    return sys.stdout.isatty() and not is_dumb() and _takes_escapes()
+
+
+def _takes_escapes() -> bool:
+    """Return whether the terminal understands escape sequences; on Windows it is asked to."""
+    if sys.platform != "win32":
+        return True
+    import ctypes
+
+    kernel, mode = ctypes.windll.kernel32, ctypes.c_ulong()
+    console = kernel.GetStdHandle(_STANDARD_OUTPUT)
+    is_console = kernel.GetConsoleMode(console, ctypes.byref(mode))
+    return bool(is_console and kernel.SetConsoleMode(console, mode.value | _WITH_ESCAPES))
 
 
 def terminal_width() -> int:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 GONE = "gone"
 """What stands for the digest of a file that was looked for and is not there."""
+_LOOKED_AT = 8000  # bytes of which git too takes a NUL as a sign that a file is no text
 
 # Settings that change neither a run nor its values: how long it may take, what is demanded of it.
 _LIMITS = frozenset(
@@ -174,9 +175,14 @@ def hardware_digest(settings: Settings) -> str:
 
 
 def file_digest(path: Path) -> str:
-    """Return a digest of a file's bytes, or that it is gone: then a run finds another."""
+    """Return a digest of a file, or that it is gone: then a run finds another.
+
+    A text has the same one with line ends of any kind: git may write those of the system.
+    """
     try:
-        return sha256(path.read_bytes())
+        data = path.read_bytes()
+        is_text = b"\0" not in data[:_LOOKED_AT]
+        return sha256(data.replace(b"\r\n", b"\n") if is_text else data)
     except FileNotFoundError:
         return GONE
     except OSError as error:

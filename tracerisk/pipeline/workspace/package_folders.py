@@ -130,8 +130,8 @@ def manifest_text(folder: Path) -> str:
 def head_of(path: Path, most: int) -> str:
     """Return the first bytes of a file, at most `most`, as a text; empty where it is not a file."""
     try:
-        # A pipe would keep who opens it waiting.
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        # A pipe, which Windows has in no folder, would keep who opens it waiting.
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         with os.fdopen(descriptor, "rb") as stream:
             if not stat.S_ISREG(os.fstat(descriptor).st_mode):
                 return ""
