@@ -170,11 +170,20 @@ def _are_quick_in(environment: Mapping[str, str]) -> bool:
     return not _ELSEWHERE and sys.platform == "linux" and _commands().can_run(environment)
 
 
-def program(environment: Mapping[str, str], *, is_afresh: bool = False) -> list[str]:
+def program(
+    environment: Mapping[str, str], *, is_afresh: bool = False, verb: str = "run"
+) -> list[str]:
     """The words that start `tracerisk` in a shell of an environment; forked, or afresh."""
     if not is_afresh and _are_quick_in(environment):
         return [_commands().program]
-    return [sys.executable, "-m", "tracerisk"]
+    return [sys.executable, *_elsewhere(verb)]
+
+
+def _elsewhere(*arguments: str) -> list[str]:
+    """The words that have Python begin a command, on the system that `--system` names."""
+    if _ELSEWHERE and arguments and arguments[0] not in ON_LINUX_ALONE:
+        return [other_system.__file__, *_ELSEWHERE]
+    return ["-m", "tracerisk"]
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -228,11 +237,8 @@ class Example:
         if python == sys.executable and _are_quick_in(environment):
             code, out, err = _commands().run(self.folder, arguments, environment)
             return Outcome(code, out.decode(), err.decode())
-        start = ["-m", "tracerisk"]
-        if _ELSEWHERE and arguments[:1] and arguments[0] not in ON_LINUX_ALONE:
-            start = [other_system.__file__, *_ELSEWHERE]
         done = subprocess.run(
-            [python, *start, *arguments],
+            [python, *_elsewhere(*arguments), *arguments],
             cwd=self.folder,
             capture_output=True,
             env=environment,

@@ -24,6 +24,8 @@ import os
 import platform
 import runpy
 import shutil
+import signal
+import socket
 import socketserver  # noqa: F401
 import ssl  # noqa: F401
 import stat
@@ -77,7 +79,7 @@ NOT_ON_MACOS = {
 MODULES = "crypt fcntl grp nis ossaudiodev posix pty pwd readline resource spwd syslog termios tty"
 """Those that Windows has not; macOS has them all that tracerisk may need."""
 
-_real_open, _real_os_open = io.open, os.open
+_real_open, _real_os_open, _real_socketpair = io.open, os.open, socket.socketpair
 
 
 class _Absent(importlib.abc.MetaPathFinder):
@@ -106,11 +108,19 @@ def become(system: str) -> None:
         sys.modules.pop(name, None)
     sys.meta_path.insert(0, _Absent())
     sys.modules["msvcrt"] = _msvcrt()
+    socket.socketpair = _socketpair  # type: ignore[assignment]
     ctypes.WinDLL = _NoFunctions  # type: ignore[attr-defined]
     shutil._use_fd_functions = False  # type: ignore[attr-defined]
     sys.platform = "win32"
     _open_files_stay()
     _text_has_crlf()
+
+
+def _socketpair(
+    family: int = socket.AF_UNIX, kind: int = socket.SOCK_STREAM, number: int = 0
+) -> tuple[socket.socket, socket.socket]:
+    """A pair of connected sockets; which ones they are by default is the system's affair."""
+    return _real_socketpair(family, kind, number)
 
 
 class _NoFunctions:
@@ -163,7 +173,8 @@ def _open_files_stay() -> None:
         guarded(real_rename)(before, after, **more)
 
     def kill(process: int, number: int) -> None:
-        raise AssertionError(f"os.kill({process}, {number}) would end the process")
+        assert number == signal.SIGTERM, f"os.kill({process}, {number}) would end the process"
+        real_kill(process, number)
 
     def popen(self: Any, *args: Any, **more: Any) -> None:
         for name in ("preexec_fn", "pass_fds"):
@@ -171,7 +182,7 @@ def _open_files_stay() -> None:
                 raise ValueError(f"{name} is not supported on Windows platforms")
         real_popen(self, *args, **more)
 
-    real_rename, real_popen = os.rename, subprocess.Popen.__init__
+    real_rename, real_kill, real_popen = os.rename, os.kill, subprocess.Popen.__init__
     os.open, os.kill = os_open, kill  # type: ignore[assignment]
     os.replace, os.unlink, os.remove = map(guarded, (os.replace, os.unlink, os.remove))
     os.rename = rename  # type: ignore[assignment]

@@ -102,6 +102,33 @@ def test_an_installed_package_has_the_pages_packed(hatch_build, tmp_path):
     assert len(before) < 350_000
 
 
+@pytest.mark.parametrize(
+    ("variables", "system", "said"),
+    [
+        ({"PATH": "/nowhere"}, "linux", "no C compiler: "),
+        (
+            {"CC": "/nowhere/cc"},
+            "darwin",
+            "/nowhere/cc cannot be run (No such file or directory): ",
+        ),
+        ({"CC": "false -x"}, "linux", "false failed (it ended with 1): "),
+        ({"TRACERISK_PURE": "1"}, "linux", None),
+        ({}, "win32", None),
+    ],
+)
+def test_without_a_compiler_one_line_says_that_the_loops_are_python(
+    hatch_build, monkeypatch, tmp_path, capfd, variables, system, said
+):
+    monkeypatch.delenv("CC", raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(hatch_build.sys, "platform", system)
+    assert not hatch_build.compile_loops(ROOT, tmp_path / "loops.so")
+    slow = "trees are solved by Python alone, and large ones take very long\n"
+    assert capfd.readouterr().err == ("" if said is None else f"{said}{slow}")
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.fixture
 def man_page(hatch_build, monkeypatch):
     pytest.importorskip("argparse_manpage", reason="argparse-manpage is not installed")

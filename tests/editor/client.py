@@ -66,7 +66,7 @@ class Editor:
             lambda params: self.progress_tokens.append(params.token)
         )
         client.feature(lsp.PROGRESS)(lambda params: self.progress.append(params.value))
-        await client.start_io(*program(os.environ), "lsp", "--stdio")
+        await client.start_io(*program(os.environ, verb="lsp"), "lsp", "--stdio")
         self.process = client._server
         started = await client.initialize_async(
             lsp.InitializeParams(

@@ -230,8 +230,8 @@ def path_of(uri: str) -> Path | None:
         return None
     path = unquote(parts.path)
     if sys.platform == "win32":
-        # `/c:/cell` is on a drive; a host means a folder that it shares.
-        path = f"//{parts.netloc}{path}" if parts.netloc else path.lstrip("/")
+        # A host means a folder that it shares; `/c:/cell` is on a drive.
+        path = f"//{parts.netloc}{path}" if parts.netloc else path[path[2:3] == ":" :]
     return Path(path)
 
 

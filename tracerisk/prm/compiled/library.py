@@ -8,6 +8,7 @@ Where there is none, the functions of the same names run as Python, to the same 
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable
 from functools import cache
 
@@ -124,6 +125,10 @@ def require_library(purpose: str) -> None:
 
 def no_library(purpose: str) -> DependencyError:
     """Return the error for a purpose that takes too long without the compiled loops."""
+    if sys.platform == "win32":
+        return DependencyError(
+            f"{purpose} needs the compiled loops, which are for Linux and macOS; use WSL"
+        )
     return DependencyError(
         f"{purpose} needs the compiled loops, which this installation of tracerisk lacks; "
         "install a C compiler, then reinstall: pip install --force-reinstall --no-binary "
