@@ -152,9 +152,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 _ELSEWHERE: list[str] = []
 """The other system that `--system` names."""
-ON_LINUX_ALONE = (
-    *("run", "trace", "attach", "scenario", "success", "refresh", "evidence", "sweep", "mutate"),
-    *("annotate", "field", "serve"),
+ON_LINUX_ALONE = frozenset(
+    {"run", "trace", "attach", "scenario", "success", "refresh", "evidence", "sweep", "mutate"}
 )
 """The verbs that are run as on Linux, whatever `--system` says."""
 

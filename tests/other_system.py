@@ -73,7 +73,7 @@ NOT_ON_MACOS = {
         """,
     "signal": "SIGPOLL SIGPWR SIGRTMAX SIGRTMIN pidfd_send_signal sigtimedwait sigwaitinfo",
     "socket": "AF_NETLINK AF_PACKET SO_BINDTODEVICE SO_PEERCRED SOCK_CLOEXEC",
-    "select": "EPOLLIN POLLRDHUP epoll",
+    "select": "POLLRDHUP epoll",
     "time": "CLOCK_BOOTTIME",
 }
 MODULES = "crypt fcntl grp nis ossaudiodev posix pty pwd readline resource spwd syslog termios tty"

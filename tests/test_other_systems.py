@@ -24,7 +24,10 @@ REVIEWERS_TESTS = (
     *(f"tests/cli/test_{name}.py" for name in ("model_files", "what_if", "hardware", "verdict")),
     *(f"tests/cli/test_{name}.py" for name in ("bad_blocks", "brief", "completion", "lock_merge")),
     *(f"tests/cli/test_{name}.py" for name in ("robots", "hardware_spread", "doctor_settings")),
+    *(f"tests/cli/test_{name}.py" for name in ("field", "verbs", "hardware_and_settings")),
+    *(f"tests/editor/test_{name}.py" for name in ("figures", "completion", "diagnostics")),
     *("tests/pipeline/check/test_check.py", "tests/pipeline/review/test_review.py"),
+    *("tests/cli/serving/test_serve.py", "tests/adder/test_annotate.py"),
 )
 """The files of the verbs that work everywhere."""
 NEEDS_LINUX = (
@@ -39,6 +42,7 @@ def elsewhere(system: str, folder: Path, *words: str, **variables: str):
     return subprocess.run(
         [sys.executable, other_system.__file__, system, *words],
         cwd=folder,
+        stdin=subprocess.DEVNULL,
         capture_output=True,
         env={**os.environ, "PYTHONPATH": str(ROOT), **variables},
         timeout=300,
@@ -69,7 +73,7 @@ COMMANDS = (
     ),
     *("overrides cell.py", "report cell.py -o out.html", "convert cell.py -o out.xml"),
     *("strip --discard-edits cell.py", "init --yes", "hardware schema", "robots", "--help"),
-    *("lock-merge --install", "completion bash", "drivers list"),
+    *("lock-merge --install", "completion bash", "drivers list", "lsp --stdio"),
 )
 
 

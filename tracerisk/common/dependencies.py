@@ -127,15 +127,14 @@ def require_simulator(purpose: str) -> None:
 
 def require_linux(purpose: str) -> None:
     """Raise OtherSystemError where the system is not Linux; `purpose` says what needs it."""
-    if sys.platform == "linux":
-        return
-    name = {"win32": "Windows", "darwin": "macOS"}.get(sys.platform, sys.platform)
-    wsl = "`wsl` or " if name == "Windows" else ""
-    raise OtherSystemError(
-        f"{purpose} needs Linux, and this is {name}; open a shell of Linux with {wsl}"
-        "`docker run -it --rm -v .:/work -w /work python:3.13 bash`, and run there "
-        f"`{install_command('sim')}` and this command again"
-    )
+    if sys.platform != "linux":
+        name = {"win32": "Windows", "darwin": "macOS"}.get(sys.platform, sys.platform)
+        wsl = "`wsl` or " if name == "Windows" else ""
+        raise OtherSystemError(
+            f"{purpose} needs Linux, and this is {name}; open a shell of Linux with {wsl}"
+            "`docker run -it --rm -v .:/work -w /work python:3.13 bash`, and run there "
+            f"`{install_command('sim')}` and this command again"
+        )
 
 
 def require_runs(purpose: str) -> None:

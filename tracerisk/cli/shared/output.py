@@ -183,14 +183,14 @@ def use_color() -> bool:
 
 def _takes_escapes() -> bool:
     """Return whether the terminal understands escape sequences; on Windows it is asked to."""
-    if sys.platform != "win32":
-        return True
-    import ctypes
+    if sys.platform == "win32":
+        import ctypes
 
-    kernel, mode = ctypes.windll.kernel32, ctypes.c_ulong()
-    console = kernel.GetStdHandle(_STANDARD_OUTPUT)
-    is_console = kernel.GetConsoleMode(console, ctypes.byref(mode))
-    return bool(is_console and kernel.SetConsoleMode(console, mode.value | _WITH_ESCAPES))
+        kernel, mode = ctypes.windll.kernel32, ctypes.c_ulong()
+        console = kernel.GetStdHandle(_STANDARD_OUTPUT)
+        is_console = kernel.GetConsoleMode(console, ctypes.byref(mode))
+        return bool(is_console and kernel.SetConsoleMode(console, mode.value | _WITH_ESCAPES))
+    return True
 
 
 def terminal_width() -> int:
