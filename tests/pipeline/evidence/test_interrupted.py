@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.test_evidence import HARDWARE
+from tests.cli.safety_engineers.test_evidence import HARDWARE
 
 # Batches of a few cells, and a moment in the middle of writing the file.
 CAMPAIGN = """\

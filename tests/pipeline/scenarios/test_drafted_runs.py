@@ -109,7 +109,7 @@ def test_a_run_drafts_what_it_lacks(example, source, name, line, code_without):
 
 
 # A refresh without a kept trace writes the same below; the files that `scenario` writes give
-# their reasons in `tests/cli/test_scenario.py`.
+# their reasons in `tests/cli/authors/test_scenario.py`.
 @pytest.mark.slow
 @pytest.mark.parametrize("source", [each[0] for each in LACKING.values()], ids=LACKING)
 def test_a_second_run_writes_the_same_and_a_file_with_the_same_values_gives_the_same_reasons(

@@ -15,7 +15,7 @@ from ruamel.yaml import YAML
 from tracerisk.cli.set_up import init
 from tracerisk.pipeline.start.project_start import _action
 
-SAMPLES = Path(__file__).parents[2] / "sample_controllers"
+SAMPLES = Path(__file__).parents[3] / "sample_controllers"
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-RACE = Path(__file__).parents[2] / "benchmarks" / "races" / "publish_at_once.py"
+RACE = Path(__file__).parents[3] / "benchmarks" / "races" / "publish_at_once.py"
 RUN = ("run", "cell.py", "--worlds", "discovery,joints-reversed")
 
 

@@ -9,7 +9,7 @@ import pytest
 from tracerisk.cli.set_up.robots import interfaces
 from tracerisk.twin.robots.robot import load_robot, robot_names
 
-DOCS = (Path(__file__).parent.parent.parent / "docs" / "ros.md").read_text(encoding="utf-8")
+DOCS = (Path(__file__).parents[3] / "docs" / "ros.md").read_text(encoding="utf-8")
 
 
 def test_every_shipped_robot_is_listed_with_its_joints_and_gripper(example):

@@ -170,7 +170,7 @@ def test_the_figure_follows_and_no_source_is_written(watching, example, quick):
 
 def test_what_changes_no_run_is_not_run_again(watching, example, quick):
     hardware = (
-        Path(__file__).parents[2] / "tracerisk/common/hardware/robots/panda.yaml"
+        Path(__file__).parents[3] / "tracerisk/common/hardware/robots/panda.yaml"
     ).read_text()
     example.write("cell.yaml", hardware)
     path = example.write("a.py", quick())
