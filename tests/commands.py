@@ -104,10 +104,19 @@ class Commands:
         return _read_once(environment) == self._once
 
     def run(
-        self, folder: Path, arguments: Sequence[str], environment: Mapping[str, str]
+        self,
+        folder: Path,
+        arguments: Sequence[str],
+        environment: Mapping[str, str],
+        *,
+        script: Path | None = None,
     ) -> tuple[int, bytes, bytes]:
-        """Return the exit code of a command, and what it wrote to both of its streams."""
-        asked = json.dumps([str(folder), list(arguments), dict(environment)]).encode()
+        """Return the exit code of a command, and what it wrote to both of its streams.
+
+        With `script`, it is that file, run by Python.
+        """
+        path = None if script is None else str(script)
+        asked = json.dumps([str(folder), list(arguments), dict(environment), path]).encode()
         with (
             _socket() as server,
             Path(os.devnull).open("rb") as nothing,
@@ -190,14 +199,14 @@ def _serve(life: socket.socket, listener: socket.socket) -> None:
 def _command(given: int, *streams: int) -> None:
     """Be a command to the end of its process."""
     with os.fdopen(given) as stream:
-        folder, arguments, environment = json.load(stream)
+        folder, arguments, environment, *script = json.load(stream)
     for number, each in enumerate(streams):
         os.dup2(each, number)
         os.close(each)
     sys.stdout.reconfigure(line_buffering=os.isatty(1))
     os.environ.clear()
     os.environ.update(environment)
-    code = _ended(folder, arguments)
+    code = _ended(folder, arguments, *script)
     with suppress(BaseException):
         threading._shutdown()
     atexit._run_exitfuncs()
@@ -206,13 +215,16 @@ def _command(given: int, *streams: int) -> None:
     os._exit(code)
 
 
-def _ended(folder: str, arguments: Sequence[str]) -> int:
-    """Run a command; return its exit code."""
+def _ended(folder: str, arguments: Sequence[str], script: str | None = None) -> int:
+    """Run a command, or a script; return its exit code."""
     os.chdir(folder)
-    sys.path[0] = folder
-    sys.argv = ["-m", *arguments]
+    sys.path[0] = folder if script is None else str(Path(script).parent)
+    sys.argv = ["-m" if script is None else script, *arguments]
     try:
-        runpy.run_module("tracerisk", run_name="__main__", alter_sys=True)
+        if script is None:
+            runpy.run_module("tracerisk", run_name="__main__", alter_sys=True)
+        else:
+            runpy.run_path(script, run_name="__main__")
     except SystemExit as end:
         if isinstance(end.code, str):
             sys.stderr.write(f"{end.code}\n")

@@ -244,13 +244,17 @@ class Example:
         *arguments: str,
         environment: dict[str, str] | None = None,
         python: str | Path = sys.executable,
+        script: Path | None = None,
+        is_afresh: bool = False,
     ) -> Outcome:
+        """Run the command, or a script of Python; forked where it can be, or afresh."""
         environment = {**os.environ, **(environment or {})}
-        if python == sys.executable and _are_quick_in(environment):
-            code, out, err = _commands().run(self.folder, arguments, environment)
+        is_forked = python == sys.executable and not is_afresh
+        if is_forked and _are_quick_in(environment):
+            code, out, err = _commands().run(self.folder, arguments, environment, script=script)
             return Outcome(code, out.decode(), err.decode())
         done = subprocess.run(
-            [python, *_elsewhere(*arguments), *arguments],
+            [python, *(_elsewhere(*arguments) if script is None else [script]), *arguments],
             cwd=self.folder,
             capture_output=True,
             env=environment,
