@@ -133,7 +133,7 @@ SUB_ROOMS = {
     ),
     "twin": (
         *("workspace", "simulation", "recording", "motion", "faults", "physics"),
-        *("model_files", "urdf", "robots"),
+        *("looks", "model_files", "urdf", "robots"),
     ),
 }
 """The parts of a room, from the top down."""

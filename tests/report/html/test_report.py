@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from markupsafe import Markup
 
 from tracerisk.adder.blocks.override import Override
+from tracerisk.common.verdict import UNKNOWN_VERDICT, VERDICTS
 from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.report.html import figures
@@ -47,10 +48,9 @@ def test_the_one_sentence_is_the_heading_of_the_page(document, arm):
     (heading,) = document.xpath("//h1")
     # Ten cycles in the mean, each of a motor among seven, the gripper, or both power units.
     assert solve(arm).mission.failure_probability == pytest.approx(7.1e-6, rel=1e-4)
-    figure = "7.10\xa0\N{MULTIPLICATION SIGN}\xa010⁻⁶"
-    assert heading.text_content() == (
-        f"Probability that a hardware failure ends a mission of arm.py: {figure}, one in 141,000."
-    )
+    figure = "7.100\xa0\N{MULTIPLICATION SIGN}\xa010⁻⁶"
+    sentence = "Probability that a hardware failure ends a mission of arm.py:"
+    assert heading.text_content() == f"{sentence} {figure}, one in 141,000 missions"
     assert "not harm" in document.text_content()
 
 
@@ -394,16 +394,43 @@ def test_a_share_is_none_or_all_only_where_it_is(share, expected):
     assert figures.percent(share).replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
-def test_readings_that_print_the_same_share_one_box(report_of, parsed):
+def test_readings_that_print_the_same_add_a_line_and_no_second_figure(report_of, parsed):
     alike = FaultTree.of("go fails", {"go fails": ("or", "motor")}, {"motor": 1e-9})
     again = {"go": {"go": Fraction(9, 10), "done": Fraction(1, 10)}}
     model = HybridModel.of("a.py", {"go": alike}, again)
-    (box,) = parsed(render_report(report_of(model))).xpath("//*[@class='readings']/div")
-    assert "1.000e-08" in box.text_content()
-    assert "10 fixed cycles (each fails with 1.000e-09)" in box.text_content()
+    page = parsed(render_report(report_of(model)))
+    (lead,) = page.xpath("//section[@class='lead']")
+    assert not lead.xpath(".//*[@class='readings']")
+    assert "10 fixed cycles (each fails with 1.000e-09)" in lead.text_content()
+    assert lead.text_content().count("1.000\xa0\N{MULTIPLICATION SIGN}\xa010⁻⁸") == 1
     likely = FaultTree.of("go fails", {"go fails": ("or", "motor")}, {"motor": 0.01})
     often = HybridModel.of("a.py", {"go": likely}, again)
     assert len(parsed(render_report(report_of(often))).xpath("//*[@class='readings']/div")) == 3
+
+
+@pytest.mark.parametrize(
+    ("line", "kind", "rest"),
+    [
+        ("complete, 7 of 7 functions with commands ran", "complete", "7 of 7 functions"),
+        ("partial: never ran: park; 6 of 7 functions with commands ran", "partial", "never ran"),
+        ("faulted: arm.py:3: struck; 1 of 1 function with commands ran", "faulted", "arm.py:3"),
+        ("stuck: nothing can happen; 1 of 1 function with commands ran", "stuck", "nothing can"),
+        ("verdict unknown", "verdict unknown", ""),
+    ],
+)
+def test_a_verdict_is_a_chip_of_its_own_form(arm, report_of, parsed, line, kind, rest):
+    page = parsed(render_report(report_of(arm, verdict=(line, "more"))))
+    ((chip,),) = [classed(each, "chip") for each in classed(page, "verdict")]
+    assert chip.text_content() == kind
+    assert chip.tail.strip().startswith(rest)
+
+
+def test_no_two_verdicts_share_an_icon(arm, report_of, parsed):
+    icons = [
+        parsed(render_report(report_of(arm, verdict=(kind,)))).xpath("//p/b//path/@d")
+        for kind in (*VERDICTS, UNKNOWN_VERDICT)
+    ]
+    assert len({icon for (icon,) in icons}) == len(VERDICTS) + 1
 
 
 def test_the_replay_stands_before_what_changed_and_that_before_the_tables(

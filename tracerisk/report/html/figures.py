@@ -17,11 +17,11 @@ def probability(value: float) -> str:
     return f"{value:.3e}" if 0.0 < value < 1e-3 else f"{value:.4g}"
 
 
-def powered(value: float) -> str:
+def powered(value: float, digits: int = 3) -> str:
     """Return a number for a sentence, 1.26 x 10⁻⁶, which no line end parts."""
     if value == 0.0 or 1e-3 <= value < 1e4:
-        return f"{value:.3g}"
-    mantissa, _, exponent = f"{value:.2e}".partition("e")
+        return f"{value:.{digits}g}"
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
     power = str(int(exponent)).translate(_SUPERSCRIPTS)
     return f"{mantissa}\N{NO-BREAK SPACE}\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}10{power}"
 

@@ -53,6 +53,8 @@ class Section:
     """Text for the navigation; the title if ""."""
     is_bare: bool = False
     """Whether it brings only style and script and is not seen."""
+    beside: Markup | None = None
+    """What of it stands beside the headline of the page, escaped; `None` for nothing."""
 
 
 def json_in_script(value: Any) -> str:

@@ -68,6 +68,15 @@ def definitions(sources: Sequence[SourceFile]) -> dict[str, tuple[str, int]]:
     }
 
 
+def block_links(sources: Sequence[SourceFile]) -> dict[str, list[str]]:
+    """Return the link to the block of each function, and what to call its place."""
+    return {
+        block.function: [f"#{_id(index, block.first_line)}", f"{file.name}:{block.first_line}"]
+        for index, file in enumerate(sources)
+        for block in file.blocks
+    }
+
+
 def line_links(sources: Sequence[SourceFile]) -> dict[tuple[str, int | None], str]:
     """Return the link to each line of the sources, by file and line."""
     return {

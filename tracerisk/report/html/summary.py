@@ -4,42 +4,62 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
+from tracerisk.common.verdict import UNKNOWN_VERDICT, VERDICTS
 from tracerisk.prm.hybrid.assessment import FIXED
 from tracerisk.report.diff import sentences
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
+from tracerisk.report.html.run.risk_shares import RISK, risk_data
+from tracerisk.report.html.section import Data
 
 
 def lead(report: ReportInput) -> Markup:
     """Return what stands first: what the mission risks, by most through what, and what that is."""
+    readings, agreement = _readings(report)
     return rendered(
         "summary.html.j2",
         name=report.model.name,
         context=_context(report),
-        verdict=report.verdict[:1],
+        verdict=_verdict(report.verdict[0]) if report.verdict else (),
         reasons=report.verdict[1:],
-        sentence=_sentence(report),
+        headline=_headline(report),
         cause=_cause(report),
         assumed=_assumed(report),
         band=report.band,
         statement=report.assessment.statement,
-        readings=_readings(report),
+        readings=readings,
+        agreement=agreement,
         counts=_counts(report),
         end=_end(report),
         since=sentences.headline(report.review) if report.review is not None else "",
         outcome=report.outcome,
         no_trace=report.no_trace,
+        # What stands beside the headline is the replay, which colours the arm by its risk.
+        data=[Data.of_json(RISK, risk_data(report))]
+        if any(section.beside for section in report.sections)
+        else [],
     )
 
 
-def _sentence(report: ReportInput) -> str:
+def _verdict(line: str) -> tuple[str, str]:
+    """Return the kind of a verdict for its chip, and what its line says beyond it."""
+    kind = next((kind for kind in (*VERDICTS, UNKNOWN_VERDICT) if line.startswith(kind)), "")
+    return kind, line[len(kind) :].lstrip(":, ")
+
+
+def _headline(report: ReportInput) -> tuple[str, str, str]:
+    """Return the sentence, the figure that ends it, and that as one in so many missions."""
     risk = report.assessment.mission.failure_probability
     if risk == 0.0:
-        return f"No hardware failure that is modelled can end a mission of {report.model.name}."
-    text = f"Probability that a hardware failure ends a mission of {report.model.name}: "
+        text = f"No hardware failure that is modelled can end a mission of {report.model.name}."
+        return text, "", ""
     often = figures.one_in(risk)
-    return f"{text}{figures.powered(risk)}{f', {often}' if often else ''}."
+    return (
+        f"Probability that a hardware failure ends a mission of {report.model.name}:",
+        figures.powered(risk, digits=4),
+        f"{often} missions" if often else "",
+    )
 
 
 def _cause(report: ReportInput) -> str:
@@ -90,8 +110,11 @@ def _end(report: ReportInput) -> str:
     return f"How the run ended: {trace.end.message}{where}."
 
 
-def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
-    """Return the mission's figure by each way to count its cycles; one box where all agree."""
+def _readings(report: ReportInput) -> tuple[tuple[tuple[str, str, str], ...], str]:
+    """Return the mission's figure by each way to count its cycles, and how far these agree.
+
+    Where all agree there are no figures beside the headline's.
+    """
     mission = report.assessment.mission
     cycles = figures.count(mission.expected_cycles)
     is_one = cycles == "1"
@@ -103,12 +126,11 @@ def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
         for value in (mission.geometric_cycles, mission.fixed_cycles, mission.visits_as_run)
     }
     if len(alike) == 1:
-        ways = "the readings agree: the chain's, and that of the visits as executed"
-        if has_cycle:
-            ways = "the readings agree: cycles that vary around their mean, "
-            ways += f"{cycles} fixed cycle{'' if is_one else 's'} ({each_fails}), as executed"
-        return (("probability that a mission fails", alike.pop(), ways),)
-    return (
+        if not has_cycle:
+            return (), "The readings agree: the chain's, and that of the visits as executed."
+        fixed = f"{cycles} fixed cycle{'' if is_one else 's'} ({each_fails})"
+        return (), f"The readings agree: cycles that vary around their mean, {fixed}, as executed."
+    ways = (
         (
             "geometric cycles",
             figures.probability(mission.geometric_cycles),
@@ -125,6 +147,7 @@ def _readings(report: ReportInput) -> tuple[tuple[str, str, str], ...]:
             "each function visited as often as it is expected to be",
         ),
     )
+    return ways, ""
 
 
 def _counts(report: ReportInput) -> tuple[tuple[str, int, str], ...]:

@@ -1,25 +1,55 @@
 // The camera: it looks at `target` from `distance` [m]; yaw and pitch in radians, z points up.
 
+const OPEN = Math.tan(0.3);
+const FILLED = 0.92; // of the frame, by what it is to hold
+
 class Camera {
-  constructor(bounds) {
-    this.home = bounds;
+  // `home`: the points that the picture is to hold, the direction of the work, a radius.
+  constructor(home) {
+    this.home = home;
+    this.aspect = 4 / 3;
     this.reset();
   }
   reset() {
-    this.target = [...this.home.centre];
-    this.distance = this.home.radius * 2.3;
-    this.yaw = -0.9;
-    this.pitch = 0.42;
+    this.yaw = this.home.towards - 0.95;
+    this.pitch = 0.34;
+    this.fit();
+  }
+  // Go as near as all points allow, and put them in the middle.
+  fit() {
+    const { points, radius } = this.home;
+    const { back, right, up } = this.axes();
+    const [sideways, upwards] = this.opening();
+    const edge = { left: -Infinity, right: -Infinity, low: -Infinity, high: -Infinity };
+    // A point is in sight where x / (distance - depth) is within the opening: four planes.
+    const [cx, cy] = [1 / (sideways * FILLED), 1 / (upwards * FILLED)];
+    for (const point of points) {
+      const [x, y, deep] = [dot(point, right), dot(point, up), dot(point, back)];
+      edge.right = Math.max(edge.right, x * cx + deep);
+      edge.left = Math.max(edge.left, -x * cx + deep);
+      edge.high = Math.max(edge.high, y * cy + deep);
+      edge.low = Math.max(edge.low, -y * cy + deep);
+    }
+    const x = (edge.right - edge.left) / (2 * cx);
+    const y = (edge.high - edge.low) / (2 * cy);
+    const eye = Math.max((edge.right + edge.left) / 2, (edge.high + edge.low) / 2);
+    const middle = points.reduce((sum, point) => sum + dot(point, back), 0) / points.length;
+    this.distance = Math.max(eye - middle, radius * 0.5);
+    this.target = right.map((v, i) => v * x + up[i] * y + back[i] * middle);
+    this.isHome = true;
   }
   orbit(dx, dy) {
+    this.isHome = false;
     this.yaw -= dx;
     this.pitch = Math.min(Math.max(this.pitch + dy, -0.2), 1.55);
   }
   zoom(factor) {
+    this.isHome = false;
     const { radius } = this.home;
     this.distance = Math.min(Math.max(this.distance * factor, radius * 0.2), radius * 12);
   }
   pan(dx, dy) {
+    this.isHome = false;
     const { right, up } = this.axes();
     const scale = this.distance * 0.5;
     this.target = this.target.map((v, i) => v - (right[i] * dx - up[i] * dy) * scale);
@@ -33,30 +63,34 @@ class Camera {
     const { back } = this.axes();
     return this.target.map((v, i) => v + back[i] * this.distance);
   }
+  // How far the picture reaches to its sides, and up and down, at a distance of 1.
+  opening() {
+    return this.aspect < 1 ? [OPEN, OPEN / this.aspect] : [OPEN * this.aspect, OPEN];
+  }
   // World to clip space, column after column.
   matrix(aspect) {
+    if (Math.abs(aspect - this.aspect) > 1e-6) {
+      this.aspect = aspect;
+      // As long as nobody has moved it, the view fits its frame.
+      if (this.isHome) this.fit();
+    }
     const { back, right, up } = this.axes();
-    const focal = 1 / Math.tan(0.36);
     const near = this.distance * 0.02;
     const far = this.distance + this.home.radius * 30;
-    const across = aspect < 1 ? focal : focal / aspect;
-    const upward = aspect < 1 ? focal * aspect : focal;
+    const [sideways, upwards] = this.opening();
     return product(
-      [across, 0, 0, 0, 0, upward, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0,
+      [1 / sideways, 0, 0, 0, 0, 1 / upwards, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0,
         (2 * far * near) / (near - far), 0],
       looking(this.eye, right, up, back),
     );
   }
   // The direction in which a point of the picture lies; x and y from -1 to 1.
-  ray(x, y, aspect) {
+  ray(x, y) {
     const { back, right, up } = this.axes();
-    const open = Math.tan(0.36);
-    const [sx, sy] = aspect < 1 ? [x * open, (y * open) / aspect] : [x * open * aspect, y * open];
-    return back.map((v, i) => right[i] * sx + up[i] * sy - v);
+    const [sideways, upwards] = this.opening();
+    return back.map((v, i) => right[i] * x * sideways + up[i] * y * upwards - v);
   }
 }
-
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 function looking(eye, right, up, back) {
   return [

@@ -38,8 +38,8 @@ const BODY_FRAGMENT = `#version 300 es
   precision highp float;
   in vec3 facing, place;
   in vec4 inSun;
-  uniform vec3 colour, eye;
-  uniform float plain;
+  uniform vec3 colour, eye, glowing;
+  uniform float plain, glow;
   out vec4 result;
   ${SHADE}
   void main() {
@@ -48,9 +48,13 @@ const BODY_FRAGMENT = `#version 300 es
     float sun = max(dot(n, light), 0.0);
     if (sun > 0.0) sun *= lit(inSun);
     float sky = 0.5 + 0.5 * n.z;
-    float shine = pow(max(dot(n, normalize(light + v)), 0.0), 40.0) * 0.18 * sun;
-    float rim = pow(1.0 - max(dot(n, v), 0.0), 3.0) * 0.08;
-    vec3 shaded = base * (mix(0.22, 0.5, sky) + 0.68 * sun) + shine + rim * sky;
+    float fill = max(dot(n, normalize(vec3(-light.x, -light.y, 0.35))), 0.0);
+    float shine = pow(max(dot(n, normalize(light + v)), 0.0), 48.0) * 0.22 * sun;
+    float front = max(dot(n, v), 0.0);
+    // Edges are darker: a white arm stands out from a white page.
+    float edge = 1.0 - 0.45 * pow(1.0 - front, 3.0);
+    vec3 shaded = base * (mix(0.2, 0.46, sky) + 0.62 * sun + 0.14 * fill) * edge + shine;
+    shaded += pow(glowing, vec3(2.2)) * glow * (0.1 + 0.3 * pow(1.0 - front, 2.0));
     result = vec4(shown(mix(shaded, base, plain)), 1.0);
   }`;
 
@@ -76,6 +80,31 @@ const GROUND_FRAGMENT = `#version 300 es
     vec3 floored = base * shade;
     floored = mix(floored, floored * 0.8, max(lines(0.1) * 0.5, lines(0.5)));
     result = vec4(shown(mix(behind, floored, here)), 1.0);
+  }`;
+
+// A shell around what glows, which fades outwards.
+const HALO_VERTEX = `#version 300 es
+  uniform mat4 model, view;
+  uniform float wide;
+  layout(location = 0) in vec3 position;
+  layout(location = 1) in vec3 normal;
+  out vec3 facing, place;
+  void main() {
+    vec4 at = model * vec4(position + normal * wide, 1.0);
+    facing = mat3(model) * normal;
+    place = at.xyz;
+    gl_Position = view * at;
+  }`;
+
+const HALO_FRAGMENT = `#version 300 es
+  precision highp float;
+  in vec3 facing, place;
+  uniform vec3 eye, glowing;
+  uniform float glow;
+  out vec4 result;
+  void main() {
+    float near = max(dot(normalize(facing), normalize(eye - place)), 0.0);
+    result = vec4(glowing, 0.22 * glow * pow(near, 1.6));
   }`;
 
 const SHADOW_VERTEX = `#version 300 es
@@ -104,6 +133,7 @@ class Drawing {
     this.body = this.program(BODY_VERTEX, BODY_FRAGMENT);
     this.ground = this.program(BODY_VERTEX, GROUND_FRAGMENT);
     this.caster = this.program(SHADOW_VERTEX, SHADOW_FRAGMENT);
+    this.halo = this.program(HALO_VERTEX, HALO_FRAGMENT);
     this.buffers = this.meshes.map((mesh) => this.upload(mesh));
     const far = this.bounds.radius * 14;
     const corners = [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]];
@@ -184,7 +214,7 @@ class Drawing {
     const box = [1 / reach, 0, 0, 0, 0, 1 / reach, 0, 0, 0, 0, -0.5 / reach, 0, 0, 0, -1, 1];
     return product(box, looking(eye, right, up, LIGHT));
   }
-  // `shown`: mesh, model matrix and colour of each body, `plain` for what is not lit.
+  // `shown`: mesh, model matrix, colour and glow of each body, `plain` for what is not lit.
   draw(camera, shown, colours) {
     const { gl } = this;
     if (gl.isContextLost()) return;
@@ -225,16 +255,36 @@ class Drawing {
       this.mesh(this.body, each);
     }
     gl.disable(gl.POLYGON_OFFSET_FILL);
+    this.haloes(casters.filter(({ glow }) => glow), camera, view);
     gl.disable(gl.DEPTH_TEST);
     for (const each of shown) if (each.plain) this.mesh(this.body, each);
     gl.enable(gl.DEPTH_TEST);
     return view;
   }
-  mesh({ places }, { mesh, model, colour, plain = 0 }) {
+  haloes(glowing, camera, view) {
+    const { gl } = this;
+    gl.useProgram(this.halo.program);
+    gl.uniformMatrix4fv(this.halo.places.view, false, view);
+    gl.uniform3fv(this.halo.places.eye, camera.eye);
+    gl.enable(gl.BLEND);
+    gl.enable(gl.CULL_FACE);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    for (const wide of [0.018, 0.036]) {
+      gl.uniform1f(this.halo.places.wide, wide * Math.min(this.bounds.radius, 1));
+      for (const each of glowing) this.mesh(this.halo, each);
+    }
+    gl.depthMask(true);
+    gl.disable(gl.CULL_FACE);
+    gl.disable(gl.BLEND);
+  }
+  mesh({ places }, { mesh, model, colour, plain = 0, glow = 0, glowing = colour }) {
     const { gl } = this;
     const { vertexArray, count } = this.buffers[mesh];
     gl.uniformMatrix4fv(places.model, false, model);
     if (places.colour) gl.uniform3fv(places.colour, colour);
+    if (places.glow) gl.uniform1f(places.glow, glow);
+    if (places.glowing) gl.uniform3fv(places.glowing, glowing);
     if (places.plain) gl.uniform1f(places.plain, plain);
     gl.bindVertexArray(vertexArray);
     gl.drawArrays(gl.TRIANGLES, 0, count);

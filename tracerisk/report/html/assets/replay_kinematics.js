@@ -21,6 +21,10 @@ function multiply(a, b) {
   ];
 }
 
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [
+  a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0],
+];
 const inverse = (q) => [q[0], -q[1], -q[2], -q[3]];
 const about = (axis, angle) => {
   const s = Math.sin(angle / 2);

@@ -44,23 +44,142 @@ function revolved(rings, sectors = 36) {
   return vertices;
 }
 
-function boxed([x, y, z]) {
+// A box with half lengths, its edges cut off by `edge` so that they catch the light.
+function boxed([x, y, z], edge = Math.min(x, y, z) * 0.08) {
+  const half = [x, y, z];
   const vertices = [];
+  const quad = (corners, normal) => {
+    const [a, b, c] = corners;
+    const [e, f] = [b.map((v, k) => v - a[k]), c.map((v, k) => v - a[k])];
+    const turned = dot(cross(e, f), normal) < 0;
+    const order = turned ? [0, 2, 1, 0, 3, 2] : [0, 1, 2, 0, 2, 3];
+    const length = Math.hypot(...normal);
+    for (const k of order) {
+      if (k < corners.length) vertices.push(...corners[k], ...normal.map((v) => v / length));
+    }
+  };
+  const signs = [-1, 1];
   for (let axis = 0; axis < 3; axis++) {
-    for (const side of [-1, 1]) {
-      const [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
-      const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => {
-        const corner = [0, 0, 0];
-        [corner[axis], corner[u], corner[v]] = [side, a * side, b];
-        return corner;
-      });
-      const normal = [0, 0, 0];
-      normal[axis] = side;
-      for (const k of [0, 1, 2, 0, 2, 3]) {
-        const [cx, cy, cz] = corners[k];
-        vertices.push(cx * x, cy * y, cz * z, ...normal);
+    const [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    const at = (along, across, deep) => {
+      const place = [0, 0, 0];
+      [place[axis], place[u], place[v]] = [along, across, deep];
+      return place;
+    };
+    const [m, n] = [half[u] - edge, half[v] - edge];
+    for (const side of signs) {
+      const normal = at(side, 0, 0);
+      quad([[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => at(side * half[axis], a * m, b * n)), normal);
+      // The cut edge towards u, along v.
+      for (const other of signs) {
+        const high = [side * half[axis], other * m];
+        const low = [side * (half[axis] - edge), other * half[u]];
+        quad([[high, -n], [high, n], [low, n], [low, -n]].map(([[p, q], r]) => at(p, q, r)), at(side, other, 0));
       }
     }
+  }
+  for (const a of signs) for (const b of signs) for (const c of signs) {
+    const [i, j, k] = [half[0] - edge, half[1] - edge, half[2] - edge];
+    const corners = [[a * x, b * j, c * k], [a * i, b * y, c * k], [a * i, b * j, c * z]];
+    const normal = [a, b, c];
+    const turned = dot(cross(corners[1].map((v, m) => v - corners[0][m]), corners[2].map((v, m) => v - corners[0][m])), normal) < 0;
+    for (const m of turned ? [0, 2, 1] : [0, 1, 2]) vertices.push(...corners[m], ...normal.map((v) => v * 0.577));
+  }
+  return vertices;
+}
+
+const SECTORS = 32;
+
+// A tube along points (x, y, z, radius): straight runs are turned on a lathe, bends are balls.
+// Its ends are balls too, or flat with an edge cut off.
+function tubed(points, isFlat) {
+  const vertices = [];
+  const place = (i) => points.slice(i * 4, i * 4 + 3);
+  const count = points.length / 4;
+  const ball = (i) => {
+    const middle = place(i);
+    const own = revolved(profile("sphere", [points[i * 4 + 3]]), SECTORS);
+    for (let k = 0; k < own.length; k += 6) {
+      vertices.push(own[k] + middle[0], own[k + 1] + middle[1], own[k + 2] + middle[2]);
+      vertices.push(own[k + 3], own[k + 4], own[k + 5]);
+    }
+  };
+  const way = (i) => {
+    const step = place(i + 1).map((v, k) => v - points[i * 4 + k]);
+    const length = Math.hypot(...step);
+    return { length, along: step.map((v) => v / (length || 1)) };
+  };
+  if (count === 1) ball(0);
+  let first = 0;
+  while (first < count - 1) {
+    // A run goes on as long as the points lie in one line.
+    const { along } = way(first);
+    let last = first + 1;
+    while (last < count - 1 && dot(way(last).along, along) > 0.9999) last++;
+    const rings = [];
+    let far = 0;
+    for (let i = first; i <= last; i++) {
+      rings.push([points[i * 4 + 3], far]);
+      if (i < last) far += way(i).length;
+    }
+    const lathe = [];
+    const line = ([r0, z0], [r1, z1]) => {
+      const [nr, nz] = [z1 - z0, r0 - r1];
+      if (nr || nz) lathe.push([r0, z0, nr, nz], [r1, z1, nr, nz]);
+    };
+    const cap = (ring, side) => {
+      const edge = Math.min(ring[0] * 0.12, 0.006, far / 3);
+      const rim = [ring[0] - edge, ring[1]];
+      const inner = [ring[0], ring[1] - side * edge];
+      if (side < 0) {
+        line([0, ring[1]], rim);
+        line(rim, inner);
+      } else {
+        line(inner, rim);
+        line(rim, [0, ring[1]]);
+      }
+      return inner;
+    };
+    const inner = rings.map((ring) => ring);
+    const [isFirst, isLast] = [first === 0, last === count - 1];
+    if (isFirst && isFlat) inner[0] = cap(rings[0], -1);
+    for (let i = 0; i + 1 < inner.length; i++) {
+      const to = i + 2 === inner.length && isLast && isFlat
+        ? [inner[i + 1][0], inner[i + 1][1] - Math.min(inner[i + 1][0] * 0.12, 0.006, far / 3)]
+        : inner[i + 1];
+      line(inner[i], to);
+    }
+    if (isLast && isFlat) cap(rings.at(-1), 1);
+    const turn = turnTo(along);
+    const begin = place(first);
+    const own = revolved(lathe, SECTORS);
+    for (let k = 0; k < own.length; k += 6) {
+      const p = rotate(turn, [own[k], own[k + 1], own[k + 2]]);
+      vertices.push(p[0] + begin[0], p[1] + begin[1], p[2] + begin[2]);
+      vertices.push(...rotate(turn, [own[k + 3], own[k + 4], own[k + 5]]));
+    }
+    if (!isFirst || !isFlat) ball(first);
+    if (isLast && !isFlat) ball(last);
+    first = last;
+  }
+  return vertices;
+}
+
+// The turn that brings the z axis to a direction.
+function turnTo([x, y, z]) {
+  const across = Math.hypot(x, y);
+  if (across < 1e-9) return z < 0 ? [0, 1, 0, 0] : identity;
+  return about([-y / across, x / across, 0], Math.acos(Math.min(Math.max(z, -1), 1)));
+}
+
+// Triangles as they come, nine numbers each, with the normal of each.
+function faceted(flat) {
+  const vertices = [];
+  for (let i = 0; i < flat.length; i += 9) {
+    const [a, b, c] = [flat.slice(i, i + 3), flat.slice(i + 3, i + 6), flat.slice(i + 6, i + 9)];
+    const n = cross(b.map((v, k) => v - a[k]), c.map((v, k) => v - a[k]));
+    const length = Math.hypot(...n) || 1;
+    for (const corner of [a, b, c]) vertices.push(...corner, ...n.map((v) => v / length));
   }
   return vertices;
 }
@@ -77,15 +196,32 @@ function bodyMesh(body) {
       vertices.push(...rotate(quat, own.slice(i + 3, i + 6)));
     }
   }
-  const flat = body.triangles ?? [];
-  for (let i = 0; i < flat.length; i += 9) {
-    const [a, b, c] = [flat.slice(i, i + 3), flat.slice(i + 3, i + 6), flat.slice(i + 6, i + 9)];
-    const [e, f] = [b.map((v, k) => v - a[k]), c.map((v, k) => v - a[k])];
-    const n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
-    const length = Math.hypot(...n) || 1;
-    for (const corner of [a, b, c]) vertices.push(...corner, ...n.map((v) => v / length));
+  return new Float32Array([...vertices, ...faceted(body.triangles ?? [])]);
+}
+
+// What is drawn of a body: a mesh for each paint, joints apart. Where nothing is made for drawing, its shapes are.
+function drawnMeshes(body) {
+  if (!body.look) return [{ paint: null, isJoint: false, mesh: bodyMesh(body) }];
+  const alike = new Map();
+  for (const piece of body.look) {
+    const { paint = null, joint: isJoint = false } = piece;
+    let own;
+    if (piece.tube) own = tubed(piece.tube, piece.flat);
+    else if (piece.box) {
+      const { box, edge, xyz, quat = identity } = { xyz: [0, 0, 0], ...piece };
+      own = boxed(box, edge);
+      for (let i = 0; i < own.length; i += 6) {
+        const p = rotate(quat, own.slice(i, i + 3));
+        const n = rotate(quat, own.slice(i + 3, i + 6));
+        own.splice(i, 6, p[0] + xyz[0], p[1] + xyz[1], p[2] + xyz[2], ...n);
+      }
+    } else own = faceted(piece.triangles);
+    const key = `${paint} ${isJoint}`;
+    if (!alike.has(key)) alike.set(key, { paint, isJoint, all: [] });
+    const { all } = alike.get(key);
+    for (const value of own) all.push(value);
   }
-  return new Float32Array(vertices);
+  return [...alike.values()].map(({ paint, isJoint, all }) => ({ paint, isJoint, mesh: new Float32Array(all) }));
 }
 
 // The point of a solid that is nearest to a point in the solid's own frame.

@@ -57,7 +57,7 @@ def _rod(body: Body, place: Point, other: Body) -> list[Shape]:
     A body without shapes has its rods meet in its origin.
     """
     near = min(
-        (_nearest(shape, place) for shape in body.shapes),
+        (nearest_in(shape, place) for shape in body.shapes),
         key=lambda point: math.dist(point, place),
         default=_ORIGIN,
     )
@@ -79,7 +79,7 @@ def _rod(body: Body, place: Point, other: Body) -> list[Shape]:
     ]
 
 
-def _nearest(shape: Shape, place: Point) -> Point:
+def nearest_in(shape: Shape, place: Point) -> Point:
     """Return the point of a shape that is nearest to a place, both in the frame of the body."""
     w, *turned = quaternion_of(shape.rpy)
     back = (w, -turned[0], -turned[1], -turned[2])

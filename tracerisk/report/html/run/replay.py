@@ -1,7 +1,7 @@
 """The run in 3-D: what the page needs to show the robot as it moved.
 
 Positions come from the samples of the run; where each body then is, the page computes itself,
-so that neither a physics engine nor a mesh is needed to make or to open it.
+so that no physics engine is needed to make or to open it.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import LogError
-from tracerisk.report.html.run.joining import with_joins
+from tracerisk.report.html.run.appearance import with_looks
 from tracerisk.report.html.run.replay_model import FREE_COLUMNS, bodies_data, scene_bodies
 from tracerisk.report.html.section import Data
 
@@ -92,7 +92,7 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
         samples = until(samples, round(end_s * 1e9))
     if activity is None:
         activity = element_activity(samples, run.robot)
-    bodies = with_joins(scene_bodies(run.robot, run.scene))
+    bodies = with_looks(scene_bodies(run.robot, run.scene), run.robot)
     values, quanta = _columns(samples, run.robot, run.scene)
     notes = []
     if run.declared:

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from tracerisk.common.geometry.rotation import Quaternion, quaternion_of
 from tracerisk.common.geometry.shapes import Shape
+from tracerisk.twin.looks.look import Piece
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.robots.robot import Attachment, Robot
 
@@ -47,6 +48,8 @@ class Body:
     """Name of the joint or gripper that drives it; `None` for none."""
     triangles: tuple[float, ...] = field(default=())
     """Corners of shapes that are not primitives, nine numbers a triangle [m]."""
+    look: tuple[Piece, ...] = ()
+    """What is drawn in place of the shapes; empty where these are."""
     since_s: float = 0.0
     """Time from which it is there [s]."""
     until_s: float | None = None
@@ -138,6 +141,8 @@ def _body_data(body: Body) -> dict[str, Any]:
         body_data["element"] = body.element
     if body.triangles:
         body_data["triangles"] = _rounded(body.triangles, 4)
+    if body.look:
+        body_data["look"] = [_piece_data(piece) for piece in body.look]
     if body.since_s > 0.0:
         body_data["since"] = round(body.since_s, 6)
     if body.until_s is not None:
@@ -156,6 +161,29 @@ def _shape_data(shape: Shape) -> dict[str, Any]:
     if shape.pad:
         shape_data["pad"] = True
     return shape_data
+
+
+def _piece_data(piece: Piece) -> dict[str, Any]:
+    piece_data: dict[str, Any] = {}
+    if piece.tube:
+        piece_data["tube"] = _rounded(piece.tube, 5)
+        if piece.is_flat:
+            piece_data["flat"] = True
+    elif piece.box:
+        piece_data["box"] = _rounded(piece.box, 5)
+        if piece.edge is not None:
+            piece_data["edge"] = round(piece.edge, 5)
+        if any(piece.xyz):
+            piece_data["xyz"] = _rounded(piece.xyz, 5)
+        if any(piece.rpy):
+            piece_data["quat"] = _rounded(quaternion_of(piece.rpy), 6)
+    else:
+        piece_data["triangles"] = _rounded(piece.triangles, 4)
+    if piece.paint:
+        piece_data["paint"] = piece.paint
+    if piece.is_joint:
+        piece_data["joint"] = True
+    return piece_data
 
 
 def _unit(axis: tuple[float, float, float]) -> tuple[float, float, float]:

@@ -37,9 +37,13 @@ _REPLAY = (
     "replay_shapes",
     "replay_camera",
     "replay_draw",
+    "replay_colours",
+    "replay_risk",
+    "replay_labels",
     "replay_steer",
     "replay_now",
     "replay",
+    "replay_page",
 )
 _MOST_LISTED = 1000  # visits in the table; the chart has them all
 _MOST_MARKS = 6  # in sight below the chart; more are folded
@@ -83,6 +87,7 @@ def timeline_section(
         name=NAME,
         title="Replay and timeline" if replay is not None else "Timeline",
         html=html,
+        beside=None if replay is None else rendered("replay.html.j2", speeds=_SPEEDS),
         css="\n".join(asset(f"{style}.css") for style in styles),
         js="\n".join(asset(f"{script}.js") for script in scripts),
         data=(

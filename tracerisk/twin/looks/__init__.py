@@ -1,0 +1,1 @@
+"""How robots look: geometry that is drawn and never simulated."""
