@@ -8,6 +8,7 @@ class Camera {
   constructor(home) {
     this.home = home;
     this.aspect = 4 / 3;
+    this.covered = 0; // part of the height that buttons cover
     this.reset();
   }
   reset() {
@@ -15,24 +16,28 @@ class Camera {
     this.pitch = 0.34;
     this.fit();
   }
-  // Go as near as all points allow, and put them in the middle.
+  // Go as near as all points allow, and put them in the middle of what the buttons leave free.
   fit() {
     const { points, radius } = this.home;
     const { back, right, up } = this.axes();
     const [sideways, upwards] = this.opening();
+    // A point is in sight where x / (eye - depth) is within the opening: four planes.
+    const side = 1 / (sideways * FILLED);
+    const top = 1 / (upwards * FILLED * (1 - 2 * this.covered));
+    const foot = 1 / (upwards * FILLED);
     const edge = { left: -Infinity, right: -Infinity, low: -Infinity, high: -Infinity };
-    // A point is in sight where x / (distance - depth) is within the opening: four planes.
-    const [cx, cy] = [1 / (sideways * FILLED), 1 / (upwards * FILLED)];
     for (const point of points) {
       const [x, y, deep] = [dot(point, right), dot(point, up), dot(point, back)];
-      edge.right = Math.max(edge.right, x * cx + deep);
-      edge.left = Math.max(edge.left, -x * cx + deep);
-      edge.high = Math.max(edge.high, y * cy + deep);
-      edge.low = Math.max(edge.low, -y * cy + deep);
+      edge.right = Math.max(edge.right, x * side + deep);
+      edge.left = Math.max(edge.left, -x * side + deep);
+      edge.high = Math.max(edge.high, y * top + deep);
+      edge.low = Math.max(edge.low, -y * foot + deep);
     }
-    const x = (edge.right - edge.left) / (2 * cx);
-    const y = (edge.high - edge.low) / (2 * cy);
-    const eye = Math.max((edge.right + edge.left) / 2, (edge.high + edge.low) / 2);
+    const x = (edge.right - edge.left) / (2 * side);
+    let y = (edge.high - edge.low) / (top + foot);
+    const eye = Math.max((edge.right + edge.left) / 2, edge.high - y * top);
+    // Where the sides decide, what is free above and below is shared.
+    y = (edge.high - eye) / top / 2 + (eye - edge.low) / foot / 2;
     const middle = points.reduce((sum, point) => sum + dot(point, back), 0) / points.length;
     this.distance = Math.max(eye - middle, radius * 0.5);
     this.target = right.map((v, i) => v * x + up[i] * y + back[i] * middle);
@@ -68,9 +73,9 @@ class Camera {
     return this.aspect < 1 ? [OPEN, OPEN / this.aspect] : [OPEN * this.aspect, OPEN];
   }
   // World to clip space, column after column.
-  matrix(aspect) {
-    if (Math.abs(aspect - this.aspect) > 1e-6) {
-      this.aspect = aspect;
+  matrix(aspect, covered = 0) {
+    if (Math.abs(aspect - this.aspect) > 1e-6 || covered !== this.covered) {
+      Object.assign(this, { aspect, covered });
       // As long as nobody has moved it, the view fits its frame.
       if (this.isHome) this.fit();
     }

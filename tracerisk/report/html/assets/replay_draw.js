@@ -1,6 +1,7 @@
 // Draws bodies with WebGL2: light from above, soft shadows, a ground that fades away.
 
 const SHADOW = 1024;
+const BUTTONS = 46; // what they cover at the top of the picture [px]
 const LIGHT = (() => {
   const way = [0.35, -0.5, 0.8];
   const length = Math.hypot(...way);
@@ -218,7 +219,7 @@ class Drawing {
   draw(camera, shown, colours) {
     const { gl } = this;
     if (gl.isContextLost()) return;
-    const view = camera.matrix(this.fit());
+    const view = camera.matrix(this.fit(), Math.min(BUTTONS / this.canvas.clientHeight, 0.2));
     const sun = this.sun();
     const casters = shown.filter((each) => !each.plain);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
