@@ -19,9 +19,10 @@ from tracerisk.pipeline.pictures.run_section import recorded_run
 from tracerisk.report.html.page import page as page_text
 from tracerisk.report.html.run.replay import RecordedRun, Replay, make_replay
 from tracerisk.report.html.run.replay_model import bodies_data, scene_bodies
+from tracerisk.report.html.run.risk_shares import RISK
 from tracerisk.report.html.run.timeline import timeline_section
 from tracerisk.report.html.run.timeline_segments import GRASPING, HOLDING, MOVING, SOMEWHEN
-from tracerisk.report.html.section import Section
+from tracerisk.report.html.section import Data, Section
 from tracerisk.trace import Contact, Finding, Trace
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.scene import load_scene
@@ -404,6 +405,141 @@ def test_a_lost_picture_comes_back(page):
     )
     assert found == [False, True]
     assert np.ptp(pixels(page)) > 50
+
+
+# The risk on the arm, and what the picture holds
+
+_SHARES = [
+    ["pick", "electric_motor", "panda_joint2", 0.4],
+    ["place", "electric_motor", "panda_joint2", 0.2],
+    ["place", "electric_motor", "panda_joint4", 0.1],
+    ["pick", "gripper", None, 0.25],
+    ["pick", "power_system", None, 0.05],
+]
+
+
+@pytest.fixture(scope="session")
+def risky(shown_run: ShownRun, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of the run beside a headline that knows which element has which share."""
+    data = Data.of_json(RISK, {"shares": _SHARES, "blocks": {"pick": ["#run", "pick.py:3"]}})
+    lead = (
+        f'<h1 id="run">A run</h1><script type="{data.kind}" id="{data.name}">{data.text}</script>'
+    )
+    section = timeline_section(shown_run.trace, shown_run.components, replay=shown_run.replay)
+    path = tmp_path_factory.mktemp("risk") / "risk.html"
+    path.write_text(page_text("A run", Markup(lead), [section]), encoding="utf-8")
+    return path
+
+
+def risk_of(page, element):
+    return page.execute_script("return tracerisk.replay.riskOf(arguments[0])", element)
+
+
+def test_the_arm_shows_the_whole_mission_and_then_fills_up_with_the_time(risky, open_page):
+    page = open_page(risky)
+    legend = "return document.querySelector('.replay-legend').textContent"
+    assert risk_of(page, "panda_joint2") == pytest.approx(0.6)
+    # A component without a figure for each element: its only element has all of it.
+    assert risk_of(page, "panda_hand") == pytest.approx(0.25)
+    assert risk_of(page, "panda_joint1") == 0
+    told = page.execute_script(legend)
+    assert "60\xa0%" in told
+    assert "whole mission" in told
+    assert "Not on the arm: power_system 5\xa0%" in told
+    seen = []
+    for time in (1e-3, *TIMES[1:], 1e6):
+        page.execute_script("tracerisk.clock.set(arguments[0], 'test')", time)
+        seen.append(risk_of(page, "panda_joint2"))
+    assert seen[0] < 0.01
+    assert seen == sorted(seen)
+    assert seen[1] < seen[-1] == pytest.approx(0.6)
+    assert "100\xa0% of it by" in page.execute_script(legend)
+
+
+def test_risk_and_activity_are_two_colourings_of_one_arm(risky, open_page):
+    page = open_page(risky)
+    go_to(page, 3.32)
+    risk = pixels(page)
+    page.find_element("css selector", '[data-colours="activity"]').click()
+    page.execute_async_script(_AFTER_FRAMES)
+    assert page.execute_script("return tracerisk.replay.colours") == "activity"
+    assert np.count_nonzero(np.abs(pixels(page) - risk).max(axis=2) > 20) > 200
+    pressed = page.execute_script(
+        "return [...document.querySelectorAll('[data-colours]')].map(e => e.ariaPressed)"
+    )
+    assert pressed == ["false", "true"]
+    assert "moving" in page.execute_script(
+        "return document.querySelector('.replay-legend').textContent"
+    )
+
+
+def test_a_click_on_a_link_leads_to_its_share_and_to_the_source(risky, open_page):
+    from selenium.webdriver import ActionChains
+
+    page = open_page(risky)
+    page.execute_script(
+        "const { camera, bodyPosition } = tracerisk.replay;"
+        "camera.target = bodyPosition('panda_link2'); camera.distance = 1; camera.pitch = 0;"
+        "camera.isHome = false; tracerisk.replay.ask();"
+    )
+    page.execute_async_script(_AFTER_FRAMES)
+    ActionChains(page).click(page.find_element("id", "replay-canvas")).perform()
+    assert page.execute_script("return tracerisk.selected.component") == "electric_motor"
+    chosen = page.find_element("css selector", ".replay-chosen")
+    assert "electric_motor: 70 % of the mission" in chosen.text
+    assert "of which panda_joint2 60 %" in chosen.text
+    (link,) = chosen.find_elements("tag name", "a")
+    assert link.get_attribute("href").endswith("#run")
+    assert (link.text, link.get_attribute("title")) == ("pick 40 %", "pick.py:3")
+
+
+@pytest.mark.parametrize("size", [(1400, 1000), (400, 900)])
+def test_the_picture_holds_all_that_the_arm_reaches_and_little_more(page, shown_run, size):
+    metrics = {"width": size[0], "height": size[1], "deviceScaleFactor": 0.25, "mobile": False}
+    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    page.execute_script("tracerisk.replay.camera.reset(); tracerisk.replay.ask();")
+    page.execute_async_script(_AFTER_FRAMES)
+    names = [body.name for body in shown_run.replay.bodies if body.kind in ("robot", "object")]
+    places = []
+    for time in np.linspace(0, shown_run.trace.end.simulated_s, 40):
+        page.execute_script("tracerisk.clock.set(arguments[0], 'test')", float(time))
+        places += page.execute_script(
+            "return arguments[0].map(tracerisk.replay.bodyPosition)", names
+        )
+    matrix = page.execute_script(
+        "const { camera } = tracerisk.replay; return camera.matrix(camera.aspect, camera.covered)"
+    )
+    page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    clip = np.column_stack((np.array(places), np.ones(len(places)))) @ np.array(matrix).reshape(
+        4, 4
+    )
+    seen = clip[:, :2] / clip[:, 3:]
+    assert np.abs(seen).max() < 1
+    # The racks beside the tubes take some of the rest.
+    assert np.ptp(seen, axis=0).max() > 0.95
+
+
+def test_several_arms_play_on_one_page(page):
+    """Each has a stage and a camera of its own, and follows the one clock."""
+    drawn = page.execute_async_script(
+        "const done = arguments[0];"
+        "const stage = document.querySelector('.replay-stage').cloneNode(true);"
+        "stage.querySelectorAll('[id]').forEach((each) => each.removeAttribute('id'));"
+        "document.querySelector('.beside').append(stage);"
+        "const { bodies, frames } = tracerisk.data('replay-bodies');"
+        "const packed = tracerisk.bytes('replay-frames');"
+        "tracerisk.replay.create(stage, { bodies, frames, packed }).then((other) => {"
+        "  other.camera.orbit(0.5, 0);"
+        "  tracerisk.clock.set(7.88, 'test');"
+        "  const { camera, bodyPosition } = tracerisk.replay;"
+        "  requestAnimationFrame(() => requestAnimationFrame(() => { stage.remove(); done(["
+        "    other.drawn, other.camera.yaw !== camera.yaw,"
+        "    other.bodyPosition('panda_hand'), bodyPosition('panda_hand')]); }));"
+        "});"
+    )
+    assert drawn[0] > 0
+    assert drawn[1]
+    assert drawn[2] == drawn[3]
 
 
 # The timeline

@@ -58,11 +58,12 @@ def _elements(report: ReportInput, function: str, component: str) -> Mapping[str
         return {}
     refs = [ref for ref, name in report.names.items() if name == function]
     chances = {
-        element: chance
+        instance.element: instance.units * instance.per_visit[ref]
         for item in report.figures.instances
         if item.component.name == component
+        for instance in item.instances
         for ref in refs
-        for element, chance in item.in_function(ref).items()
+        if ref in instance.per_visit
     }
     total = sum(chances.values())
     return {element: chance / total for element, chance in chances.items()} if total else {}
