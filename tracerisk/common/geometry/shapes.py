@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from tracerisk.common.text.yaml_reader import YamlMap
@@ -10,6 +10,17 @@ from tracerisk.common.text.yaml_reader import YamlMap
 ShapeKind = Literal["box", "sphere", "capsule", "cylinder"]
 
 _SIZES = {"box": 3, "sphere": 1, "capsule": 2, "cylinder": 2}
+
+
+@dataclass(frozen=True, slots=True)
+class Mesh:
+    """A mesh that is drawn and never simulated."""
+
+    packed: str
+    """Base64 of, little-endian: the number of vertices and of faces (uint32), a quantum [m]
+    (float32), vertices in quanta (int16, 3 each), faces as indices of vertices (uint16, 3 each)."""
+    paint: str = ""
+    """Its colour as `#rrggbb`; "" for none of its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +40,8 @@ class Shape:
     """Whether it collides; false for a shape that is only shown."""
     pad: bool = False
     """Whether it is the soft surface of a finger."""
+    mesh: Mesh | None = field(default=None, compare=False)
+    """The mesh that it bounds, in the shape's own frame; `None` for none."""
 
 
 def is_round(shape: Shape) -> bool:

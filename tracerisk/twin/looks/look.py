@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from tracerisk.common.geometry.shapes import Mesh
+
 Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A piece of a link in the link's frame: a tube, a box or triangles."""
+    """A piece of a link in the link's frame: a tube, a box or a mesh."""
 
     tube: tuple[float, ...] = ()
     """Points along the middle of a tube, each with the radius there, (4 n_points,) [m]."""
@@ -21,11 +23,11 @@ class Piece:
     edge: float | None = None
     """How much of a box's edges is cut off [m]; `None` for a little."""
     xyz: Point = (0.0, 0.0, 0.0)
-    """Place of a box's middle [m]."""
+    """Place of a box's middle, or of a mesh [m]."""
     rpy: Point = (0.0, 0.0, 0.0)
-    """Roll, pitch and yaw of a box [rad]."""
-    triangles: tuple[float, ...] = ()
-    """Corners of triangles, nine numbers each [m]."""
+    """Roll, pitch and yaw of a box or mesh [rad]."""
+    mesh: Mesh | None = None
+    """A mesh of the robot's model, in the frame that `xyz` and `rpy` place."""
     paint: str = ""
     """Colour as `#rrggbb`; "" for the page's own colour of robots."""
     is_joint: bool = False
@@ -59,9 +61,6 @@ def scaled(pieces: Iterable[Piece], along: Point, across: float) -> tuple[Piece,
             edge=None if piece.edge is None else piece.edge * across,
             xyz=(piece.xyz[0] * along[0], piece.xyz[1] * along[1], piece.xyz[2] * along[2]),
             rpy=piece.rpy,
-            triangles=tuple(
-                value * along[index % 3] for index, value in enumerate(piece.triangles)
-            ),
             paint=piece.paint,
             is_joint=piece.is_joint,
         )

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
+from tracerisk.twin.model_files.coarse import MOST_FACES, coarsened, most_faces, packed
 
 _MOST = {"bodies": 500, "joints": 300, "geoms": 5000, "actuators": 300}
 
@@ -35,7 +36,10 @@ def main() -> int:
     meshes = {name: Path(path).read_bytes() for name, path in asked["meshes"].items()}
     answer: dict[str, Any]
     if asked["text"] is None:
-        answer = {name: _shape_of(name, data, asked["scales"]) for name, data in meshes.items()}
+        most = most_faces(len(meshes))
+        answer = {
+            name: _shape_of(name, data, asked["scales"], most) for name, data in meshes.items()
+        }
     else:
         try:
             answer = _model(asked["text"], meshes, asked["missing"])
@@ -129,7 +133,7 @@ def _described(model: Any) -> dict[str, Any]:
             }
             for i in range(model.njnt)
         ],
-        "shapes": _shapes(model),
+        "shapes": _shapes(model, most_faces(int(model.nmesh))),
         "sites": [
             {
                 "name": name(mujoco.mjtObj.mjOBJ_SITE, i),
@@ -151,8 +155,11 @@ def _described(model: Any) -> dict[str, Any]:
     }
 
 
-def _shapes(model: Any) -> list[dict[str, Any]]:
-    """Return the geoms as primitives; planes and height fields are no part of a robot."""
+def _shapes(model: Any, most: int) -> list[dict[str, Any]]:
+    """Return the geoms as primitives; planes and height fields are no part of a robot.
+
+    A mesh is bounded by its primitive, and drawn with at most `most` faces.
+    """
     from tracerisk.twin.model_files.bounds import bounding_shape
 
     import mujoco  # isort: skip
@@ -174,7 +181,10 @@ def _shapes(model: Any) -> list[dict[str, Any]]:
             if mesh not in bounds:
                 first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
                 vertices = model.mesh_vert[first : first + count]
-                bounds[mesh] = asdict(bounding_shape(vertices))
+                bound = bounding_shape(vertices)
+                first, count = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
+                faces = model.mesh_face[first : first + count]
+                bounds[mesh] = asdict(bound) | {"mesh": _drawn(bound, vertices, faces, most)}
             shape = bounds[mesh]
         elif kind in kinds:
             name, length = kinds[kind]
@@ -188,10 +198,26 @@ def _shapes(model: Any) -> list[dict[str, Any]]:
                 "quat": model.geom_quat[i].tolist(),
                 "meets": bool(model.geom_contype[i] or model.geom_conaffinity[i]),
                 "is_mesh": kind not in kinds,
+                "paint": _paint(model, i),
                 "shape": shape,
             }
         )
     return shapes
+
+
+def _drawn(bound: Any, vertices: Any, faces: Any, most: int) -> str:
+    """Return a mesh in the frame of the primitive that bounds it, coarse and packed."""
+    from tracerisk.common.geometry.frames import rotation
+
+    inside = (vertices.astype(float) - bound.xyz) @ rotation(bound.rpy)
+    return packed(*coarsened(inside, faces.astype(int), most))
+
+
+def _paint(model: Any, geom: int) -> str:
+    """Return the colour of a geom as `#rrggbb`."""
+    material = int(model.geom_matid[geom])
+    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+    return "#" + "".join(f"{round(255 * min(max(float(part), 0.0), 1.0)):02x}" for part in rgba[:3])
 
 
 def _actuator(model: Any, i: int) -> dict[str, Any]:
@@ -256,7 +282,9 @@ def _closed(model: Any) -> list[int]:
     return sorted(numbers)
 
 
-def _shape_of(name: str, data: bytes, scales: dict[str, list[float]]) -> dict[str, Any] | None:
+def _shape_of(
+    name: str, data: bytes, scales: dict[str, list[float]], most: int = MOST_FACES
+) -> dict[str, Any] | None:
     """Return what bounds one mesh, in its own frame, `None` for one that is refused."""
     import mujoco
 
@@ -270,8 +298,8 @@ def _shape_of(name: str, data: bytes, scales: dict[str, list[float]]) -> dict[st
         model = spec.compile()
     except ValueError:
         return None
-    shapes = _shapes(model)
-    return shapes[0] if shapes else None
+    shapes = _shapes(model, most)
+    return shapes[0] | {"paint": ""} if shapes else None
 
 
 if __name__ == "__main__":

@@ -255,7 +255,8 @@ class _Reader:
         mass = float(body["mass"])
         inertia = (xx, yy, zz, xy, xz, yz) if min(body["inertia"]) > 1e-9 else None
         centre = triple(body["ipos"]) if mass >= LIGHTEST else _ZERO
-        return Link(name, mass if mass >= LIGHTEST else 0.0, centre, inertia, self._shapes(index))
+        shapes, drawn = self._shapes(index), self._drawn(index)
+        return Link(name, mass if mass >= LIGHTEST else 0.0, centre, inertia, shapes, drawn)
 
     def _shapes(self, index: int) -> tuple[Shape, ...]:
         """Return what meets others, else what is seen; the largest box of the file's own last.
@@ -271,6 +272,12 @@ class _Reader:
             return not each["is_mesh"], is_box, volume
 
         return tuple(shape_of(each) for each in sorted(taken, key=rank))
+
+    def _drawn(self, index: int) -> tuple[Shape, ...]:
+        """Return the meshes that are only seen; where there are none, those that meet others."""
+        own = [each for each in self._model.shapes if each["body"] == index and each["is_mesh"]]
+        seen = [each for each in own if not each["meets"]] or own
+        return tuple(shape_of(each) for each in seen)
 
     def _states(self) -> Mapping[str, Mapping[str, float]]:
         """Return the keyframes; a single one without a name is where the arm is at home."""

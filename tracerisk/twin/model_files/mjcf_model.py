@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.geometry.frames import matrix_of, roll_pitch_yaw
-from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.geometry.shapes import Mesh, Shape
 from tracerisk.common.limits import DEFAULT_LIMITS, Limits
 from tracerisk.common.sandbox.limited_process import last_words, run_limited
 from tracerisk.errors import Location, RobotError
@@ -117,6 +117,7 @@ def shape_of(geom: Data) -> Shape:
             size,
             tuple(data.get("xyz", zero)),
             tuple(data.get("rpy", zero)),
+            mesh=Mesh(data["mesh"], geom["paint"]) if data.get("mesh") else None,
         )
     x, y, z = geom["pos"]
     return placed(shape, (x, y, z), roll_pitch_yaw(matrix_of(geom["quat"])))

@@ -38,6 +38,8 @@ class Link:
     assumes a small one in proportion to the mass."""
     shapes: tuple[Shape, ...]
     """The primitives that collide or are drawn, in the link's frame."""
+    drawn: tuple[Shape, ...] = field(default=(), compare=False)
+    """The bounds of the meshes that are seen of it, each with its mesh; never simulated."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -112,7 +112,7 @@ def _links(root: XmlElement, tree: Tree, mesh_shape: MeshShape) -> tuple[tuple[L
             # A frame between two joints, or a link of unknown mass.
             mass, inertia, assumed = ASSUMED_MASS, None, True
         shapes = _primitives(entry, mesh_shape)
-        link = Link(name, mass, centre, inertia, shapes)
+        link = Link(name, mass, centre, inertia, shapes, _drawn(entry, mesh_shape))
         drawn = any(True for kind in ("collision", "visual") for _ in entry.all(kind))
         if not shapes and drawn:
             link = outlined(link, outline_radius(name, tree), attachments)
@@ -160,6 +160,16 @@ def _primitives(entry: XmlElement, mesh_shape: MeshShape) -> tuple[Shape, ...]:
         primitives = [shape for shape in shapes if shape is not None]
         if primitives:
             return tuple(primitives)
+    return ()
+
+
+def _drawn(entry: XmlElement, mesh_shape: MeshShape) -> tuple[Shape, ...]:
+    """Return the bounds of the meshes of the visual geometry, else of the collision geometry."""
+    for kind in ("visual", "collision"):
+        shapes = (_shape(xml_element, mesh_shape) for xml_element in entry.all(kind))
+        drawn = tuple(shape for shape in shapes if shape is not None and shape.mesh is not None)
+        if drawn:
+            return drawn
     return ()
 
 

@@ -184,6 +184,39 @@ function faceted(flat) {
   return vertices;
 }
 
+// A mesh as `coarse.py` packed it: faces that meet at a small angle are smooth.
+function unpackedMesh(packed) {
+  const bytes = Uint8Array.from(atob(packed), (character) => character.charCodeAt(0));
+  const view = new DataView(bytes.buffer);
+  const [count, faces] = [view.getUint32(0, true), view.getUint32(4, true)];
+  const quantum = view.getFloat32(8, true);
+  const at = (i) => [0, 1, 2].map((k) => view.getInt16(12 + 6 * i + 2 * k, true) * quantum);
+  const places = Array.from({ length: count }, (_, i) => at(i));
+  const corner = (face, k) => view.getUint16(12 + 6 * count + 6 * face + 2 * k, true);
+  const normals = [];
+  const meeting = places.map(() => []);
+  for (let face = 0; face < faces; face++) {
+    const [a, b, c] = [0, 1, 2].map((k) => places[corner(face, k)]);
+    // As long as twice the face is large: large ones count for more.
+    normals.push(cross(b.map((v, k) => v - a[k]), c.map((v, k) => v - a[k])));
+    for (let k = 0; k < 3; k++) meeting[corner(face, k)].push(face);
+  }
+  const lengths = normals.map((n) => Math.hypot(...n) || 1);
+  const vertices = [];
+  for (let face = 0; face < faces; face++) {
+    for (let k = 0; k < 3; k++) {
+      const sum = [0, 0, 0];
+      for (const other of meeting[corner(face, k)]) {
+        const cosine = dot(normals[face], normals[other]) / lengths[face] / lengths[other];
+        if (cosine > 0.7) for (let m = 0; m < 3; m++) sum[m] += normals[other][m];
+      }
+      const length = Math.hypot(...sum) || 1;
+      vertices.push(...places[corner(face, k)], ...sum.map((v) => v / length));
+    }
+  }
+  return vertices;
+}
+
 // The triangles of a body in its frame: x, y, z and normal of each corner.
 function bodyMesh(body) {
   const vertices = [];
@@ -207,15 +240,18 @@ function drawnMeshes(body) {
     const { paint = null, joint: isJoint = false } = piece;
     let own;
     if (piece.tube) own = tubed(piece.tube, piece.flat);
-    else if (piece.box) {
-      const { box, edge, xyz, quat = identity } = { xyz: [0, 0, 0], ...piece };
-      own = boxed(box, edge);
+    else {
+      const { mesh, box, edge, xyz, quat = identity } = { xyz: [0, 0, 0], ...piece };
+      own = mesh ? unpackedMesh(mesh) : boxed(box, edge);
       for (let i = 0; i < own.length; i += 6) {
         const p = rotate(quat, own.slice(i, i + 3));
         const n = rotate(quat, own.slice(i + 3, i + 6));
-        own.splice(i, 6, p[0] + xyz[0], p[1] + xyz[1], p[2] + xyz[2], ...n);
+        for (let k = 0; k < 3; k++) {
+          own[i + k] = p[k] + xyz[k];
+          own[i + 3 + k] = n[k];
+        }
       }
-    } else own = faceted(piece.triangles);
+    }
     const key = `${paint} ${isJoint}`;
     if (!alike.has(key)) alike.set(key, { paint, isJoint, all: [] });
     const { all } = alike.get(key);

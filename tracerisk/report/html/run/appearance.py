@@ -15,6 +15,8 @@ from tracerisk.report.html.run.joining import nearest_in, with_joins
 from tracerisk.report.html.run.replay_model import Body
 from tracerisk.twin.looks.fitting import look_of
 from tracerisk.twin.looks.look import Piece
+from tracerisk.twin.looks.menagerie import menagerie_meshes
+from tracerisk.twin.looks.meshes import own_meshes
 from tracerisk.twin.looks.plain_look import housing, piece_of
 from tracerisk.twin.robots.robot import Robot
 
@@ -24,16 +26,22 @@ _NEAR = 0.5  # a shape holds a joint nearer to it than so much of its radius
 _ALONG = 0.7  # cosine of the angle below which a shape goes along an axis
 
 
-def with_looks(bodies: Sequence[Body], robot: Robot) -> tuple[Body, ...]:
-    """Return the bodies, those of the robot with what is drawn of them."""
-    made = look_of(robot)
+def with_looks(bodies: Sequence[Body], robot: Robot) -> tuple[tuple[Body, ...], str]:
+    """Return the bodies, those of the robot with what is drawn of them, and a sentence on it.
+
+    Meshes of the robot's own model come first, then those of mujoco_menagerie, then a shipped look.
+    The sentence is empty where there is nothing to say.
+    """
+    meshes, note = (own, "") if (own := own_meshes(robot)) else menagerie_meshes(robot)
+    made = look_of(robot) | meshes
     joined = with_joins(bodies)
-    return tuple(
+    drawn = tuple(
         replace(body, look=made[body.name] if body.name in made else _plain(body, joined))
         if body.kind == "robot"
         else body
         for body in joined
     )
+    return drawn, note
 
 
 def _plain(body: Body, bodies: Sequence[Body]) -> tuple[Piece, ...]:

@@ -92,9 +92,9 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
         samples = until(samples, round(end_s * 1e9))
     if activity is None:
         activity = element_activity(samples, run.robot)
-    bodies = with_looks(scene_bodies(run.robot, run.scene), run.robot)
+    bodies, drawn_as = with_looks(scene_bodies(run.robot, run.scene), run.robot)
     values, quanta = _columns(samples, run.robot, run.scene)
-    notes = []
+    notes = [drawn_as] if drawn_as else []
     if run.declared:
         from tracerisk.report.html.run.replay_declared import MOST_BODIES, declared_bodies
 

@@ -169,16 +169,17 @@ def _piece_data(piece: Piece) -> dict[str, Any]:
         piece_data["tube"] = _rounded(piece.tube, 5)
         if piece.is_flat:
             piece_data["flat"] = True
-    elif piece.box:
-        piece_data["box"] = _rounded(piece.box, 5)
+    else:
+        if piece.mesh is not None:
+            piece_data["mesh"] = piece.mesh.packed
+        else:
+            piece_data["box"] = _rounded(piece.box, 5)
         if piece.edge is not None:
             piece_data["edge"] = round(piece.edge, 5)
         if any(piece.xyz):
             piece_data["xyz"] = _rounded(piece.xyz, 5)
         if any(piece.rpy):
             piece_data["quat"] = _rounded(quaternion_of(piece.rpy), 6)
-    else:
-        piece_data["triangles"] = _rounded(piece.triangles, 4)
     if piece.paint:
         piece_data["paint"] = piece.paint
     if piece.is_joint:

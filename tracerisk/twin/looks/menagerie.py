@@ -1,0 +1,70 @@
+"""A model with meshes of a shipped robot, where the user has mujoco_menagerie.
+
+Nothing is fetched: the folder is the one that `TRACERISK_MENAGERIE` names, or where it usually is.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from tracerisk.errors import TraceRiskError
+from tracerisk.twin.looks.look import Piece
+from tracerisk.twin.looks.meshes import meshes_of_model
+from tracerisk.twin.model_files.model_file import read_model_file
+from tracerisk.twin.model_files.paths import ModelFolder
+from tracerisk.twin.robots.robot import Robot
+
+VARIABLE = "TRACERISK_MENAGERIE"
+"""Environment variable that names the folder of mujoco_menagerie; empty for none."""
+
+_USUAL = ("~/mujoco_menagerie", "~/.cache/robot_descriptions/mujoco_menagerie")
+_MODELS = {
+    "fr3": "franka_fr3/fr3.xml",
+    "gen3": "kinova_gen3/gen3.xml",
+    "iiwa14": "kuka_iiwa_14/iiwa14.xml",
+    "lite6": "ufactory_lite6/lite6.xml",
+    "panda": "franka_emika_panda/panda.xml",
+    "sawyer": "rethink_robotics_sawyer/sawyer.xml",
+    "so100": "trs_so_arm100/so_arm100.xml",
+    "ur10e": "universal_robots_ur10e/ur10e.xml",
+    "ur5e": "universal_robots_ur5e/ur5e.xml",
+    "vx300s": "trossen_vx300s/vx300s.xml",
+    "wx250s": "trossen_wx250s/wx250s.xml",
+    "xarm7": "ufactory_xarm7/xarm7.xml",
+}
+
+
+def menagerie_meshes(robot: Robot) -> tuple[dict[str, tuple[Piece, ...]], str]:
+    """Return the meshes of a shipped robot by its links, and a sentence on them.
+
+    Both are empty where the user has none; without meshes the sentence says why.
+    """
+    name = _MODELS.get(robot.name, "")
+    folder = _folder()
+    if not name or folder is None or robot.is_described or not (folder / name).is_file():
+        return {}, ""
+    path = folder / name
+    shown = f"mujoco_menagerie/{name}"
+    try:
+        model = read_model_file(path, ModelFolder(path.parent, path.parent), shown=shown).robot
+    except TraceRiskError as error:
+        return {}, f"The meshes of {shown} are not drawn: {error}."
+    meshes = meshes_of_model(robot, model)
+    if not meshes:
+        why = f"its joints are not where those of {robot.name} are"
+        return {}, f"The meshes of {shown} are not drawn: {why}."
+    return meshes, f"The arm is drawn with the meshes of {shown}; what was simulated has none."
+
+
+def _folder() -> Path | None:
+    named = os.environ.get(VARIABLE)
+    places = _USUAL if named is None else (named,)
+    return next((path for place in places if place and (path := _at(place)).is_dir()), None)
+
+
+def _at(place: str) -> Path:
+    try:
+        return Path(place).expanduser()
+    except RuntimeError:  # no home is known
+        return Path(place)
