@@ -1,6 +1,7 @@
 """A model with meshes of a shipped robot, where the user has mujoco_menagerie.
 
-Nothing is fetched: the folder is the one that `TRACERISK_MENAGERIE` names, or where it usually is.
+Nothing is fetched: the folder is the one that `TRACERISK_MENAGERIE` names, or one of those in which
+it usually is: a clone, the cache of robot_descriptions, or that of the package mujoco-menagerie.
 """
 
 from __future__ import annotations
@@ -18,7 +19,12 @@ from tracerisk.twin.robots.robot import Robot
 VARIABLE = "TRACERISK_MENAGERIE"
 """Environment variable that names the folder of mujoco_menagerie; empty for none."""
 
-_USUAL = ("~/mujoco_menagerie", "~/.cache/robot_descriptions/mujoco_menagerie")
+_USUAL = (
+    "~/mujoco_menagerie",
+    "~/.cache/robot_descriptions/mujoco_menagerie",
+    "~/.cache/mujoco_menagerie",
+    "~/Library/Caches/mujoco_menagerie",
+)
 _MODELS = {
     "fr3": "franka_fr3/fr3.xml",
     "gen3": "kinova_gen3/gen3.xml",
@@ -41,10 +47,9 @@ def menagerie_meshes(robot: Robot) -> tuple[dict[str, tuple[Piece, ...]], str]:
     Both are empty where the user has none; without meshes the sentence says why.
     """
     name = _MODELS.get(robot.name, "")
-    folder = _folder()
-    if not name or folder is None or robot.is_described or not (folder / name).is_file():
+    path = None if robot.is_described or not name else _model(name)
+    if path is None:
         return {}, ""
-    path = folder / name
     shown = f"mujoco_menagerie/{name}"
     try:
         model = read_model_file(path, ModelFolder(path.parent, path.parent), shown=shown).robot
@@ -57,10 +62,18 @@ def menagerie_meshes(robot: Robot) -> tuple[dict[str, tuple[Piece, ...]], str]:
     return meshes, f"The arm is drawn with the meshes of {shown}; what was simulated has none."
 
 
-def _folder() -> Path | None:
+def _model(name: str) -> Path | None:
+    """Return the file of a model; the package keeps each in a folder that ends with its digest."""
     named = os.environ.get(VARIABLE)
-    places = _USUAL if named is None else (named,)
-    return next((path for place in places if place and (path := _at(place)).is_dir()), None)
+    model, file = name.split("/")
+    for place in _USUAL if named is None else (named,):
+        if not place:
+            continue
+        folder = _at(place)
+        for path in (folder / name, *sorted(folder.glob(f"models/{model}-*/**/{file}"))):
+            if path.is_file():
+                return path
+    return None
 
 
 def _at(place: str) -> Path:

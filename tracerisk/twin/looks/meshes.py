@@ -124,8 +124,11 @@ def _moved_by(robot: Robot, link: str) -> str | None:
 
 
 def _link_for(robot: Robot, name: str, joint: str | None) -> str:
-    """Return the link that a mesh belongs to: of those that move with it the one named alike."""
-    together = [link for link in robot.link_names if _moved_by(robot, link) == joint]
-    alike = [link for link in together if link == name or link.endswith((f"_{name}", f"/{name}"))]
-    first = next((each.child for each in robot.attachments if each.name == joint), robot.base_link)
-    return alike[0] if alike else first
+    """Return the link that a mesh belongs to, of those that move with it.
+
+    It is one that has shapes, whose place the mesh takes: the one named alike, else the first.
+    """
+    together = [link for link in robot.links if _moved_by(robot, link.name) == joint]
+    solid = [link.name for link in together if link.shapes] or [link.name for link in together]
+    alike = [link for link in solid if link == name or link.endswith((f"_{name}", f"/{name}"))]
+    return (alike or solid)[0]
