@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import LogError
-from tracerisk.report.html.run.appearance import with_looks
 from tracerisk.report.html.run.replay_model import FREE_COLUMNS, bodies_data, scene_bodies
 from tracerisk.report.html.section import Data
 
@@ -83,6 +82,7 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
     """
     import numpy as np
 
+    from tracerisk.report.html.run.appearance import with_looks
     from tracerisk.report.html.run.replay_frames import pack_frames
     from tracerisk.twin.recording.activity import element_activity
     from tracerisk.twin.recording.samples import POSE_EVERY, until
