@@ -454,6 +454,11 @@ def test_the_arm_shows_the_whole_mission_and_then_fills_up_with_the_time(risky, 
     assert seen == sorted(seen)
     assert seen[1] < seen[-1] == pytest.approx(0.6)
     assert "100\xa0% of it by" in page.execute_script(legend)
+    # At times at which a contact is marked too.
+    page.execute_async_script(_AFTER_FRAMES)
+    go_to(page, 7.88)
+    assert page.execute_script("return tracerisk.replay.riskOf('panda_joint2')") > 0
+    assert [each for each in page.get_log("browser") if each["level"] != "INFO"] == []
 
 
 def test_risk_and_activity_are_two_colourings_of_one_arm(risky, open_page):

@@ -57,21 +57,24 @@ function sceneOf(bodies, meshes, posesAt) {
 }
 
 // Of many points only those that are extreme in some direction matter to the camera.
+const DIRECTIONS = 96;
 function hullOf(points) {
-  if (points.length < 200) return points;
+  if (points.length < DIRECTIONS) return points;
+  const flat = Float64Array.from(points.flat());
   const kept = new Set();
-  for (let i = 0; i < 160; i++) {
+  for (let i = 0; i < DIRECTIONS; i++) {
     // A spiral over the sphere.
-    const z = 1 - (2 * i + 1) / 160;
-    const [c, s] = [Math.cos(i * 2.4), Math.sin(i * 2.4)].map((v) => v * Math.sqrt(1 - z * z));
-    let best = null;
-    for (const point of points) {
-      const far = point[0] * c + point[1] * s + point[2] * z;
-      if (best === null || far > best.far) best = { far, point };
+    const z = 1 - (2 * i + 1) / DIRECTIONS;
+    const across = Math.sqrt(1 - z * z);
+    const [x, y] = [Math.cos(i * 2.4) * across, Math.sin(i * 2.4) * across];
+    let [most, best] = [-Infinity, 0];
+    for (let k = 0; k < flat.length; k += 3) {
+      const far = flat[k] * x + flat[k + 1] * y + flat[k + 2] * z;
+      if (far > most) [most, best] = [far, k];
     }
-    kept.add(best.point);
+    kept.add(best / 3);
   }
-  return [...kept];
+  return [...kept].map((index) => points[index]);
 }
 
 // Make one arm play in its stage, a `.replay-stage` with its canvas. A page may have several; each

@@ -105,7 +105,7 @@ const HALO_FRAGMENT = `#version 300 es
   out vec4 result;
   void main() {
     float near = max(dot(normalize(facing), normalize(eye - place)), 0.0);
-    result = vec4(glowing, 0.22 * glow * pow(near, 1.6));
+    result = vec4(glowing, 0.34 * glow * pow(near, 1.8));
   }`;
 
 const SHADOW_VERTEX = `#version 300 es
@@ -271,13 +271,12 @@ class Drawing {
     gl.enable(gl.CULL_FACE);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
-    for (const wide of [0.018, 0.036]) {
-      gl.uniform1f(this.halo.places.wide, wide * Math.min(this.bounds.radius, 1));
-      for (const each of glowing) this.mesh(this.halo, each);
-    }
+    gl.uniform1f(this.halo.places.wide, 0.03 * Math.min(this.bounds.radius, 1));
+    for (const each of glowing) this.mesh(this.halo, each);
     gl.depthMask(true);
     gl.disable(gl.CULL_FACE);
     gl.disable(gl.BLEND);
+    gl.useProgram(this.body.program);
   }
   mesh({ places }, { mesh, model, colour, plain = 0, glow = 0, glowing = colour }) {
     const { gl } = this;

@@ -3,7 +3,7 @@
 const identity = [1, 0, 0, 0];
 
 // Points of a half circle from pole to pole, with the side on which each half of a capsule lies.
-function profile(kind, size) {
+function profile(kind, size, steps = 8) {
   const [radius, half = 0] = size;
   const rings = [];
   if (kind === "cylinder") {
@@ -14,7 +14,6 @@ function profile(kind, size) {
     rings.push([radius - edge, half, 0.38, 0.92], [radius - edge, half, 0, 1], [0, half, 0, 1]);
     return rings;
   }
-  const steps = 8;
   for (const side of [-1, 1]) {
     for (let i = 0; i <= steps; i++) {
       const angle = (side < 0 ? steps - i : i) * (Math.PI / 2 / steps);
@@ -88,7 +87,7 @@ function boxed([x, y, z], edge = Math.min(x, y, z) * 0.08) {
   return vertices;
 }
 
-const SECTORS = 32;
+const SECTORS = 28;
 
 // A tube along points (x, y, z, radius): straight runs are turned on a lathe, bends are balls.
 // Its ends are balls too, or flat with an edge cut off.
@@ -98,7 +97,7 @@ function tubed(points, isFlat) {
   const count = points.length / 4;
   const ball = (i) => {
     const middle = place(i);
-    const own = revolved(profile("sphere", [points[i * 4 + 3]]), SECTORS);
+    const own = revolved(profile("sphere", [points[i * 4 + 3]], 5), SECTORS);
     for (let k = 0; k < own.length; k += 6) {
       vertices.push(own[k] + middle[0], own[k + 1] + middle[1], own[k + 2] + middle[2]);
       vertices.push(own[k + 3], own[k + 4], own[k + 5]);
