@@ -167,3 +167,25 @@ def test_a_fine_mesh_becomes_coarse_and_stays_what_it_is():
     one, two, three = (kept[corner] for corner in triangles.T)
     outwards = np.einsum("ij,ij->i", np.cross(two - one, three - one)[:, :2], one[:, :2])
     assert (outwards > 0).mean() > 0.95
+
+
+def test_a_link_of_a_urdf_is_drawn_by_its_visual_mesh_and_collides_by_its_box(tmp_path):
+    brick(tmp_path)
+    path = tmp_path / "arm.urdf"
+    path.write_text(
+        '<robot name="little"><link name="base"/><link name="tool"><inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+        '<visual><origin xyz="0 0 0.1" rpy="0 0 1.5707963"/><geometry>'
+        '<mesh filename="brick.obj" scale="2 1 1"/></geometry></visual>'
+        '<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>'
+        '<joint name="turn" type="revolute"><parent link="base"/><child link="tool"/>'
+        '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="10" velocity="1"/></joint></robot>'
+    )
+    robot = read_model_file(path, ModelFolder(tmp_path, tmp_path), shown="arm.urdf").robot
+    (tool,) = [link for link in robot.links if link.name == "tool"]
+    assert [shape.kind for shape in tool.shapes] == ["box"]
+    (piece,) = own_meshes(robot)["tool"]
+    seen = corners(piece)
+    assert seen.mean(axis=0) == pytest.approx((0.0, 0.0, 0.1), abs=1e-4)
+    # Turned by a quarter, its length of twice 6 cm lies along y.
+    assert np.ptp(seen, axis=0) == pytest.approx((0.04, 0.12, 0.02), abs=1e-4)

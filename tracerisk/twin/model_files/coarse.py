@@ -33,7 +33,7 @@ def coarsened(vertices: Vertices, faces: Faces, most: int) -> tuple[Vertices, Fa
     # Of a surface cut into cells two faces are left for each.
     one, two, three = (vertices[corners] for corners in faces.T)
     area = float(np.linalg.norm(np.cross(two - one, three - one), axis=1).sum()) / 2
-    cell = max(math.sqrt(area / max(most, 1)), _FINEST_M) if len(faces) > most else _FINEST_M
+    cell = max(math.sqrt(2 * area / max(most, 1)), _FINEST_M) if len(faces) > most else _FINEST_M
     kept, triangles = _clustered(vertices, faces, cell)
     while len(triangles) > most:
         cell *= _GROWTH
@@ -52,19 +52,22 @@ def packed(vertices: Vertices, faces: Faces) -> str:
 
 def _clustered(vertices: Vertices, faces: Faces, cell: float) -> tuple[Vertices, Faces]:
     """Return the mesh whose vertices are the means of those in each cell of a grid [m]."""
-    _, group, count = np.unique(
-        np.floor(vertices / cell).astype(np.int64), axis=0, return_inverse=True, return_counts=True
-    )
-    group = group.reshape(-1)
-    means = np.zeros((len(count), 3))
-    np.add.at(means, group, vertices)
-    means /= count[:, None]
+    place = np.floor((vertices - vertices.min(axis=0)) / cell).astype(np.int64)
+    _, group, count = np.unique(_keys(place), return_inverse=True, return_counts=True)
+    sums = [np.bincount(group, column, len(count)) for column in vertices.T]
+    means = np.stack(sums, axis=1) / count[:, None]
     mapped = group[faces]
     one, two, three = mapped.T
     mapped = mapped[(one != two) & (two != three) & (three != one)]
     # The same face may be left of several; its first corner is the smallest, its turn is kept.
     first = mapped.argmin(axis=1)[:, None]
     mapped = np.take_along_axis(mapped, (first + np.arange(3)) % 3, axis=1)
-    mapped = np.unique(mapped, axis=0)
+    mapped = mapped[np.sort(np.unique(_keys(mapped), return_index=True)[1])]
     used, renumbered = np.unique(mapped, return_inverse=True)
     return means[used], renumbered.reshape(-1, 3).astype(np.int64)
+
+
+def _keys(rows: Faces) -> NDArray[np.int64]:
+    """Return a number for each row of three numbers from 0 on, the same for the same row."""
+    _, wide, deep = rows.max(axis=0, initial=0) + 1
+    return np.asarray((rows[:, 0] * wide + rows[:, 1]) * deep + rows[:, 2])
