@@ -241,7 +241,7 @@ def test_without_a_run_the_page_says_why(arm, report_of, parsed):
 
 def test_what_became_of_the_scene_stands_with_the_summary(arm, report_of, parsed):
     page = parsed(render_report(report_of(arm, outcome=("objects: 9 of 10 <b>",))))
-    assert "objects: 9 of 10 <b>" in texts(page.xpath("//section[@class='lead']/p"))
+    assert "objects: 9 of 10 <b>" in texts(page.xpath("//section[@class='lead']//p"))
 
 
 def test_a_difference_is_reported_in_the_words_of_diff(arm, report_of, parsed, eventful, review_of):
