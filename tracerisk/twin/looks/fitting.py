@@ -56,7 +56,7 @@ def _fit(robot: Robot, look: Look) -> _Fit | None:
             return None
         links[name] = min(named, key=len)
     made_for = load_robot(look.made_for)
-    own = {(each.parent, each.child): each for each in robot.attachments}
+    own = {(hung.parent, hung.child): hung for hung in robot.attachments}
     pairs: list[tuple[str, Attachment, Attachment]] = []
     for theirs in made_for.attachments:
         parent, child = (_named(link, look) for link in (theirs.parent, theirs.child))

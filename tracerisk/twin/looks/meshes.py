@@ -33,8 +33,8 @@ def meshes_of_model(robot: Robot, model: Robot) -> dict[str, tuple[Piece, ...]]:
     Where the axes of the two are not the same with all joints at zero, nothing is returned.
     """
     ours, theirs = _poses(robot), _poses(model)
-    joints = [each.name for each in robot.arm_joints]
-    others = [each.name for each in model.arm_joints][: len(joints)]
+    joints = [joint.name for joint in robot.arm_joints]
+    others = [joint.name for joint in model.arm_joints][: len(joints)]
     if len(others) < len(joints):
         return {}
     onto = _onto(
@@ -74,20 +74,20 @@ def _poses(robot: Robot) -> dict[str, Matrix]:
     waiting = list(robot.attachments)
     while waiting:
         left = []
-        for each in waiting:
-            if each.parent not in poses:
-                left.append(each)
+        for hung in waiting:
+            if hung.parent not in poses:
+                left.append(hung)
                 continue
             step = np.eye(4)
-            step[:3, :3], step[:3, 3] = rotation(each.rpy), each.xyz
-            poses[each.child] = poses[each.parent] @ step
+            step[:3, :3], step[:3, 3] = rotation(hung.rpy), hung.xyz
+            poses[hung.child] = poses[hung.parent] @ step
         waiting = left
     return poses
 
 
 def _axis(robot: Robot, joint: str, poses: Mapping[str, Matrix]) -> tuple[Matrix, Matrix]:
     """Return a point on the axis of a joint and its direction, (3,) each."""
-    attachment = next(each for each in robot.attachments if each.name == joint)
+    attachment = next(hung for hung in robot.attachments if hung.name == joint)
     pose = poses[attachment.child]
     direction = pose[:3, :3] @ np.array(attachment.axis)
     return pose[:3, 3], direction / np.linalg.norm(direction)
@@ -120,7 +120,7 @@ def _onto(ours: list[tuple[Matrix, Matrix]], theirs: list[tuple[Matrix, Matrix]]
 def _moved_by(robot: Robot, link: str) -> str | None:
     """Return the joint that moves a link against what stands; `None` for the base."""
     names = {joint.name for joint in robot.joints}
-    return next((each.name for each in robot.above(link) if each.name in names), None)
+    return next((hung.name for hung in robot.above(link) if hung.name in names), None)
 
 
 def _link_for(robot: Robot, name: str, joint: str | None) -> str:

@@ -37,7 +37,7 @@ def read_look(path: Path) -> Look:
         name=path.stem,
         made_for=top.string("made_for"),
         source=top.string("source"),
-        links={name: tuple(_piece(each, paints) for each in links.maps(name)) for name in links},
+        links={name: tuple(_piece(entry, paints) for entry in links.maps(name)) for name in links},
     )
 
 

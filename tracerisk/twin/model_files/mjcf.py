@@ -275,9 +275,9 @@ class _Reader:
 
     def _drawn(self, index: int) -> tuple[Shape, ...]:
         """Return the meshes that are only seen; where there are none, those that meet others."""
-        own = [each for each in self._model.shapes if each["body"] == index and each["is_mesh"]]
-        seen = [each for each in own if not each["meets"]] or own
-        return tuple(shape_of(each) for each in seen)
+        own = [geom for geom in self._model.shapes if geom["body"] == index and geom["is_mesh"]]
+        seen = [geom for geom in own if not geom["meets"]] or own
+        return tuple(shape_of(geom) for geom in seen)
 
     def _states(self) -> Mapping[str, Mapping[str, float]]:
         """Return the keyframes; a single one without a name is where the arm is at home."""

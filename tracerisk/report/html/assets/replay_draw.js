@@ -131,10 +131,11 @@ class Drawing {
   // All that a lost context takes with it.
   prepare() {
     const { gl } = this;
-    this.body = this.program(BODY_VERTEX, BODY_FRAGMENT);
-    this.ground = this.program(BODY_VERTEX, GROUND_FRAGMENT);
-    this.caster = this.program(SHADOW_VERTEX, SHADOW_FRAGMENT);
-    this.halo = this.program(HALO_VERTEX, HALO_FRAGMENT);
+    // All are begun before the first is asked for: drivers compile several at once.
+    const begun = [
+      [BODY_VERTEX, BODY_FRAGMENT], [BODY_VERTEX, GROUND_FRAGMENT],
+      [SHADOW_VERTEX, SHADOW_FRAGMENT], [HALO_VERTEX, HALO_FRAGMENT],
+    ].map(([vertex, fragment]) => this.program(vertex, fragment));
     this.buffers = this.meshes.map((mesh) => this.upload(mesh));
     const far = this.bounds.radius * 14;
     const corners = [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]];
@@ -159,6 +160,7 @@ class Drawing {
     );
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.enable(gl.DEPTH_TEST);
+    [this.body, this.ground, this.caster, this.halo] = begun.map((one) => this.linked(one));
   }
   upload(mesh) {
     const { gl } = this;
@@ -182,6 +184,10 @@ class Drawing {
       gl.attachShader(program, shader);
     }
     gl.linkProgram(program);
+    return program;
+  }
+  linked(program) {
+    const { gl } = this;
     if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
       const shaders = gl.getAttachedShaders(program).map((each) => gl.getShaderInfoLog(each));
       throw new Error(`${gl.getProgramInfoLog(program)} ${shaders.join(" ")}`);
