@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.outcome.outcome import Outcome
+from tracerisk.common.trace_display import trace_html, trace_text
 from tracerisk.common.verdict import Uncovered, Verdict
 from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import ControllerFailedError, Location, with_file, with_line
@@ -447,14 +448,10 @@ class Trace:
         )
 
     def _repr_html_(self) -> str:
-        from tracerisk.common.trace_display import trace_html
-
         return trace_html(self)
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, str]:
         # The text that stands beside the HTML: all the fields are megabytes.
-        from tracerisk.common.trace_display import trace_text
-
         return {"text/plain": trace_text(self)}
 
 

@@ -15,6 +15,8 @@ from tracerisk.common import trace_json
 from tracerisk.common.trace_log import read_log
 from tracerisk.config import BlockForm
 from tracerisk.errors import ExitCode, InputError, Location
+from tracerisk.pipeline.annotate import in_form
+from tracerisk.pipeline.freshness.known_functions import check_blocks
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
@@ -42,7 +44,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.freshness.known_functions import check_blocks
 
     controller = api.load_controller(options.controller)
     if options.form is not None:
@@ -102,7 +103,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _convert(options: argparse.Namespace, controller: Controller) -> int:
     """Write the blocks of a controller in the form that was asked for, and nothing else."""
-    from tracerisk.pipeline.annotate import in_form
 
     converted = in_form(controller, options.form)
     names = [str(controller.path_of(source.file)) for source in converted.sources]

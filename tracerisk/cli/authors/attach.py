@@ -13,6 +13,7 @@ from tracerisk.cli.shared.run_report import trace_lines
 from tracerisk.cli.shared.values import positive
 from tracerisk.common import trace_json
 from tracerisk.errors import ExitCode, InputError
+from tracerisk.pipeline.recordings.attach import record_robot
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +40,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.recordings.attach import record_robot
 
     if options.robot is None and options.controller is None:
         raise InputError("--robot is missing: name the robot that is listened to")

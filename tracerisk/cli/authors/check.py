@@ -22,13 +22,16 @@ from tracerisk.common.verdict import GAPS, verdict_line
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.source.language import is_c
+from tracerisk.pipeline.check.check import check_controllers
 from tracerisk.pipeline.check.finding import Checked
+from tracerisk.pipeline.check.run import CoverageLimits
+from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
+from tracerisk.pipeline.workspace.project import Projects
 
 if TYPE_CHECKING:
     import argparse
 
     from tracerisk.common.verdict import Verdict
-    from tracerisk.pipeline.workspace.project import Projects
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -59,7 +62,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.workspace.project import Projects
 
     projects = Projects()
     return _watch(options, projects) if options.watch else _check(options, projects)
@@ -84,7 +86,6 @@ def _paths(options: argparse.Namespace, projects: Projects) -> Sequence[Path]:
 
     Where no file is named, those are among them whose blocks no run wrote.
     """
-    from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
 
     if options.files:
         return controllers_of(options.files, projects)
@@ -93,8 +94,6 @@ def _paths(options: argparse.Namespace, projects: Projects) -> Sequence[Path]:
 
 def _check(options: argparse.Namespace, projects: Projects) -> int:
     """Check the controllers, print what was found, and return the exit code."""
-    from tracerisk.pipeline.check.check import check_controllers
-    from tracerisk.pipeline.check.run import CoverageLimits
 
     paths = _paths(options, projects)
     if options.files:

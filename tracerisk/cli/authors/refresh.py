@@ -20,6 +20,8 @@ from tracerisk.cli.shared.verdict import as_typed, verdict_exit, verdict_json
 from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
+from tracerisk.pipeline.check.refresh import refresh_controller
+from tracerisk.pipeline.freshness.known_controllers import forget_gone, named_or_all
 from tracerisk.pipeline.workspace.project import Projects
 
 if TYPE_CHECKING:
@@ -42,8 +44,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.check.refresh import refresh_controller
-    from tracerisk.pipeline.freshness.known_controllers import named_or_all
 
     projects = Projects()
     paths = named_or_all(options.files, projects)
@@ -103,7 +103,6 @@ def _state(done: Refreshed, path: Path) -> str:
 
 def _forget_gone(paths: Sequence[Path], options: argparse.Namespace) -> list[str]:
     """Take controllers that are gone out of the locks of the others; return their paths."""
-    from tracerisk.pipeline.freshness.known_controllers import forget_gone
 
     forgotten = []
     is_written = not (options.check or options.diff)

@@ -17,6 +17,7 @@ from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.common.text.plain_data import picked
 from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
+from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.scenarios.entries import ScenarioDraft
@@ -58,7 +59,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 
     controller = api.load_controller(options.controller)
     settings = api.load_settings(controller, shared.run_settings(options))
@@ -141,7 +141,6 @@ def _drafted(
     options: argparse.Namespace, controller: Controller, settings: Any, base: Path | None
 ) -> tuple[ScenarioDraft, tuple[Missed, ...]]:
     from tracerisk.pipeline.scenarios.rounds import draft_scenario
-    from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 
     with progress_bar(quiet=options.quiet) as progress:
         draft = draft_scenario(

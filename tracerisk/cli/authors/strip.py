@@ -9,6 +9,8 @@ from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_diff, print_json
 from tracerisk.errors import EditInTheWayError, ExitCode
+from tracerisk.pipeline.check.overrides import hand_set
+from tracerisk.pipeline.freshness.known_controllers import forget_blocks
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -23,8 +25,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.check.overrides import hand_set
-    from tracerisk.pipeline.freshness.known_controllers import forget_blocks
 
     stripped = []
     for name in options.files:

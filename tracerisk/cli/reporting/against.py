@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import InputError
+from tracerisk.pipeline.history.repository import Repository
+from tracerisk.pipeline.review.git_versions import compared
 
 if TYPE_CHECKING:
     from tracerisk.prm.review.change_records import Review
@@ -36,8 +38,6 @@ def check_against(options: argparse.Namespace) -> None:
             f"--against compares with the sources as the run writes them, and {given} writes none"
         )
     _forbid_two_revisions(revision)
-    from tracerisk.pipeline.history.repository import Repository
-    from tracerisk.pipeline.review.git_versions import compared
 
     with Repository.opened(Path.cwd()) as repository:
         if compared(repository, Path.cwd(), [revision]).paths is not None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from tracerisk.cli.shared.output import note, print_json, write_file
 from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.errors import ExitCode, InputError
+from tracerisk.pipeline.review.overview import overview
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.review.overview import KnownController
@@ -27,7 +28,6 @@ def write_overview(options: argparse.Namespace) -> int:
 
     Raises InputError for options that do not go with it, and where no controller is known.
     """
-    from tracerisk.pipeline.review.overview import overview
     from tracerisk.report.html.repository.overview import overview_page, report_links
 
     if options.files:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.cli.shared.run_report import finding_line, object_lines
@@ -15,8 +16,13 @@ from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.instrument.source.python_source import decoded
+from tracerisk.pipeline.check.overrides import overrides_in
+from tracerisk.pipeline.failure_data.band import figure_band
 from tracerisk.pipeline.freshness.used_evidence import kept_evidence, used_evidence
 from tracerisk.pipeline.model import blocks_of
+from tracerisk.pipeline.pictures.run_section import run_section
+from tracerisk.report.html.report_input import ReportInput, SourceBlock, SourceFile
+from tracerisk.report.run_figures import run_figures, set_by_hand
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.block import RiskBlock
@@ -29,7 +35,6 @@ if TYPE_CHECKING:
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
     from tracerisk.prm.review.change_records import Review
-    from tracerisk.report.html.report_input import ReportInput, SourceBlock, SourceFile
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace
@@ -88,8 +93,6 @@ def run_shown(
 
     Raises HardwareError where the hardware description does not fit it.
     """
-    from tracerisk.adder.figures.computed import compute_blocks
-    from tracerisk.pipeline.pictures.run_section import run_section
 
     hardware = load_hardware(settings, trace.robot)
     evidence = None
@@ -121,9 +124,6 @@ def report_input(
     its verdict. `more` sections follow those of the run, `band` says how far the figure may be off.
     Raises BlockError or SourceError where blocks are malformed.
     """
-    from tracerisk.pipeline.check.overrides import overrides_in
-    from tracerisk.report.html.report_input import ReportInput
-    from tracerisk.report.run_figures import run_figures
 
     report = ReportInput(
         assessment=assessment,
@@ -157,8 +157,6 @@ def band_shown(
     run: RunShown | str, model: HybridModel, sources: Mapping[str, bytes], settings: Settings
 ) -> str:
     """Return the sentence on how far a figure may be off; "" where that is not known."""
-    from tracerisk.pipeline.failure_data.band import figure_band
-    from tracerisk.report.run_figures import set_by_hand
 
     if isinstance(run, str):
         return ""
@@ -214,7 +212,6 @@ def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:
 
     Raises BlockError or SourceError where blocks are malformed.
     """
-    from tracerisk.report.html.report_input import SourceFile
 
     texts = {file: decoded(source) for file, source in sources.items()}
     pairs = [
@@ -234,8 +231,6 @@ def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:
 
 
 def _blocks_in(source: bytes, file: str, text: str) -> Iterator[tuple[QualifiedName, SourceBlock]]:
-    from tracerisk.report.html.report_input import SourceBlock
-
     if is_c_like(file):
         for block in read_c_blocks(source, file):
             yield QualifiedName(block.name), _published(block, text, "*/")
@@ -249,7 +244,6 @@ def _blocks_in(source: bytes, file: str, text: str) -> Iterator[tuple[QualifiedN
 
 def _published(block: RiskBlock, text: str, end: str | None) -> SourceBlock:
     """Return where a block of the published form stands: to its `*/`, or while comments go on."""
-    from tracerisk.report.html.report_input import SourceBlock
 
     lines = text.splitlines()
     first = block.location.line if block.location is not None and block.location.line else 1

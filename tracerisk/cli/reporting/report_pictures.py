@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
+from tracerisk.common.dependencies import require_film
 from tracerisk.errors import ExitCode, InputError, Location
+from tracerisk.pipeline.pictures.run_pictures import run_again, write_films, write_pictures
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
@@ -57,8 +59,6 @@ def check_picture_options(options: argparse.Namespace) -> None:
         if getattr(options, name) is not None:
             _check_folder(Path(getattr(options, name)).absolute().parent)
     if options.mp4 is not None:
-        from tracerisk.common.dependencies import require_film
-
         require_film()
 
 
@@ -88,7 +88,6 @@ def write_report_pictures(
     that is not known, the run is done again. It may fail: then its error is reported and nothing
     is written.
     """
-    from tracerisk.pipeline.pictures.run_pictures import run_again, write_films, write_pictures
 
     trace = given if given is not None else None if kept is None else kept.trace
     if trace is None or isinstance(recorded, str):

@@ -13,9 +13,17 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, terminal_width, write_alerts, write_file
+from tracerisk.cli.shared.sources import read_file
 from tracerisk.cli.shared.values import probability
 from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import ExitCode, InputError
+from tracerisk.pipeline.review.review import review
+from tracerisk.pipeline.review.textconv import textconv
+from tracerisk.prm.review.change_records import RunVerdicts
+from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
+from tracerisk.report.diff.markdown import render_diff_markdown
+from tracerisk.report.diff.sentences import headline, not_assessed
+from tracerisk.report.diff.text import render_diff
 
 if TYPE_CHECKING:
     from tracerisk.prm.review.change_records import Review, RiskDiff
@@ -87,7 +95,6 @@ def run(options: argparse.Namespace) -> int:
         return _textconv(options)
     # An error is JSON too, where JSON was asked for.
     options.json = options.json or options.format == "json"
-    from tracerisk.pipeline.review.review import review
 
     result = review(options.words)
     exceeded = [
@@ -118,14 +125,11 @@ def _write_reports(review: Review, options: argparse.Namespace) -> None:
 
         write_alerts(options, review_alerts(review, repository_root(Path.cwd() / "_")))
     if options.metrics is not None:
-        from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
-
         write_file(options.metrics, render_open_metrics(review_metrics(review)))
 
 
 def _print_json(review: Review, code: ExitCode, exceeded: list[str]) -> None:
     from tracerisk.prm.formats.diff_json import review_to_json
-    from tracerisk.report.diff.sentences import headline
 
     print_json(
         "diff",
@@ -138,11 +142,8 @@ def _print_json(review: Review, code: ExitCode, exceeded: list[str]) -> None:
 
 def _rendered(review: Review, options: argparse.Namespace) -> str:
     if options.format == "markdown":
-        from tracerisk.report.diff.markdown import render_diff_markdown
-
         base = _link_base(os.environ) if options.link_base is None else options.link_base
         return render_diff_markdown(review, link_base=base or None)
-    from tracerisk.report.diff.text import render_diff
 
     return render_diff(review, width=terminal_width())
 
@@ -150,8 +151,6 @@ def _rendered(review: Review, options: argparse.Namespace) -> str:
 def _textconv(options: argparse.Namespace) -> int:
     if options.words:
         raise InputError("--textconv takes one file and no revision")
-    from tracerisk.cli.shared.sources import read_file
-    from tracerisk.pipeline.review.textconv import textconv
 
     sys.stdout.buffer.write(textconv(read_file(options.textconv), options.textconv))
     sys.stdout.flush()
@@ -185,8 +184,6 @@ def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
 def _bad_run(diff: RiskDiff) -> str | None:
     """Return why no limit can be held against the newer figure; `None` where one can."""
     if diff.stale:
-        from tracerisk.report.diff.sentences import not_assessed
-
         return not_assessed(diff)
     verdicts = diff.verdicts
     if verdicts is None or not verdicts.in_after:
@@ -209,7 +206,6 @@ def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -
     A newer run that went wrong fails the limit on the increase; a base that went wrong is no
     measure, so that its repair passes.
     """
-    from tracerisk.prm.review.change_records import RunVerdicts
 
     if diff.after is None:
         return []

@@ -18,6 +18,8 @@ from tracerisk.cli.shared.output import (
 from tracerisk.cli.shared.values import count, probability
 from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import ExitCode, InputError
+from tracerisk.pipeline.freshness.known_controllers import all_controllers
+from tracerisk.pipeline.workspace.project import Projects
 
 if TYPE_CHECKING:
     from tracerisk.report.series.history import HistoryPoint
@@ -49,9 +51,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.freshness.known_controllers import all_controllers
     from tracerisk.pipeline.review.history import first_above, histories, is_cut_short
-    from tracerisk.pipeline.workspace.project import Projects
     from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
     files = [Path(file) for file in options.files]

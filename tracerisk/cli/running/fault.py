@@ -21,6 +21,7 @@ from tracerisk.cli.shared.run_report import (
 from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import InputError
+from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
@@ -67,7 +68,6 @@ def run_faults(options: argparse.Namespace) -> int:
 
     Raises RunFailedError when the run without them came to a bad end.
     """
-    from tracerisk.pipeline.pictures.run_section import recorded_run
 
     recorded = None
     shown = progress_bar(quiet=options.quiet, controller=options.controller)
@@ -92,7 +92,6 @@ def run_faults(options: argparse.Namespace) -> int:
     )
     lines = _lines(replace(done, nominal=nominal, trace=trace))
     if options.report is not None:
-        from tracerisk.pipeline.pictures.run_section import run_section
         from tracerisk.report.html.fault_report import render_fault_report
 
         controller = api.load_controller(options.controller)

@@ -14,6 +14,7 @@ from tracerisk.cli.solving.hardware_spread import (
     print_spreads,
     spreads_of_files,
 )
+from tracerisk.prm.formats import model_json
 from tracerisk.report.tables import counted
 
 
@@ -31,7 +32,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.prm.formats import model_json
 
     model = model_of_sources(options.files, read_profile(options))
     model, _ = set_in(model, options)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING
 
 from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared import options as shared
@@ -14,12 +13,24 @@ from tracerisk.cli.shared.output import note, print_json
 from tracerisk.cli.shared.sources import model_of_sources
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.errors import InputError, Location, ModelError, one_of
-
-if TYPE_CHECKING:
-    from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.other_models.dynamic import DynamicTree
-    from tracerisk.prm.other_models.formats.explicit_chain import ExplicitChain
-    from tracerisk.prm.other_models.logic.model import LogicModel
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.other_models.dynamic import DynamicTree
+from tracerisk.prm.other_models.formats import galileo, linked_json
+from tracerisk.prm.other_models.formats.conversion import (
+    logic_of_dynamic,
+    logic_of_functions,
+    tree_of_logic,
+)
+from tracerisk.prm.other_models.formats.expanded_chain import expanded_chain
+from tracerisk.prm.other_models.formats.explicit import write_transitions
+from tracerisk.prm.other_models.formats.explicit_chain import ExplicitChain, explicit_chain
+from tracerisk.prm.other_models.formats.explicit_labels import write_labels
+from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
+from tracerisk.prm.other_models.formats.openpra import dumps_openpra
+from tracerisk.prm.other_models.formats.prism import write_prism
+from tracerisk.prm.other_models.linked import linked
+from tracerisk.prm.other_models.logic.checks import needs_mission_time
+from tracerisk.prm.other_models.logic.model import LogicModel
 
 TREES = (ModelFormat.OPEN_PSA, ModelFormat.OPENPRA, ModelFormat.GALILEO)
 CHAINS = (ModelFormat.PRISM, ModelFormat.EXPLICIT)
@@ -86,10 +97,6 @@ def _converted(
     options: argparse.Namespace, kind: ModelFormat | None, target: ModelFormat
 ) -> dict[str, str]:
     """Return the text of each file to write; the blocks of sources where there is no `kind`."""
-    from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.other_models.dynamic import DynamicTree
-    from tracerisk.prm.other_models.formats.explicit_chain import ExplicitChain
-    from tracerisk.prm.other_models.logic.model import LogicModel
 
     constants = _constants(options, kind)
     model = (
@@ -102,9 +109,6 @@ def _converted(
     if isinstance(model, HybridModel) and target is not ModelFormat.LINKED:
         return _functions_texts(model, target, options)
     if isinstance(model, HybridModel):
-        from tracerisk.prm.other_models.formats import linked_json
-        from tracerisk.prm.other_models.linked import linked
-
         return {options.output: linked_json.dumps(linked(model))}
     if isinstance(model, LogicModel | DynamicTree) and target in TREES:
         return {options.output: _tree_text(model, target, options)}
@@ -130,12 +134,8 @@ def _functions_texts(
     model: HybridModel, target: ModelFormat, options: argparse.Namespace
 ) -> dict[str, str]:
     if target in CHAINS:
-        from tracerisk.prm.other_models.formats.expanded_chain import expanded_chain
-        from tracerisk.prm.other_models.formats.explicit_chain import explicit_chain
-
         chain = explicit_chain(expanded_chain(model), model.entry)
         return _chain_texts(chain, target, options.output)
-    from tracerisk.prm.other_models.formats.conversion import logic_of_functions
 
     if model.latent:
         note(
@@ -148,45 +148,30 @@ def _functions_texts(
 def _tree_text(
     model: LogicModel | DynamicTree, target: ModelFormat, options: argparse.Namespace
 ) -> str:
-    from tracerisk.prm.other_models.dynamic import DynamicTree
-    from tracerisk.prm.other_models.formats.conversion import logic_of_dynamic, tree_of_logic
-
     time = options.mission_time_h
     if isinstance(model, DynamicTree):
         if options.top not in (None, model.top):
             raise ModelError(f"--top {options.top}: the top is '{model.top}'")
         if target is ModelFormat.GALILEO:
-            from tracerisk.prm.other_models.formats import galileo
-
             return galileo.dumps(model, mission_time_h=time)
         model = logic_of_dynamic(model, time)
     if target is ModelFormat.GALILEO:
-        from tracerisk.prm.other_models.formats import galileo
-
         tree = tree_of_logic(model, options.top, time)
         return galileo.dumps(tree, mission_time_h=time)
     if options.top is not None:
         raise InputError("--top goes with --to galileo; the other formats hold all tops")
     if target is ModelFormat.OPENPRA:
-        from tracerisk.prm.other_models.formats.openpra import dumps_openpra
-        from tracerisk.prm.other_models.logic.checks import needs_mission_time
-
         if time is None and not needs_mission_time(model):
             # Then every time gives the same numbers.
             time = 0.0
         return dumps_openpra(model, mission_time_h=time)
-    from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 
     return dumps_open_psa(model)
 
 
 def _chain_texts(chain: ExplicitChain, target: ModelFormat, output: str) -> dict[str, str]:
     if target is ModelFormat.PRISM:
-        from tracerisk.prm.other_models.formats.prism import write_prism
-
         return {output: write_prism(chain)}
-    from tracerisk.prm.other_models.formats.explicit import write_transitions
-    from tracerisk.prm.other_models.formats.explicit_labels import write_labels
 
     labels = labels_beside(output)
     if labels == output:

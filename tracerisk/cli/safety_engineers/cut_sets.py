@@ -15,13 +15,19 @@ from tracerisk.cli.shared.sources import model_of_sources
 from tracerisk.cli.shared.values import count, probability
 from tracerisk.common.text.plain_data import picked
 from tracerisk.errors import InputError, ModelError, one_of
+from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
+from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.other_models.cut_sets import minimal_cut_sets, prime_implicants
+from tracerisk.prm.other_models.dynamic import DynamicTree
+from tracerisk.prm.other_models.dynamic.tree import DynamicGroup
+from tracerisk.prm.other_models.logic.checks import needs_mission_time
+from tracerisk.prm.other_models.logic.model import LogicModel
+from tracerisk.prm.trees.failure_models import Constant, PerDemand
 from tracerisk.report.cut_sets import render_cut_sets
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.other_models.logic.model import LogicModel
     from tracerisk.prm.trees.fault_tree import FaultTree
 
 LIMIT = 20
@@ -77,7 +83,6 @@ class _Asked:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.prm.other_models.cut_sets import minimal_cut_sets, prime_implicants
 
     asked = _asked(options)
     find = prime_implicants if options.prime else minimal_cut_sets
@@ -133,9 +138,6 @@ def _asked(options: argparse.Namespace) -> _Asked:
         return _of_functions(model_of_sources(files, {}), options.top)
     if kind in (ModelFormat.PRISM, ModelFormat.EXPLICIT, ModelFormat.LINKED):
         raise InputError(f"'{files[0]}' holds no fault tree with cut sets; give {_TREES}")
-    from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.other_models.dynamic import DynamicTree
-    from tracerisk.prm.other_models.logic.model import LogicModel
 
     model = read_model(files, kind)
     if isinstance(model, LogicModel):
@@ -148,8 +150,6 @@ def _asked(options: argparse.Namespace) -> _Asked:
 
 
 def _of_logic(model: LogicModel, top: str | None, time: float | None) -> _Asked:
-    from tracerisk.prm.other_models.logic.checks import needs_mission_time
-
     timed = needs_mission_time(model)
     name = top if top in model.gates_by_name and top is not None else _only(model.tops, top)
     if timed and time is None and model.groups:
@@ -167,18 +167,12 @@ def _of_logic(model: LogicModel, top: str | None, time: float | None) -> _Asked:
 
 
 def _of_functions(model: HybridModel, top: str | None) -> _Asked:
-    from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
-
     states = {state.name: in_one_visit(state) for state in model.states if state.tree.events}
     state = states[_only(tuple(states), top)]
     return _Asked(state.tree, state.probabilities)
 
 
 def _of_dynamic(model: object, time: float | None) -> _Asked:
-    from tracerisk.prm.other_models.dynamic import DynamicTree
-    from tracerisk.prm.other_models.dynamic.tree import DynamicGroup
-    from tracerisk.prm.trees.failure_models import Constant, PerDemand
-
     assert isinstance(model, DynamicTree)
     tree = model.static_tree()
     groups = [event.name for event in tree.events if isinstance(event.model, DynamicGroup)]

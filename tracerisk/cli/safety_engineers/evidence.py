@@ -20,7 +20,9 @@ from tracerisk.cli.shared.output import (
 from tracerisk.cli.shared.progress import bar_of_cells
 from tracerisk.cli.shared.values import count, positive
 from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.evidence.file import dump_evidence, merge_evidence
 from tracerisk.errors import ExitCode, InputError
+from tracerisk.report import fmea
 
 if TYPE_CHECKING:
     from tracerisk.common.evidence.cells import Evidence
@@ -88,8 +90,6 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print(options: argparse.Namespace, found: Evidence) -> None:
-    from tracerisk.report import fmea
-
     name = Path(options.controller).name
     for path, text in (
         (options.csv, fmea.csv_text(found)),
@@ -143,8 +143,6 @@ def _replay(options: argparse.Namespace, found: Evidence) -> None:
 
 
 def _merge(options: argparse.Namespace) -> int:
-    from tracerisk.common.evidence.file import dump_evidence, merge_evidence
-
     if not options.argv:
         raise InputError("evidence merge: name the files of the shards")
     merged = merge_evidence([Path(item) for item in options.argv])

@@ -18,6 +18,10 @@ from tracerisk.cli.shared.output import (
 from tracerisk.cli.shared.recordings import add_reading, check_robot, read_recording
 from tracerisk.common.field.file import dump_field, field_data
 from tracerisk.errors import ExitCode
+from tracerisk.pipeline.recordings.field_profile import apart_from_twin, gather_field, read_mission
+from tracerisk.pipeline.recordings.messages import is_recording
+from tracerisk.report.series.field import render_field
+from tracerisk.report.tables import counted
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.recordings.field_profile import Apart
@@ -41,14 +45,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.recordings.field_profile import (
-        apart_from_twin,
-        gather_field,
-        read_mission,
-    )
-    from tracerisk.pipeline.recordings.messages import is_recording
-    from tracerisk.report.series.field import render_field
-    from tracerisk.report.tables import counted
 
     def read(name: str) -> Trace:
         path = Path(name)

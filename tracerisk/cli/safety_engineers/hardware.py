@@ -13,9 +13,24 @@ from tracerisk.cli.shared.actions import add_actions, add_output, deliver, write
 from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
 from tracerisk.common.field.file import read_field
+from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.description_data import description_data
+from tracerisk.common.hardware.formats import format_of_name, read_description, write_description
+from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.hardware.starting_file import (
+    SCHEMA_NAME,
+    starting_description,
+    starting_sysml,
+    starting_yaml,
+)
 from tracerisk.common.text.plain_data import picked
 from tracerisk.config import from_here
 from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.failure_data.field_failures import read_failures, updated_yaml, updates
+from tracerisk.pipeline.failure_data.supplier_table import read_figures, with_figures
+from tracerisk.pipeline.start.schemas import schema_text
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.report.hardware_table import hardware_table
 
 if TYPE_CHECKING:
     from tracerisk.common.hardware.binding import BoundComponent
@@ -46,12 +61,6 @@ def _add_convert(parser: argparse.ArgumentParser) -> None:
 
 
 def _convert(options: argparse.Namespace) -> int:
-    from tracerisk.common.hardware.formats import (
-        format_of_name,
-        read_description,
-        write_description,
-    )
-
     source, target = format_of_name(options.file), format_of_name(options.output)
     hardware = read_description(Path(options.file))
     note_warnings(hardware, quiet=options.quiet)
@@ -86,9 +95,6 @@ def _add_show(parser: argparse.ArgumentParser) -> None:
 
 
 def _show(options: argparse.Namespace) -> int:
-    from tracerisk.common.hardware.formats import read_description
-    from tracerisk.common.hardware.shipped import hardware_of
-
     if options.file is None and options.robot is None:
         options.file = _of_settings()
     robot = None if options.robot is None else named_robot(options.robot)
@@ -102,7 +108,6 @@ def _show(options: argparse.Namespace) -> int:
     if options.json:
         print_json("hardware", action="show", **_shown(hardware, bound))
         return 0
-    from tracerisk.report.hardware_table import hardware_table
 
     width = terminal_width() if sys.stdout.isatty() else None
     show(f"{hardware.file}:", *hardware_table(hardware, bound, width))
@@ -111,7 +116,6 @@ def _show(options: argparse.Namespace) -> int:
 
 def _of_settings() -> str:
     """Return the description that the settings of this folder name."""
-    from tracerisk.pipeline.workspace.project import Project
 
     project = Project.of(Path("here.py"))
     settings = project.settings()
@@ -138,15 +142,6 @@ def _add_init(parser: argparse.ArgumentParser) -> None:
 
 
 def _init(options: argparse.Namespace) -> int:
-    from tracerisk.common.hardware.formats import format_of_name
-    from tracerisk.common.hardware.shipped import hardware_of
-    from tracerisk.common.hardware.starting_file import (
-        SCHEMA_NAME,
-        starting_description,
-        starting_sysml,
-        starting_yaml,
-    )
-
     named = None if options.output is None else format_of_name(options.output)
     if named is not None and options.format not in (None, named):
         raise InputError(
@@ -165,8 +160,6 @@ def _init(options: argparse.Namespace) -> int:
     names = [component.name for component in hardware.components]
     deliver(options, text, is_new=True)
     if options.output is not None and kind == "yaml":
-        from tracerisk.pipeline.start.schemas import schema_text
-
         # The head line of the description refers to it.
         schema = Path(options.output).with_name(SCHEMA_NAME)
         if not schema.exists():
@@ -185,8 +178,6 @@ def _init(options: argparse.Namespace) -> int:
 
 
 def _bound(hardware: Hardware, robot: Robot) -> dict[str, BoundComponent]:
-    from tracerisk.common.hardware.binding import bind
-
     return {
         bound_component.component.name: bound_component
         for bound_component in bind(hardware, robot.elements)
@@ -194,8 +185,6 @@ def _bound(hardware: Hardware, robot: Robot) -> dict[str, BoundComponent]:
 
 
 def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[str, Any]:
-    from tracerisk.common.hardware.description_data import description_data
-
     return {
         "file": hardware.file,
         "hardware": description_data(hardware),
@@ -236,9 +225,6 @@ def _add_update(parser: argparse.ArgumentParser) -> None:
 
 
 def _update(options: argparse.Namespace) -> int:
-    from tracerisk.common.hardware.formats import format_of_name, read_description
-    from tracerisk.pipeline.failure_data.field_failures import read_failures, updated_yaml, updates
-
     if format_of_name(options.file) != "yaml":
         raise InputError(
             "is SysML; `tracerisk hardware convert` makes YAML of it, which can be brought up to "
@@ -278,8 +264,6 @@ def _update_data(update: Update) -> dict[str, Any]:
 def _take_figures(options: argparse.Namespace, hardware: Hardware) -> int:
     """Put figures of a table into a description."""
     from dataclasses import asdict
-
-    from tracerisk.pipeline.failure_data.supplier_table import read_figures, with_figures
 
     figures = read_figures(Path(options.figures), hardware)
     _write_updated(options, figures, options.figures, with_figures)

@@ -14,10 +14,16 @@ from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.common.dependencies import install_command, missing_extras, needed, version_of
+from tracerisk.common.sandbox.kernel_features import support
 from tracerisk.common.version import __version__
 from tracerisk.config import Settings
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
+from tracerisk.pipeline.workspace.prefixes import installed_packages
+from tracerisk.pipeline.workspace.project import Project
+from tracerisk.pipeline.workspace.ros_distro import choose_distro
+from tracerisk.pipeline.workspace.workspace import prefixes_of
 from tracerisk.twin.physics.scene import load_scene
+from tracerisk.twin.robots.robot import load_robot, robot_names
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
@@ -130,7 +136,6 @@ def _engine() -> str:
 
 
 def _physics() -> str:
-    from tracerisk.twin.robots.robot import load_robot, robot_names
     from tracerisk.twin.simulation.twin import Twin
 
     robot = load_robot(robot_names()[0])
@@ -142,14 +147,11 @@ def _physics() -> str:
 
 
 def _robots() -> str:
-    from tracerisk.twin.robots.robot import robot_names
-
     return ", ".join(robot_names())
 
 
 def _sandbox() -> str:
     """Return which parts of the sandbox work here."""
-    from tracerisk.common.sandbox.kernel_features import support
 
     here = support()
     parts = {
@@ -169,7 +171,6 @@ def _sandbox() -> str:
 
 def _of_environment() -> str:
     """Return where packages are installed for a controller of either ROS in this folder."""
-    from tracerisk.pipeline.workspace.project import Project
 
     here = Project(Path.cwd())
     of_both = (here.prefixes(1, Settings()), here.prefixes(2, Settings()))
@@ -181,7 +182,6 @@ def _installed(prefixes: Sequence[Prefix]) -> str:
 
     Those of one workspace that has a prefix for each package are one.
     """
-    from tracerisk.pipeline.workspace.prefixes import installed_packages
 
     groups: dict[tuple[str, str], list[Prefix]] = {}
     for prefix in prefixes:
@@ -239,8 +239,6 @@ _MOST_EVIDENCE = 12
 def _of_controller(controller: Controller, settings: Settings) -> dict[str, str]:
     from tracerisk.pipeline.launch.choose import LaunchChoice, choose_launch
     from tracerisk.pipeline.robot.choice import choose_launched_robot
-    from tracerisk.pipeline.workspace.ros_distro import choose_distro
-    from tracerisk.pipeline.workspace.workspace import prefixes_of
 
     of_controller = {"controller": controller.file, "root": str(controller.root)}
     if controller.is_python:

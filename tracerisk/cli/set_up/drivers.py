@@ -10,6 +10,8 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions
 from tracerisk.cli.shared.output import print_json, show
 from tracerisk.common.text.plain_data import picked
+from tracerisk.pipeline.workspace.driver_files import check_driver
+from tracerisk.ros.vendors.driver_search import installed_files, read_drivers, shipped_drivers
 
 if TYPE_CHECKING:
     from tracerisk.ros.vendors.description import Driver
@@ -30,13 +32,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.ros.vendors.driver_search import installed_files, read_drivers, shipped_drivers
 
     if options.action == "list":
         drivers = (*shipped_drivers(), *read_drivers(installed_files(), Path.cwd()))
     else:
-        from tracerisk.pipeline.workspace.driver_files import check_driver
-
         drivers = tuple(check_driver(Path(name)) for name in options.files)
     if options.json:
         print_json("drivers", action=options.action, drivers=[_as_json(item) for item in drivers])

@@ -12,6 +12,8 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.config import BlockForm
 from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.history.merge_driver import install_merge_driver
+from tracerisk.pipeline.start.project_start import project_start
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.start.project_start import ProjectStart
@@ -38,7 +40,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.start.project_start import project_start
 
     folder = Path(options.folder)
     if not folder.is_dir():
@@ -124,8 +125,6 @@ def _answer(options: argparse.Namespace, question: str) -> str:
 
 
 def _write(start: ProjectStart) -> tuple[str, ...]:
-    from tracerisk.pipeline.history.merge_driver import install_merge_driver
-
     writes = []
     for file in start.files:
         path = start.root / file.path

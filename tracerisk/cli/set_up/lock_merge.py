@@ -6,9 +6,13 @@ import argparse
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import Lock
+from tracerisk.adder.lock.merge_driver import merge_locks
+from tracerisk.adder.lock.reading import loads
+from tracerisk.adder.sources.write import atomic_write
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json
 from tracerisk.errors import ExitCode, InputError, Location
+from tracerisk.pipeline.history.merge_driver import install_merge_driver
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -35,9 +39,6 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             f"expected three locks, BASE OURS THEIRS, and not {len(options.files)}; or --install"
         )
-    from tracerisk.adder.lock.merge_driver import merge_locks
-    from tracerisk.adder.lock.reading import loads
-    from tracerisk.adder.sources.write import atomic_write
 
     paths = [Path(file) for file in options.files]
     for path in paths:
@@ -60,8 +61,6 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _install(options: argparse.Namespace) -> int:
-    from tracerisk.pipeline.history.merge_driver import install_merge_driver
-
     done = install_merge_driver(Path())
     if options.json:
         print_json("lock-merge", exit_code=int(ExitCode.FINE), done=list(done))

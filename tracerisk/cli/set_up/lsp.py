@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from tracerisk.common.dependencies import require_lsp
+
 _HOW = """\
 An editor starts it; it takes no options. What it shows and how editors are set up:
 `tracerisk docs editor`.
@@ -20,7 +22,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(_: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.common.dependencies import require_lsp
 
     require_lsp()
     from tracerisk.editor.server import serve

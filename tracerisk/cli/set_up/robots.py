@@ -11,6 +11,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
 from tracerisk.common.text.plain_data import picked
+from tracerisk.twin.robots.index import shipped_names
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.index import RobotNames
@@ -57,7 +58,6 @@ def run(options: argparse.Namespace) -> int:
         else:
             show(*_described(robot))
         return 0
-    from tracerisk.twin.robots.index import shipped_names
 
     names = shipped_names()
     if options.json:

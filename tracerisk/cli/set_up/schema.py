@@ -7,6 +7,7 @@ import argparse
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_output, deliver
 from tracerisk.cli.shared.output import print_json
+from tracerisk.pipeline.start.schemas import schema_text
 
 _NAMES = ("settings", "pyproject", "hardware", "scenario", "driver")
 
@@ -26,7 +27,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.start.schemas import schema_text
 
     text = schema_text(options.name)
     deliver(options, text)

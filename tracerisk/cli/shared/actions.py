@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared.output import note
 from tracerisk.errors import InputError, Location
 
@@ -42,7 +43,6 @@ def deliver(options: argparse.Namespace, text: str, *, is_new: bool = False) -> 
 
 def write(name: str, text: str, *, is_new: bool = False) -> None:
     """Write a file; raise InputError where one that `is_new` is there already."""
-    from tracerisk.adder.sources.write import FileWrite, write_all
 
     path = Path(name)
     if is_new and path.exists():

@@ -6,6 +6,10 @@ import argparse
 import sys
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.adder.figures.derivation_json import derivation_data
+from tracerisk.report.explain.function import render_derivation
+from tracerisk.report.explain.mission import render_mission
+
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
     from tracerisk.common.hardware.model import Hardware
@@ -33,7 +37,6 @@ def derivation_json(derivation: FunctionDerivation | None) -> dict[str, Any]:
     """Return what `--json` has of it: nothing, or the key `derivation`."""
     if derivation is None:
         return {}
-    from tracerisk.adder.figures.derivation_json import derivation_data
 
     return {"derivation": derivation_data(derivation)}
 
@@ -46,12 +49,9 @@ def print_derivation(
     """Print it on standard output, where it was asked for; up to the mission of a solved model."""
     if derivation is None:
         return
-    from tracerisk.report.explain.function import render_derivation
 
     text = render_derivation(derivation)
     if model is not None and assessment is not None:
-        from tracerisk.report.explain.mission import render_mission
-
         text += render_mission(model, assessment, derivation.function)
     sys.stdout.buffer.write(text.encode())
     sys.stdout.flush()

@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from tracerisk.cli.shared.output import is_dumb
+from tracerisk.pipeline.check.cached_run import last_duration_s
 
 
 @contextlib.contextmanager
@@ -28,8 +29,6 @@ def progress_bar(
     """
     usual_s = None
     if controller is not None:
-        from tracerisk.pipeline.check.cached_run import last_duration_s
-
         usual_s = last_duration_s(controller)
 
     def columns(rich: ModuleType) -> Iterable[Any]:

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.sources import named_robot
+from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, SettingsError
+from tracerisk.pipeline.recordings.declared import Declared, parse_effort_unit
+from tracerisk.pipeline.recordings.messages import open_recording
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.recordings.declared import Declared
     from tracerisk.trace import Trace
     from tracerisk.twin.robots.robot import Robot
 
@@ -71,7 +73,6 @@ def read_recording(path: Path, options: argparse.Namespace, controller: str | No
 
 def check_robot(trace: Trace, name: str | None, path: Path) -> None:
     """Raise InputError where `--robot NAME` is not the robot that a trace is of."""
-    from tracerisk.config import Settings
 
     if name is None or not trace.robot:
         return
@@ -87,10 +88,6 @@ def check_robot(trace: Trace, name: str | None, path: Path) -> None:
 def _declared(
     path: Path, options: argparse.Namespace, controller: str | None
 ) -> tuple[Robot, Declared]:
-    from tracerisk.config import Settings
-    from tracerisk.pipeline.recordings.declared import Declared, parse_effort_unit
-    from tracerisk.pipeline.recordings.messages import open_recording
-
     settings, file, root = Settings(), "", Path()
     if controller is not None:
         result = api.load_controller(controller)

@@ -14,6 +14,7 @@ from tracerisk.common.text.plain_data import plain_data
 from tracerisk.common.verdict import NEVER_RAN, Verdict, verdict_line
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode
+from tracerisk.pipeline.freshness.source_verdict import source_verdict_lines, source_verdicts
 
 
 def verdict_exit(verdict: Verdict | None) -> ExitCode:
@@ -64,7 +65,6 @@ def verdict_json(verdict: Verdict | None) -> dict[str, Any]:
 
 def sources_verdict(files: Sequence[str]) -> SourcesVerdict | None:
     """Return what the locks say of the runs behind sources; `None` for files of a model."""
-    from tracerisk.pipeline.freshness.source_verdict import source_verdict_lines, source_verdicts
 
     sources = {name: read_file(name) for name in files}
     if any(text.lstrip().startswith(b"{") for text in sources.values()):

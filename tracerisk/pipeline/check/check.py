@@ -18,6 +18,7 @@ from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.verdict import Verdict
 from tracerisk.config import Settings, controller_root
@@ -227,8 +228,6 @@ def _stale(
     evidence = kept_evidence(controller)
     again = f"`tracerisk evidence {as_typed(controller.path)}`"
     if evidence is not None and evidence.edited is not None:
-        from tracerisk.common.evidence import EVIDENCE_NAME
-
         place = Location(str(controller.root / EVIDENCE_NAME))
         remedy = f"{again} tries it again, or restore the file from git"
         yield CheckFinding("edited", evidence.edited.words, place, remedy=remedy)

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
+from tracerisk.adder.figures.derive import derive_function
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.common import trace_json
 from tracerisk.common.hardware.shipped import shipped_bytes
@@ -19,6 +20,8 @@ from tracerisk.pipeline.dossier.calculation import hand_calculation
 from tracerisk.pipeline.dossier.guide import guide
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.hybrid.mission_tree import MissionTree, mission_tree
+from tracerisk.prm.other_models.formats.conversion import logic_of_functions, logic_of_tree
+from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 from tracerisk.report.html.record import report_record
 
 if TYPE_CHECKING:
@@ -76,9 +79,6 @@ def dossier(
 
 
 def _open_psa(report: ReportInput, mission: MissionTree | None) -> dict[str, bytes]:
-    from tracerisk.prm.other_models.formats.conversion import logic_of_functions, logic_of_tree
-    from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
-
     texts = {FUNCTIONS: dumps_open_psa(logic_of_functions(report.model)).encode()}
     if mission is not None:
         logic = logic_of_tree(mission.tree, mission.figures, name=report.model.name)
@@ -93,7 +93,6 @@ def _derivations(
     trace, hardware = report.trace, report.hardware
     if trace is None or hardware is None:
         return report.no_trace
-    from tracerisk.adder.figures.derive import derive_function
 
     blocks = _blocks(report)
     root = root.resolve()

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.dependencies import is_installed
 from tracerisk.pipeline.failure_data.figure_spreads import hardware_spreads, load_factor_of
+from tracerisk.prm.questions.set_values import groups_of
+from tracerisk.prm.questions.uncertainty import propagate
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.instances import ComponentInstances
@@ -68,8 +70,6 @@ def figure_band(
     drawn = tuple(name for name in spreads.figures if name in stated)
     if not drawn:
         return None
-    from tracerisk.prm.questions.set_values import groups_of
-    from tracerisk.prm.questions.uncertainty import propagate
 
     found = propagate(model, samples=SAMPLES, seed=seed, figures=spreads.figures)
     of_level = dict(zip(found.levels, found.percentiles, strict=True))

@@ -12,6 +12,7 @@ from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.distributions import NORMAL_95, Beta, Lognormal
 from tracerisk.prm.questions.set_values import groups_of
 from tracerisk.prm.questions.uncertainty import FigureSpread
+from tracerisk.twin.robots.robot import load_robot, robot_names
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.instances import ComponentInstances
@@ -104,7 +105,6 @@ def load_factor_of(robot: str) -> float:
 
     For a robot that is not shipped, or none (""), nothing is known: it is 1.
     """
-    from tracerisk.twin.robots.robot import load_robot, robot_names
 
     masses = load_robot(robot).masses if robot in robot_names() else None
     return 1.0 if masses is None else masses.error_factor

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.version import __version__
 from tracerisk.config import Settings
@@ -219,8 +220,6 @@ def values_reasons(
             name = os.path.relpath(name, controller.root.resolve())
         texts.append(f"{name} has changed")
     if recorded.evidence != evidence_digest(controller, settings, recorded.fingerprint):
-        from tracerisk.common.evidence import EVIDENCE_NAME
-
         texts.append(f"{EVIDENCE_NAME} has changed")
     return tuple(texts)
 

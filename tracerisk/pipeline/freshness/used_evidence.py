@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.text.digests import sha256
 from tracerisk.errors import InputError
 
@@ -21,7 +22,6 @@ def kept_evidence(controller: Controller) -> Evidence | None:
 
     Raises InputError where the file is malformed.
     """
-    from tracerisk.common.evidence import EVIDENCE_NAME
 
     path = controller.root / EVIDENCE_NAME
     if not path.exists():
@@ -73,7 +73,6 @@ def edited_evidence(root: Path) -> tuple[str, ...]:
 
     A file that is malformed is one too.
     """
-    from tracerisk.common.evidence import EVIDENCE_NAME
     from tracerisk.common.evidence.file import read_evidence
 
     try:

@@ -25,6 +25,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
+from tracerisk.pipeline.launch_files.moveit_configs import moveit_configs_modules
 from tracerisk.pipeline.launch_files.placeholders import (
     ABSENT_FOLDER,
     Absent,
@@ -32,6 +33,7 @@ from tracerisk.pipeline.launch_files.placeholders import (
     AbsentModule,
 )
 from tracerisk.pipeline.launch_files.robot_sources import is_robot_file, robots_read
+from tracerisk.pipeline.launch_files.visit import visit
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 
 if TYPE_CHECKING:
@@ -92,8 +94,6 @@ def main() -> int:
     packages = {name: Path(folder) for name, folder in asked["packages"].items()}
     # What a launch file prints goes to standard error; only the answer is one.
     with contextlib.redirect_stdout(sys.stderr):
-        from tracerisk.pipeline.launch_files.visit import visit
-
         sys.dont_write_bytecode = True
         read: list[Path] = []
         robots: list[Described] = []
@@ -129,7 +129,6 @@ def _serve(packages: dict[str, Path], read: list[Path], robots: list[Described])
 
     What they read goes to `read`, what of that describes a robot to `robots`.
     """
-    from tracerisk.pipeline.launch_files.moveit_configs import moveit_configs_modules
 
     home = f"{__package__}.stand_ins"
     for top in _STAND_INS:

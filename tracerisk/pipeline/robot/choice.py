@@ -18,7 +18,12 @@ from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import workspace_of
+from tracerisk.twin.model_files.paths import ModelFolder
+from tracerisk.twin.robots.assumed_gripper import commands_gripper, with_assumed_gripper
+from tracerisk.twin.robots.generic import NAME as GENERIC
+from tracerisk.twin.robots.generic import names_asked
 from tracerisk.twin.robots.robot import is_model_file, load_robot
+from tracerisk.twin.robots.robot_names import words_in
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.robot.evidence import Evidence
@@ -72,7 +77,6 @@ def choose_robot(
     not in its source.
     Raises RobotError when the settings name none that is known.
     """
-    from tracerisk.twin.robots.generic import NAME as GENERIC
 
     origin = "as the settings say"
     if settings.robot is None:
@@ -99,15 +103,12 @@ def with_groups_of(robot: Robot, strings: Iterable[str]) -> Robot:
 
     Whoever wrote such a program has a configuration of MoveIt whose groups have other names.
     """
-    from tracerisk.twin.robots.robot_names import words_in
 
     return replace(robot, assumes_names=words_in(strings).isdisjoint(robot.groups))
 
 
 def equipped(robot: Robot, controller: Controller) -> Robot:
     """Return a robot, with an assumed gripper if it has none and the controller commands one."""
-    from tracerisk.twin.robots.assumed_gripper import commands_gripper, with_assumed_gripper
-    from tracerisk.twin.robots.generic import names_asked
 
     if robot.grippers or not commands_gripper(controller.tree):
         return robot
@@ -126,7 +127,6 @@ def read_model(
     takes too long or too much memory.
     """
     from tracerisk.twin.model_files.model_file import read_model_file
-    from tracerisk.twin.model_files.paths import ModelFolder
 
     path = Path(name)
     try:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from tracerisk.config import Settings
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 
 
 def with_scenario(settings: Settings) -> Settings:
@@ -15,7 +16,6 @@ def with_scenario(settings: Settings) -> Settings:
     """
     if settings.scenario is None or (settings.robot is not None and settings.args):
         return settings
-    from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 
     scenario = read_scenario(Path(settings.scenario))
     return replace(

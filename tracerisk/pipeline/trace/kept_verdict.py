@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from tracerisk.adder.lock.lock import ControllerLock
+from tracerisk.adder.sources.line_map import line_maps
 from tracerisk.common.text.plain_data import MismatchError, plain_data, read_plain
 from tracerisk.common.verdict import Verdict
 
@@ -34,7 +35,6 @@ def bare_lines(sources: Mapping[str, bytes], shown: Mapping[str, str]) -> Callab
 
     `shown` is how messages call each source.
     """
-    from tracerisk.adder.sources.line_map import line_maps
 
     return line_maps(sources, {}, shown)
 
@@ -43,7 +43,6 @@ def block_lines(
     sources: Mapping[str, bytes], shown: Mapping[str, str]
 ) -> Callable[[str, int], int]:
     """Return what gives the line of a source, with its blocks, for one that the lock keeps."""
-    from tracerisk.adder.sources.line_map import line_maps
 
     return line_maps(dict.fromkeys(sources, b""), sources, shown)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tracerisk.ros.graph.sensor_reading import CHANNEL, SPAN
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.sensor_topics import scenario_elements
 from tracerisk.trace import Element, Exposure, Visit
 from tracerisk.twin.recording.sensor_activity import ReadingSpan, sensor_activity, sensor_exposures
@@ -28,7 +29,6 @@ def elements_of(robot: Robot, settings: Settings) -> tuple[Element, ...]:
     if settings.scenario is None:
         return robot.elements
     # Few runs have one, and reading it takes more modules than all else here.
-    from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 
     return (*robot.elements, *scenario_elements(robot, read_scenario(Path(settings.scenario))))
 

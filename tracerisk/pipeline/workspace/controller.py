@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from tracerisk.adder.sources.line_map import line_maps
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c
@@ -124,7 +125,6 @@ def lines_since(sources: Mapping[str, bytes], controller: Controller) -> Callabl
     Raises InputError where more differs, for then what ran is another program.
     """
     from tracerisk.adder.sources.insert import strip_blocks
-    from tracerisk.adder.sources.line_map import line_maps
 
     shown = {file: str(controller.path_of(file)) for file in sources}
     now = {

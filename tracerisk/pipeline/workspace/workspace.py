@@ -27,6 +27,7 @@ from tracerisk.pipeline.workspace.package_folders import (
     siblings_of,
 )
 from tracerisk.pipeline.workspace.prefixes import Prefix, installed_packages
+from tracerisk.ros.messages.interface_texts import shipped_packages
 
 _INTERFACES = ("msg", "srv", "action")
 TESTS = frozenset({"test", "tests"})
@@ -173,7 +174,6 @@ def workspace_of(controller: Controller, settings: Settings) -> Workspace:
     A package of its workspace that is built for the other ROS gives way to one that is installed,
     or whose messages are shipped, for its own.
     """
-    from tracerisk.ros.messages.interface_texts import shipped_packages
 
     workspace, prefixes = controller.workspace, prefixes_of(controller, settings)
     ros = controller.ros_version

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
 
+from tracerisk.ros.messages.misfits import abort_sending
 from tracerisk.ros.messages.ros2_fields import Field2
 
 if TYPE_CHECKING:
@@ -150,8 +151,6 @@ def _element(message: Any, field: Field2, value: Any) -> Any:
 
 def _abort(message: Any, field: Field2, value: Any, assertion: str) -> NoReturn:
     # Imported here: a program that makes messages alone needs no run.
-    from tracerisk.ros.messages.misfits import abort_sending
-
     abort_sending(type(message)._ros_type, field, value, assertion)
 
 

@@ -18,7 +18,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.geometry.frames import rotation
 from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
+from tracerisk.twin.model_files.bounds import bounding_shape
 from tracerisk.twin.model_files.coarse import MOST_FACES, coarsened, most_faces, packed
 
 _MOST = {"bodies": 500, "joints": 300, "geoms": 5000, "actuators": 300}
@@ -160,7 +162,6 @@ def _shapes(model: Any, most: int) -> list[dict[str, Any]]:
 
     A mesh is bounded by its primitive, and drawn with at most `most` faces.
     """
-    from tracerisk.twin.model_files.bounds import bounding_shape
 
     import mujoco  # isort: skip
 
@@ -207,7 +208,6 @@ def _shapes(model: Any, most: int) -> list[dict[str, Any]]:
 
 def _drawn(bound: Any, vertices: Any, faces: Any, most: int) -> str:
     """Return a mesh in the frame of the primitive that bounds it, coarse and packed."""
-    from tracerisk.common.geometry.frames import rotation
 
     inside = (vertices.astype(float) - bound.xyz) @ rotation(bound.rpy)
     return packed(*coarsened(inside, faces.astype(int), most))

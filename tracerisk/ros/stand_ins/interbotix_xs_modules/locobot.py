@@ -11,7 +11,9 @@ from interbotix_perception_modules.pointcloud import InterbotixPointCloudInterfa
 
 from .arm import InterbotixArmXSInterface
 from .core import InterbotixRobotXSCore
+from .create3 import InterbotixCreate3Interface
 from .gripper import InterbotixGripperXSInterface
+from .kobuki import InterbotixKobukiInterface
 from .turret import InterbotixTurretXSInterface
 
 __all__ = ["InterbotixLocobotXS"]
@@ -66,12 +68,8 @@ class InterbotixLocobotXS:
         kind = rospy.get_param(f"/{self._robot_name}/base_type", usual)
         wheels, uses_action = self._of_base
         if kind == "kobuki":
-            from .kobuki import InterbotixKobukiInterface
-
             return InterbotixKobukiInterface(self._robot_name, wheels, uses_action)
         if kind == "create3":
-            from .create3 import InterbotixCreate3Interface
-
             ticks = "/mobile_base/wheel_ticks"
             return InterbotixCreate3Interface(self._robot_name, ticks, uses_action)
         raise ValueError(

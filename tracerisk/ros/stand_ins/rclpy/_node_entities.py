@@ -17,6 +17,7 @@ from .context import Context
 from .guard_condition import GuardCondition
 from .publisher import Publisher
 from .qos import QoSProfile, qos_profile_parameters, qos_profile_services_default
+from .qos_overriding_options import _declare_qos_parameters
 from .service import LibraryService, Service
 from .subscription import Subscription
 from .timer import Rate, Timer
@@ -145,7 +146,6 @@ class NodeEntities(NodeNames):
         profile = _profile(given)
         if options is None:
             return profile
-        from .qos_overriding_options import _declare_qos_parameters
 
         profile = copy(profile)
         _declare_qos_parameters(kind, self, name, profile, options)

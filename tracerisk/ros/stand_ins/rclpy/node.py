@@ -13,6 +13,7 @@ from tracerisk.ros.controller.frames import controller_frame
 from tracerisk.ros.controller.thread import Meaning
 from tracerisk.ros.graph.parameter_files import overrides_of
 
+from ._arguments import FLAG, Arguments, parse_arguments
 from ._handle import Handle
 from ._logger import RcutilsLogger
 from ._node_entities import KEPT, NodeEntities
@@ -27,9 +28,11 @@ from .exceptions import NotInitializedException
 
 # As in the real library: who imports nodes has `rclpy.executors` too.
 from .executors import Executor as _Executor  # noqa: F401
+from .logging_service import LoggingService
 from .parameter import Parameter
+from .parameter_service import ParameterService
 from .qos import qos_profile_parameter_events
-from .type_description_service import START_TYPE_DESCRIPTION_SERVICE_PARAM
+from .type_description_service import START_TYPE_DESCRIPTION_SERVICE_PARAM, TypeDescriptionService
 
 __all__ = ["Node", "NodeNameNonExistentError"]
 
@@ -59,8 +62,6 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
         automatically_declare_parameters_from_overrides: bool = False,
         enable_logger_service: bool = False,
     ) -> None:
-        from ._arguments import FLAG, Arguments, parse_arguments
-
         state = run()
         self._context = state.default_context if context is None else context
         if not self._context.is_valid:
@@ -117,17 +118,11 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
                 "", [(name, self._parameter_overrides[name].value) for name in rest]
             )
         if start_parameter_services:
-            from .parameter_service import ParameterService
-
             self._parameter_service = ParameterService(self)
         if enable_logger_service:
-            from .logging_service import LoggingService
-
             self._logger_service = LoggingService(self)
         # Humble has no such service.
         if run().runtime.distro.name == "jazzy":
-            from .type_description_service import TypeDescriptionService
-
             self._type_description_service = TypeDescriptionService(self)
 
     def _overrides(self, given: Sequence[Parameter]) -> dict[str, Parameter]:

@@ -18,6 +18,7 @@ from .callback_groups import CallbackGroup
 from .duration import Duration
 from .event_handler import PublisherEventCallbacks
 from .qos import LivelinessPolicy, QoSProfile, misfit_of, reaches
+from .serialization import deserialize_message
 
 
 class Publisher:
@@ -83,8 +84,6 @@ class Publisher:
         with self.handle:
             self._check_context("Failed to publish")
         if isinstance(msg, bytes):
-            from .serialization import deserialize_message
-
             msg = deserialize_message(msg, self.msg_type)
         if not isinstance(msg, self.msg_type):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")

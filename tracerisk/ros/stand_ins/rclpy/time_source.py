@@ -11,6 +11,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from .clock import ROSClock
 from .clock_type import ClockType
+from .node import Node
 from .parameter import Parameter
 from .qos import QoSProfile, ReliabilityPolicy
 from .subscription import Subscription
@@ -59,7 +60,6 @@ class TimeSource:
         Raises:
             TypeError: it is no node.
         """
-        from .node import Node
 
         if not isinstance(node, Node):
             raise TypeError("Node must be of type rclpy.node.Node")

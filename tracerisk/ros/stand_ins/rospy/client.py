@@ -8,6 +8,7 @@ from typing import Any
 from tracerisk.ros.controller.needs import Need
 from tracerisk.ros.graph import graph_names
 from tracerisk.ros.graph.parameter_files import private_of
+from tracerisk.ros.graph.yaml_text import load_yaml
 from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.ros.time.rostime import Duration
@@ -47,8 +48,6 @@ def load_command_line_node_params(argv: list[str]) -> dict[str, Any]:
         ROSInitException: a value is not YAML.
     """
     from ruamel.yaml.error import YAMLError
-
-    from tracerisk.ros.graph.yaml_text import load_yaml
 
     try:
         return {name: load_yaml(text) for name, text in graph_names.load_parameters(argv).items()}

@@ -11,7 +11,9 @@ from rclpy.logging import LoggingSeverity
 
 from .arm import InterbotixArmXSInterface
 from .core import InterbotixRobotXSCore
+from .create3 import InterbotixCreate3Interface
 from .gripper import InterbotixGripperXSInterface
+from .kobuki import InterbotixKobukiInterface
 from .turret import InterbotixTurretXSInterface
 
 __all__ = ["BaseType", "InterbotixLocobotXS"]
@@ -98,9 +100,6 @@ class InterbotixLocobotXS:
 
 def _base_class(kind: BaseType) -> Any:
     if kind == BaseType.KOBUKI:
-        from .kobuki import InterbotixKobukiInterface
-
         return InterbotixKobukiInterface
-    from .create3 import InterbotixCreate3Interface
 
     return InterbotixCreate3Interface

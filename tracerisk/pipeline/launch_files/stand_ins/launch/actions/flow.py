@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from tracerisk.pipeline.launch_files.parameter_text import yaml_value
 from tracerisk.pipeline.launch_files.stand_ins.launch.action import Action
 from tracerisk.pipeline.launch_files.stand_ins.launch.actions.settings import (
     DeclareLaunchArgument,
@@ -190,7 +191,6 @@ class ForEach(Action):
 
     def execute(self, context: Any) -> Any:
         """Return the actions for all values."""
-        from tracerisk.pipeline.launch_files.parameter_text import yaml_value
 
         result: list[Any] = []
         for text in text_of(context, self.input_values).strip(" ;").split(";"):
