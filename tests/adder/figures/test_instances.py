@@ -88,7 +88,7 @@ def test_the_lock_holds_four_digits_and_keeps_what_is_within_the_noise(computed)
         "motor": {"joint1": 2e-6, "joint2": 3e-6},
     }
     near = trace_of((PICK, 1.01, 3.0), (PLACE, 4.0, 4.0), (PICK, 3.01, 3.1))
-    again = trace_summary(near, computed(near).instances, kept=first)
+    again = trace_summary(near, computed(near).instances, kept=first, noise=0.01)
     kept = again["functions"]["pick"]["instances"]["motor"]
     assert kept == {"joint1": 2e-6, "joint2": 3.05e-6}
     fresh = trace_summary(near, computed(near).instances)

@@ -121,7 +121,7 @@ def test_the_first_page_has_every_controller_with_its_figure(server, folder):
 def test_a_controller_has_a_page_and_a_report(server, kind):
     found = get(server, f"/{kind}/cells/we%20ld.py")
     assert found.status == 200
-    assert "3.00\xa0\N{MULTIPLICATION SIGN}\xa010⁻⁵" in found.text
+    assert "3.000\xa0\N{MULTIPLICATION SIGN}\xa010⁻⁵" in found.text
     anchors = set(re.findall(r'href="#([^"]+)"', found.text))
     assert anchors <= set(re.findall(r' id="([^"]+)"', found.text))
 
