@@ -342,3 +342,13 @@ def test_every_file_that_the_page_on_architecture_names_is_there():
     ]
     assert len(named) > 40
     assert not {each for each in named if not any(path.endswith(f"/{each}") for path in there)}
+
+
+def test_the_walk_of_a_value_passes_no_file_twice():
+    page = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    text = page.partition("## The walk of one value")[2].partition("\n## ")[0]
+    walks = [re.findall(r"`([\w/]+\.py)`", walk) for walk in text.split("\n\n") if "→" in walk]
+    assert len(walks) == 2
+    for walk in walks:
+        assert len(set(walk)) == len(walk) > 8
+        assert all((PACKAGE / file).is_file() for file in walk)
