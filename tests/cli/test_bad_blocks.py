@@ -130,7 +130,7 @@ BAD = {
         "name = home\n",
         "name = place\n",
         2,
-        "the risk block of `place` stands at `home`; write `name = home`, there and in each",
+        "the risk block of `place` stands at `home`; write `name = home`, there and in what",
     ),
     "a block in the middle of a function": (
         "    # | RiskAnnotation ",

@@ -177,7 +177,7 @@ def _reading(model: HybridModel, assessment: Assessment, mission: MissionTree) -
         why = "branches exclude each other"
     yield (
         f"It differs by {number(off)}, relative {off / max(reported, executed):.2g}, because "
-        f"{why}; `docs/theory.md` of tracerisk has the formulas.\n"
+        f"{why}; `tracerisk docs theory` prints the formulas.\n"
     )
 
 
