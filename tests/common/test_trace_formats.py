@@ -83,7 +83,7 @@ BAD_JSON = {
     '{"schema": "tracerisk-trace"': "t.json:1:29: is not valid JSON",
     "[]": "is not a trace",
     '{"schema": "tracerisk-trace", "version": 9}': "version: 9; this tracerisk reads 2",
-    '{"schema": "tracerisk-trace", "version": 1}': "version: 1; this tracerisk reads 2: run the",
+    '{"schema": "tracerisk-trace", "version": 1}': "version: 1; this tracerisk reads 2: `tracerisk trace",
     '{"schema": "tracerisk-trace", "version": 2}': "key 'controller' is missing",
     '{"a": NaN}': "NaN is not a number",
 }

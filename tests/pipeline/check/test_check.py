@@ -293,8 +293,8 @@ def test_blocks_that_the_lock_does_not_know_are_unknown(project):
     (project.folder / "tracerisk.lock").unlink()
     assert check(project, "c.py")[:2] == (1, [("unknown", "c.py", 1)])
     outcome = project.run("check")
-    assert outcome.code == 2
-    assert "no tracerisk.lock in or below this folder knows a controller" in outcome.err
+    assert outcome.code == 1
+    assert "c.py:1: unknown: tracerisk.lock knows nothing of its 2 risk blocks" in outcome.out
 
 
 def test_a_malformed_block_is_an_error_beside_what_is_found_of_others(project):
