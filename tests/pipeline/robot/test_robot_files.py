@@ -133,6 +133,7 @@ def test_a_model_of_the_settings_stands_at_the_root_and_its_bytes_are_in_the_loc
         *(b"digest", b"digest"),
         *(b"fingerprint", b"fingerprint"),
         *(b"robots/motors.xml", b"robots/motors.xml"),
+        *(b"run", b"run"),  # of what is behind the values
     ]
 
 

@@ -199,7 +199,7 @@ def test_what_went_wrong_is_reported_before_what_was_assumed(example):
     outcome = example.run("run", "controller.py", "--no-draft")
     assert "tracerisk: controller.py:5:1: the controller ended, and it commanded" in outcome.err
     assert "; planning for group 'arm' failed: " in outcome.err
-    assert " (and 1 more, which `tracerisk trace` prints)" in outcome.err
+    assert " (and 1 more, which `tracerisk trace controller.py` prints)" in outcome.err
 
 
 def test_a_loop_that_asks_for_keys_that_never_come_ends(example, quick):
