@@ -31,6 +31,12 @@ CELL = Cell(
     stretch=Exposure(moving_s=0.5, active_s=0.75, starts=2, wear=(0.1,) * 7),
     fails=True,
     effect="collision",
+    effects=("collision", "not_placed"),
+    fate="stopped_late",
+    noticed_by="result",
+    noticed_s=0.75,
+    shows_in="place",
+    next_function="retreat",
     local="off its way by 0.3 within a second",
     told_after_s=0.5,
     told_by="execution_failure",
@@ -127,6 +133,12 @@ def with_cell(**values):
         (changed(cells=[{}]), "a cell: component is missing"),
         (with_cell(effekt="x"), "unknown key 'effekt'"),
         (with_cell(effect="explosion"), "effect 'explosion'"),
+        (with_cell(effects=["explosion"]), "effects \\['explosion'\\]"),
+        (with_cell(effects="collision"), "effects: expected a list of strings"),
+        (with_cell(fate="lucky"), "fate 'lucky'"),
+        (with_cell(noticed_by="smell"), "noticed_by 'smell'"),
+        (with_cell(noticed_s="soon"), "noticed_s: expected seconds"),
+        (with_cell(shows_in=3), "shows_in: expected a string"),
         (with_cell(use="flying"), "use 'flying'"),
         (with_cell(time_s="soon"), "time_s: expected seconds"),
         (with_cell(time_s=-1.0), "time_s: expected seconds"),
@@ -212,6 +224,34 @@ def test_evidence_of_the_version_without_digests_is_read():
     found = loads_evidence(json.dumps(data), "tracerisk.evidence")
     assert found == {"a.py": replace(EVIDENCE, has_digest=False)}
     assert dump_evidence(found) == dump_evidence({"a.py": EVIDENCE})
+
+
+def test_evidence_of_the_version_without_fates_is_read_and_counts_as_undetected():
+    old = {"effects": (), "fate": None, "noticed_by": None, "noticed_s": None}
+    old |= {"shows_in": "", "next_function": ""}
+    before = replace(EVIDENCE, cells=tuple(replace(cell, **old) for cell in EVIDENCE.cells))
+    data = json.loads(dump_evidence({"a.py": before}))
+    data["version"] = 2
+    found = loads_evidence(json.dumps(data), "tracerisk.evidence")["a.py"]
+    assert found == before
+    assert (found.has_fates, EVIDENCE.has_fates) == (False, True)
+    assert [cell.is_undetected for cell in found.cells] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("fate", "fails", "is_undetected"),
+    [
+        ("carried_out", False, False),
+        ("recovered", False, False),
+        ("stopped_safely", True, False),
+        ("stopped_late", True, True),
+        ("unaware", True, True),
+    ],
+)
+def test_a_failure_is_undetected_that_nobody_noticed_or_that_did_harm_first(
+    fate, fails, is_undetected
+):
+    assert replace(CELL, fate=fate, fails=fails).is_undetected == is_undetected
 
 
 def test_a_line_of_a_journal_that_was_edited_is_refused():

@@ -25,6 +25,14 @@ Effect = Literal[
 ]
 """What became of a mission, the worst first; docs/evidence.md says when each holds."""
 EFFECTS: tuple[Effect, ...] = get_args(Effect)
+Fate = Literal["carried_out", "recovered", "stopped_safely", "stopped_late", "unaware"]
+"""What became of a mission and its controller; docs/evidence.md says when each holds."""
+FATES: tuple[Fate, ...] = get_args(Fate)
+UNDETECTED: frozenset[Fate] = frozenset({"stopped_late", "unaware"})
+"""The fates of an undetected failure: nobody noticed it, or harm came before the stop."""
+Notice = Literal["result", "code", "exception", "log", "control_flow"]
+"""By what a controller showed that it had noticed a failure."""
+NOTICES: tuple[Notice, ...] = get_args(Notice)
 Use = Literal["moving", "holding", "grasping", "active", "idle"]
 """What a unit did at the instant of its failure; `active` where it is none of the first three."""
 
@@ -65,6 +73,19 @@ class Cell:
     """Whether the mission failed."""
     effect: Effect = "nothing"
     """The worst that happened."""
+    effects: tuple[Effect, ...] = ()
+    """All that happened, the worst first."""
+    fate: Fate | None = None
+    """What became of the mission and its controller; `None` in a file of an earlier version."""
+    noticed_by: Notice | None = None
+    """By what the controller showed that it had noticed the failure; `None`: it did not."""
+    noticed_s: float | None = None
+    """How long after the failure it did [s]; `None`: never."""
+    shows_in: str = ""
+    """The qualified name of the function in which the effect came first; empty for none."""
+    next_function: str = ""
+    """The qualified name of the function whose command came first after it had noticed; empty
+    where it commanded nothing more, or did not notice."""
     local: str = ""
     """What the unit itself did, in words: `sagged by 0.31 rad`."""
     told_after_s: float | None = None
@@ -94,6 +115,14 @@ class Cell:
     def is_idle(self) -> bool:
         """Whether the unit was not in use when it failed."""
         return self.use == "idle"
+
+    @property
+    def is_undetected(self) -> bool:
+        """Whether the mission failed unnoticed, or harm came before its controller stopped it.
+
+        Where the file is of an earlier version nobody knows, and it counts as undetected.
+        """
+        return self.fails and (self.fate is None or self.fate in UNDETECTED)
 
     @property
     def stratum(self) -> Stratum:
@@ -147,6 +176,11 @@ class Evidence:
         return self.drawn >= self.declared and self.edited is None
 
     @property
+    def has_fates(self) -> bool:
+        """Whether every cell says what became of its mission; not so in an earlier version."""
+        return all(cell.fate is not None for cell in self.cells)
+
+    @property
     def counts(self) -> bool:
         """Whether figures may take it: it is complete, and the mission is declared."""
         return self.is_complete and bool(self.success)
@@ -174,6 +208,7 @@ class Evidence:
 
 
 _OUTCOME = (
-    *("fails", "effect", "local", "told_after_s", "told_by", "effect_after_s", "lost", "contact"),
+    *("fails", "effect", "effects", "fate", "noticed_by", "noticed_s", "shows_in"),
+    *("next_function", "local", "told_after_s", "told_by", "effect_after_s", "lost", "contact"),
     "followed_s",
 )

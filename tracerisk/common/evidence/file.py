@@ -13,13 +13,24 @@ from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any, get_args
 
-from tracerisk.common.evidence.cells import EFFECTS, Cell, Edited, Evidence, Stratum, Use
+from tracerisk.common.evidence.cells import (
+    EFFECTS,
+    FATES,
+    NOTICES,
+    Cell,
+    Edited,
+    Evidence,
+    Stratum,
+    Use,
+)
 from tracerisk.common.text.digests import sha256
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.trace import WEAR_EXPONENTS, Exposure
 
 _NO_USE = Exposure()
-_VERSION, _WITHOUT_DIGEST = 2, 1
+_VERSION = 3
+_WITHOUT_FATES, _WITHOUT_DIGEST = 2, 1
+"""Earlier versions, which are read too; that without digests has no fates either."""
 _DIGITS = 16  # of a digest: it is against mistakes, and no secret
 _MOST_CELLS = 100_000
 _MOST_BYTES = 64 * 1024**2
@@ -181,6 +192,12 @@ _DEFAULTS: dict[str, Any] = {
     "idle_s": 0.0,
     "fails": False,
     "effect": "nothing",
+    "effects": (),
+    "fate": None,
+    "noticed_by": None,
+    "noticed_s": None,
+    "shows_in": "",
+    "next_function": "",
     "local": "",
     "told_after_s": None,
     "told_by": "",
@@ -191,7 +208,17 @@ _DEFAULTS: dict[str, Any] = {
 }
 
 
-_TEXTS = ("component", "unit", "mode", "function", "local", "told_by", "contact")
+_TEXTS = (
+    *("component", "unit", "mode", "function", "shows_in", "next_function", "local", "told_by"),
+    "contact",
+)
+_CHOICES: dict[str, tuple[Any, ...]] = {
+    "effect": EFFECTS,
+    "use": get_args(Use),
+    "fate": (*FATES, None),
+    "noticed_by": (*NOTICES, None),
+}
+"""The values that a field may have; `None` for a field that may be missing."""
 
 
 class _Reader:
@@ -202,11 +229,11 @@ class _Reader:
     def file(self, data: Any) -> dict[str, Evidence]:
         if not isinstance(data, dict) or not isinstance(data.get("controllers"), dict):
             raise self._error("expected an object with 'version' and 'controllers'")
-        if data.get("version") not in (_VERSION, _WITHOUT_DIGEST):
+        if data.get("version") not in (_VERSION, _WITHOUT_FATES, _WITHOUT_DIGEST):
             raise self._error(
                 f"has version {data.get('version')!r}; this tracerisk reads version {_VERSION}"
             )
-        self._has_digest = data["version"] == _VERSION
+        self._has_digest = data["version"] != _WITHOUT_DIGEST
         return {name: self._entry(name, item) for name, item in data["controllers"].items()}
 
     def _error(self, message: str) -> InputError:
@@ -287,19 +314,23 @@ def _cell(data: Any, where: Location) -> Cell:
     missing = [key for key in known if key not in given]
     if missing:
         raise InputError(f"a cell: {missing[0]} is missing", where)
-    for key, allowed in (("effect", EFFECTS), ("use", get_args(Use))):
+    for key, allowed in _CHOICES.items():
         if given[key] not in allowed:
-            raise InputError(f"a cell: {key} {given[key]!r}; {one_of(allowed)}", where)
+            names = [name for name in allowed if name is not None]
+            raise InputError(f"a cell: {key} {given[key]!r}; {one_of(names)}", where)
     for key in ("drawn", "fails"):
         if not isinstance(given[key], bool):
             raise InputError(f"a cell: {key}: expected true or false", where)
-    lost = given["lost"]
-    if not isinstance(lost, list | tuple) or not all(isinstance(item, str) for item in lost):
-        raise InputError(f"a cell: lost: expected a list of strings, not {lost!r:.60}", where)
+    for key in ("lost", "effects"):
+        texts = given[key]
+        if not isinstance(texts, list | tuple) or not all(isinstance(text, str) for text in texts):
+            raise InputError(f"a cell: {key}: expected a list of strings, not {texts!r:.60}", where)
+    if not set(given["effects"]) <= set(EFFECTS):
+        raise InputError(f"a cell: effects {given['effects']!r:.60}; {one_of(EFFECTS)}", where)
     for key in _TEXTS:
         if not isinstance(given[key], str):
             raise InputError(f"a cell: {key}: expected a string, not {given[key]!r:.60}", where)
-    for key in ("told_after_s", "effect_after_s", "followed_s"):
+    for key in ("noticed_s", "told_after_s", "effect_after_s", "followed_s"):
         if given[key] is not None:
             given[key] = _seconds(given[key], key, where)
     return Cell(
@@ -310,7 +341,8 @@ def _cell(data: Any, where: Location) -> Cell:
             "states_s": _three(given["states_s"], where),
             "stretch": _exposure(given["stretch"], where),
             "idle_s": _seconds(given["idle_s"], "idle_s", where),
-            "lost": tuple(lost),
+            "lost": tuple(given["lost"]),
+            "effects": tuple(given["effects"]),
         }
     )
 
