@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, Protocol
 
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.errors import Location
-from tracerisk.instrument.recording import is_near
+from tracerisk.instrument.recording import SIGN, SignKind, is_near
 from tracerisk.instrument.tracer import Frame
 from tracerisk.trace import CommandEnd, EndCause
 
@@ -203,6 +203,10 @@ class Recorder:
     def note(self, kind: str, **data: Any) -> None:
         """Record free JSON data."""
         self._write("note", kind=kind, data=data)
+
+    def sign(self, by: SignKind, name: str) -> None:
+        """Record that something went wrong in the controller's eyes, or in an answer to it."""
+        self.note(SIGN, by=by, name=name, ns=self.clock())
 
     def run_ended(self, cause: EndCause, message: str, location: Location | None = None) -> None:
         """Record the end of the run; only the first one counts."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, cast, get_args
+from typing import Any, Literal, cast, get_args
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.text.bounded import loads_json
@@ -21,6 +21,23 @@ CELL = "cell"
 """The note of what the cell was asked for: `uses` in order, and the topics of `streams`."""
 STOPS = "stops"
 """The note of the calls that brought the arm to rest: file, line and column of each."""
+
+SIGN = "sign"
+"""The note of a `Sign`: its fields."""
+SignKind = Literal["result", "code", "log"]
+"""A `result` that says no success, a `code` of a failure, a line of the `log` at WARN or above."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sign:
+    """Something that went wrong in an answer to the controller, or in its own eyes."""
+
+    by: SignKind
+    """Whether it was answered by a result or a code, or wrote into its log."""
+    name: str
+    """The name of the action or service, or the line of the log with each number as `#`."""
+    ns: int
+    """When it happened, in simulated time [ns]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +88,11 @@ class Recording:
     def note(self, kind: str) -> Mapping[str, Any] | None:
         """Return the data of the last note of a kind, `None` where there is none."""
         return next((note.data for note in reversed(self.notes) if note.kind == kind), None)
+
+    @property
+    def signs(self) -> tuple[Sign, ...]:
+        """What went wrong in answers to the controller, and in its log, in order."""
+        return tuple(Sign(**note.data) for note in self.notes if note.kind == SIGN)
 
 
 NEAR = 0.02

@@ -180,7 +180,18 @@ class Tracer:
         """Record what an `except` clause of the controller caught; instrumented ones call this."""
         error = sys.exc_info()[1]
         if error is not None:
+            frame = _getframe(1)
+            file = self._files.get(frame.f_code.co_filename)
+            if file is not None:
+                self.calls.handled(file, frame.f_lineno, is_own=self._is_raised_here(error))
             self.note_caught(error)
+
+    def _is_raised_here(self, error: BaseException) -> bool:
+        """Return whether the controller's own code raised an exception."""
+        trace = error.__traceback__
+        while trace is not None and trace.tb_next is not None:
+            trace = trace.tb_next
+        return trace is not None and trace.tb_frame.f_code.co_filename in self._files
 
     @hide
     def note_caught(self, error: BaseException) -> None:

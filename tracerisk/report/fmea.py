@@ -7,45 +7,75 @@ from __future__ import annotations
 
 import math
 import statistics
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from tracerisk.common.evidence.cells import EFFECTS, Cell, Effect, Evidence
+from tracerisk.common.evidence.cells import (
+    EFFECTS,
+    FATES,
+    NOTICES,
+    Cell,
+    Effect,
+    Evidence,
+    Fate,
+)
 from tracerisk.common.evidence.share_interval import clopper_pearson
+from tracerisk.common.hardware.model import CONTROL
 from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.report.tables import csv_of, rendered, table_of
 
 HEADINGS = (
-    "component",
-    "failure mode",
-    "function",
-    "local effect",
-    "end effect",
-    "detected by",
-    "told after s",
-    "c",
-    "c 5 %",
-    "c 95 %",
-    "failed",
-    "cells",
-    "ended early",
-    "severity",
-    "occurrence",
-    "hardest contact",
+    *("component", "failure mode", "failure cause", "function", "local effect", "end effect"),
+    *("detected by", "detected after s", *(fate.replace("_", " ") for fate in FATES)),
+    *("c", "c 5 %", "c 95 %", "undetected", "undetected 5 %", "undetected 95 %"),
+    *("failed", "cells", "ended early", "severity", "occurrence", "hardest contact"),
 )
-"""The columns of the table that is written; those of occurrence and severity are the engineer's.
-`ended early` counts the cells whose run was not followed to its end."""
+"""The columns of the table that is written, with the names of IEC 60812; those of occurrence and
+severity are the engineer's. `ended early` counts the cells whose run was not followed to its
+end."""
+DFMEA_HEADINGS = (
+    *("Focus Element", "Function", "Failure Effects (FE)", "Severity (S) of FE"),
+    *("Failure Mode (FM)", "Failure Cause (FC)", "Current Prevention Controls (PC) of FC"),
+    *("Occurrence (O) of FC", "Current Detection Controls (DC) of FC or FM"),
+    *("Detection (D) of FC/FM", "DFMEA AP", "Remarks"),
+)
+"""The columns that spreadsheets by the AIAG & VDA FMEA Handbook (2019) have for a design."""
+CAUSES = {
+    "dead": "motor without torque",
+    "jam": "joint blocked",
+    "no_force": "fingers without force",
+    "opens": "fingers open by themselves",
+    "stuck": "fingers blocked",
+    "offset": "reading with an offset",
+    "noisy": "noisy reading",
+    "frozen": "reading that does not change",
+    "absent": "no reading",
+    "lost_with_brakes": "no supply, brakes close",
+    "lost_without_brakes": "no supply, no brakes",
+    "link_lost": "no communication with the arm",
+}
+"""What causes a failure, by the mode of a unit."""
 WORDS: dict[Effect, str] = {
     "collision": "collision",
     "dropped": "object dropped",
     "not_placed": "object not placed",
     "ended_badly": "ended badly",
     "wrong_position": "wrong position",
+    "touched": "touch",
     "late": "late",
     "told": "reported, no effect",
     "nothing": "no effect",
 }
 """The effects in words."""
+FATE_WORDS: dict[Fate, str] = {
+    "carried_out": "carried out",
+    "recovered": "recovered",
+    "stopped_safely": "stopped safely",
+    "stopped_late": "stopped late",
+    "unaware": "unaware",
+}
+"""What became of missions, in words."""
 
 
 def end_effect(cells: Iterable[Cell]) -> str:
@@ -57,8 +87,14 @@ def end_effect(cells: Iterable[Cell]) -> str:
     return f"{WORDS[worst]} or worse" if is_open else WORDS[worst]
 
 
-def untold_for(cells: Iterable[Cell]) -> int | None:
-    """Return for how long the controller was not notified, of cells where it was not [s].
+def all_effects(cell: Cell) -> str:
+    """Return all effects of a cell in words, the worst first, without what did no harm."""
+    effects = [effect for effect in cell.effects if effect not in ("touched", "told", "late")]
+    return "; ".join(WORDS[effect] for effect in effects[1:])
+
+
+def unnoticed_for(cells: Iterable[Cell]) -> int | None:
+    """Return for how long a controller was followed that did not notice the failure [s].
 
     `None` where all runs were followed to their ends.
     """
@@ -100,28 +136,52 @@ class FmeaRow:
         return min(self.cells, key=lambda cell: (EFFECTS.index(cell.effect), cell.time_s))
 
     @property
-    def told_after_s(self) -> float | None:
-        """The median time until the controller was notified, where it was [s]."""
-        notified = [cell.told_after_s for cell in self.cells if cell.told_after_s is not None]
-        return statistics.median(notified) if notified else None
+    def undetected(self) -> int:
+        """In how many of the cells the mission failed unnoticed, or did harm before the stop."""
+        return sum(1 for cell in self.cells if cell.is_undetected)
 
     @property
-    def notified(self) -> str:
-        """The same in words, also where it was not notified of any."""
-        notified, untold_s = self.told_after_s, untold_for(self.cells)
-        if notified is not None:
-            return f"{notified:.2f}"
-        return "never" if untold_s is None else f"> {untold_s}"
+    def noticed_s(self) -> float | None:
+        """The median time until the controller noticed, where it did [s]."""
+        noticed = [cell.noticed_s for cell in self.cells if cell.noticed_s is not None]
+        return statistics.median(noticed) if noticed else None
+
+    @property
+    def noticed(self) -> str:
+        """The same in words, also where it noticed none."""
+        if not any(cell.fate for cell in self.cells):
+            return "not known"
+        noticed, unnoticed_s = self.noticed_s, unnoticed_for(self.cells)
+        if noticed is not None:
+            return f"{noticed:.2f}"
+        return "never" if unnoticed_s is None else f"> {unnoticed_s}"
 
     @property
     def detection(self) -> str:
-        """By what the failure was reported, and in how many of the cells."""
-        notified = [cell.told_by for cell in self.cells if cell.told_by]
-        if not notified:
-            untold_s = untold_for(self.cells)
-            return "nothing" if untold_s is None else f"nothing within {untold_s} s"
-        kinds = ", ".join(sorted({name.replace("_", " ") for name in notified}))
-        return f"{kinds} ({len(notified)} of {len(self.cells)})"
+        """By what the controller noticed the failure, each with the number of the cells."""
+        if not any(cell.fate for cell in self.cells):
+            return "not known"
+        noticed = Counter(cell.noticed_by for cell in self.cells if cell.noticed_by is not None)
+        if not noticed:
+            unnoticed_s = unnoticed_for(self.cells)
+            return "nothing" if unnoticed_s is None else f"nothing within {unnoticed_s} s"
+        number = len(self.cells)
+        return ", ".join(
+            f"{by.replace('_', ' ')} ({noticed[by]} of {number})" for by in NOTICES if noticed[by]
+        )
+
+    @property
+    def cause(self) -> str:
+        """What makes the component fail so, in words."""
+        mode = self.mode.partition(" for ")[0]
+        of_control = self.mode == "frozen" and any(cell.unit == CONTROL for cell in self.cells)
+        cause = "commands that do not change" if of_control else CAUSES.get(mode, mode)
+        return f"{cause}, intermittent" if " for " in self.mode else cause
+
+    @property
+    def fates(self) -> tuple[int, ...]:
+        """In how many of the cells each of `FATES` came."""
+        return tuple(sum(1 for cell in self.cells if cell.fate == fate) for fate in FATES)
 
     @property
     def hardest(self) -> str:
@@ -132,19 +192,19 @@ class FmeaRow:
     @property
     def values(self) -> tuple[str, ...]:
         """The row as text, in the order of `HEADINGS`."""
-        low, high = self.interval
-        notified = self.told_after_s
+        noticed = self.noticed_s
         return (
             self.component,
             self.mode,
+            self.cause,
             self.function,
             self.worst.local,
             end_effect(self.cells),
             self.detection,
-            "" if notified is None else f"{notified:.3g}",
-            f"{self.share:.4g}",
-            f"{low:.4g}",
-            f"{high:.4g}",
+            "" if noticed is None else f"{noticed:.3g}",
+            *map(str, self.fates),
+            *_share(self.failed, len(self.cells)),
+            *_share(self.undetected, len(self.cells)),
             str(self.failed),
             str(len(self.cells)),
             str(sum(1 for cell in self.cells if cell.followed_s is not None)),
@@ -152,6 +212,27 @@ class FmeaRow:
             "",
             self.hardest,
         )
+
+    @property
+    def dfmea_values(self) -> tuple[str, ...]:
+        """The row as text, in the order of `DFMEA_HEADINGS`."""
+        fates = zip(FATES, self.fates, strict=True)
+        counted = ", ".join(f"{FATE_WORDS[fate]} {number}" for fate, number in fates if number)
+        low, high = clopper_pearson(self.undetected, len(self.cells))
+        remarks = (
+            f"of {len(self.cells)} tries: {counted or 'not known who noticed'}; undetected "
+            f"{self.undetected}, 90 % interval {low:.2f} to {high:.2f}"
+        )
+        return (
+            *(self.component, self.function, f"{self.worst.local}; {end_effect(self.cells)}", ""),
+            *(self.mode.replace("_", " "), self.cause, "", "", self.detection, "", "", remarks),
+        )
+
+
+def _share(failed: int, tried: int) -> tuple[str, str, str]:
+    """Return a share and its 90 % interval, as text."""
+    low, high = clopper_pearson(failed, tried)
+    return f"{failed / tried:.4g}", f"{low:.4g}", f"{high:.4g}"
 
 
 def fmea_rows(found: Evidence) -> tuple[FmeaRow, ...]:
@@ -176,7 +257,7 @@ def confusion(cells: Iterable[Cell]) -> tuple[int, int, int, int]:
 def render_fmea(found: Evidence, paper: Paper = PAPER) -> str:
     """Return the table for a terminal."""
     table = table_of("Failures and their effects")
-    for heading in ("failure in function", "end effect", "detected s", "failed", "c 90 %"):
+    for heading in ("failure in function", "end effect", "noticed s", "failed", "undetected"):
         is_text = heading in ("failure in function", "end effect")
         table.add_column(
             heading,
@@ -186,7 +267,6 @@ def render_fmea(found: Evidence, paper: Paper = PAPER) -> str:
         )
     component = mode = None
     for row in fmea_rows(found):
-        low, high = row.interval
         if component != row.component:
             component, mode = row.component, None
             table.add_row(row.component)
@@ -196,9 +276,9 @@ def render_fmea(found: Evidence, paper: Paper = PAPER) -> str:
         table.add_row(
             f"    {row.function}",
             end_effect(row.cells),
-            row.notified,
+            row.noticed,
             f"{row.failed} of {len(row.cells)}",
-            f"{low:.2f}..{high:.2f}",
+            f"{row.undetected}",
         )
     return rendered(lambda console: console.print(table), paper)
 
@@ -214,6 +294,23 @@ def summary_lines(found: Evidence) -> list[str]:
         f"in use: {needed} needed, {harmless} harmless; idle: {idle_needed} needed, "
         f"{idle_harmless} harmless",
     ]
+    if found.has_fates:
+        counts = Counter(cell.fate for cell in cells)
+        lines.append(
+            "missions: " + ", ".join(f"{counts[fate]} {FATE_WORDS[fate]}" for fate in FATES)
+        )
+        noticed = [cell.noticed_s for cell in cells if cell.noticed_s is not None]
+        median = f", after {statistics.median(noticed):.2f} s in the median" if noticed else ""
+        undetected = sum(1 for cell in cells if cell.is_undetected)
+        lines.append(
+            f"the controller noticed {len(noticed)}{median}; {undetected} ended the mission "
+            "undetected"
+        )
+    else:
+        lines.append(
+            "the file is of an earlier version, without what became of the missions: who noticed "
+            "is not known, and each failed mission counts as undetected"
+        )
     if delays:
         lines.append(
             f"reported to the controller in {len(delays)}, "
@@ -240,6 +337,11 @@ def summary_lines(found: Evidence) -> list[str]:
 def csv_text(found: Evidence) -> str:
     """Return the table as CSV."""
     return csv_of(HEADINGS, (row.values for row in fmea_rows(found)))
+
+
+def dfmea_text(found: Evidence) -> str:
+    """Return the table as CSV with the columns of a DFMEA; its ratings are the engineer's."""
+    return csv_of(DFMEA_HEADINGS, (row.dfmea_values for row in fmea_rows(found)))
 
 
 def markdown_text(found: Evidence, name: str) -> str:

@@ -279,7 +279,7 @@ def test_the_table_is_written_as_csv_and_markdown(gathered):
     )
     assert outcome.code == 0, outcome.err
     rows = folder.read("t.csv").decode().splitlines()
-    assert rows[0].startswith("component,failure mode,function,local effect,end effect")
+    assert rows[0].startswith("component,failure mode,failure cause,function,local effect,end")
     assert "severity" in rows[0]
     assert all(line.startswith("motor,") for line in rows[1:])
     assert "| motor | jam |" in folder.read("t.md").decode()

@@ -51,6 +51,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--show", action="store_true", help="print what is there; try nothing")
     group = parser.add_argument_group("output")
     group.add_argument("--csv", metavar="OUT", help="write the table as CSV")
+    group.add_argument(
+        "--dfmea", metavar="OUT", help="write the table as CSV for a DFMEA by AIAG & VDA"
+    )
     group.add_argument("--markdown", metavar="OUT", help="write the table as Markdown")
     group.add_argument(
         "--replays",
@@ -66,7 +69,9 @@ def run(options: argparse.Namespace) -> int:
     if options.controller == _MERGE and not Path(_MERGE).exists():
         return _merge(options)
     if options.output is not None:
-        raise InputError("-o goes with `evidence merge`; --csv and --markdown write the table")
+        raise InputError(
+            "-o goes with `evidence merge`; --csv, --dfmea, --markdown write the table"
+        )
     if options.show and options.replays is not None:
         raise InputError("--replays runs failures and does not go with --show, which runs nothing")
     if options.show:
@@ -93,6 +98,7 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
     name = Path(options.controller).name
     for path, text in (
         (options.csv, fmea.csv_text(found)),
+        (options.dfmea, fmea.dfmea_text(found)),
         (options.markdown, fmea.markdown_text(found, name)),
     ):
         if path is not None:

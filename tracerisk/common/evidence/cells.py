@@ -19,6 +19,7 @@ Effect = Literal[
     "not_placed",
     "ended_badly",
     "wrong_position",
+    "touched",
     "late",
     "told",
     "nothing",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import AbstractAsyncContextManager, AbstractContextManager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import AsyncGeneratorType, CodeType, CoroutineType, FrameType, GeneratorType
 from typing import Any
 
@@ -38,6 +38,20 @@ class Turn:
 
 
 @dataclass(frozen=True, slots=True)
+class Handled:
+    """An `except` clause that ran."""
+
+    file: str
+    """The file, from the controller's root."""
+    line: int
+    """The first line of its body, from 1."""
+    first_ns: int
+    """When it first ran, in simulated time [ns]."""
+    is_own: bool
+    """Whether the controller itself had raised what it caught then."""
+
+
+@dataclass(frozen=True, slots=True)
 class Calls:
     """Which calls a run executed."""
 
@@ -49,6 +63,10 @@ class Calls:
     """The places of calls that a stand-in refused by an exception the last time."""
     waiting: frozenset[Place]
     """The places of calls that made generators or coroutines of which none ever began."""
+    first_ns: Mapping[Place, int] = field(default_factory=dict)
+    """When each place in `executed` was first reached, in simulated time [ns]."""
+    handled: tuple[Handled, ...] = ()
+    """The `except` clauses that ran."""
 
     @classmethod
     def of(cls, note: Mapping[str, Any]) -> Calls:
@@ -66,31 +84,39 @@ class Calls:
             tuple(turns),
             frozenset(map(place_of, note["raised"])),
             frozenset(map(place_of, note["waiting"])),
+            dict(zip(map(place_of, note["executed"]), note["first_ns"], strict=True)),
+            tuple(Handled(*handled) for handled in note["handled"]),
         )
 
 
 class CallLog:
-    """Notes the calls that a run executes. `top` holds the innermost link of the running code."""
+    """Notes the calls that a run executes. `top` holds the innermost link of the running code.
+
+    `clock` (an attribute) returns the simulated time [ns].
+    """
 
     def __init__(self, top: ContextVar[Any]) -> None:
-        self._executed: set[str] = set()
+        self.clock: Callable[[], int] = lambda: 0
+        self._executed: dict[str, int] = {}
         self._raised: set[str] = set()
         # Keyed by ids because each return looks one up; the values keep the objects alive, so that
         # ids stay unique.
         self._turns: dict[tuple[int, int, int, frozenset[str]], tuple[CodeType, Any]] = {}
         self._ended: set[tuple[str, FunctionRef, frozenset[str]]] = set()
         self._began: set[str] = set()
+        self._handled: dict[tuple[str, int], tuple[int, bool]] = {}
         self._waiting: dict[str, dict[FrameType, None]] = {}
         self._maker: dict[FrameType, str] = {}
         self.called = self._mark(top)
         """The mark: notes the call of a key, for the run and for the function that runs it."""
 
     def _mark(self, top: ContextVar[Any]) -> Callable[[str], None]:
-        get, add = top.get, self._executed.add
+        get, executed = top.get, self._executed
 
         @hide
         def called(key: str) -> None:
-            add(key)
+            if key not in executed:
+                executed[key] = self.clock()
             link = get()
             if type(link) is tuple:
                 link[3].add(key)
@@ -122,8 +148,13 @@ class CallLog:
         """Note that a stand-in refused a call; executing it again clears the note."""
         key = call_key(place.file, (place.line or 0, place.column or 0))
         if key in self._executed:
-            self._executed.remove(key)
+            del self._executed[key]
             self._raised.add(key)
+
+    def handled(self, file: str, line: int, *, is_own: bool) -> None:
+        """Note that an `except` clause runs; only the first time counts."""
+        if (file, line) not in self._handled:
+            self._handled[file, line] = self.clock(), is_own
 
     def returned(self, caller: FrameType, record: Any, executed: set[str]) -> None:
         """Note what a function, given by its record, executed, as it returns to its caller."""
@@ -152,9 +183,11 @@ class CallLog:
         )
         return {
             "executed": sorted(self._executed),
+            "first_ns": [first_ns for _, first_ns in sorted(self._executed.items())],
             "turns": [[*turn[:3], list(turn[3])] for turn in turns],
-            "raised": sorted(self._raised - self._executed),
+            "raised": sorted(self._raised - self._executed.keys()),
             "waiting": sorted(self._waiting),
+            "handled": [[*place, *first] for place, first in sorted(self._handled.items())],
         }
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from tracerisk.common import trace_json
-from tracerisk.common.evidence.cells import Cell
+from tracerisk.common.evidence.cells import Cell, Effect
 from tracerisk.common.hardware.model import FaultMode
 from tracerisk.common.sandbox.scratch import new_scratch, scratch
 from tracerisk.config import Settings
@@ -26,6 +26,7 @@ from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun, mission_run
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
+from tracerisk.pipeline.run.branching.flow import key_of
 from tracerisk.pipeline.run.controller_run import run_again
 from tracerisk.pipeline.run.ended_run import ControllerRun, RunOptions
 from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
@@ -34,7 +35,7 @@ from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.success import Condition
 from tracerisk.twin.faults.fault import Fault
-from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
+from tracerisk.twin.recording.samples import Samples
 
 if TYPE_CHECKING:
     from tracerisk.trace import Trace
@@ -76,16 +77,22 @@ class Nominal:
     """The run with its trace and request."""
     folder: Path
     """The folder of its recording."""
-    recording: Recording
-    """The recorded calls, commands and findings."""
     digest: str
     """That of all that its trace says."""
     mission: MissionRun
     """The outcome of the mission, as `judge` compares it."""
-    samples: Samples | None
-    """The samples of the run; `None` where none were recorded."""
     success: tuple[Condition, ...]
     """The conditions of `success` in the scenario; empty for none."""
+
+    @property
+    def recording(self) -> Recording:
+        """The recorded calls, commands and findings."""
+        return self.mission.recording
+
+    @property
+    def samples(self) -> Samples | None:
+        """The samples of the run; `None` where none were recorded."""
+        return self.mission.samples
 
     @property
     def beside(self) -> RunBeside:
@@ -111,7 +118,11 @@ class Nominal:
             if begin in first
         ]
         return RunBeside(
-            tuple(sorted(reports)), tuple(sorted(touches)), tuple(arrivals), bool(self.success)
+            tuple(sorted(reports)),
+            tuple(sorted(touches)),
+            tuple(arrivals),
+            tuple(map(key_of, self.recording.commands)),
+            bool(self.success),
         )
 
     @property
@@ -283,11 +294,10 @@ def _kept(folder: str) -> Nominal | None:
 def _nominal(loaded: Controller, settings: Settings, run: ControllerRun, folder: Path) -> Nominal:
     events = folder / EVENTS
     recording = read_recording(events) if events.exists() else Recording()
-    mission = mission_run(run.trace, folder)
-    samples = read_samples(folder) if has_samples(folder) else None
+    mission = mission_run(run.trace, folder, recording)
     digest = hashlib.sha256(trace_json.dumps(run.trace).encode()).hexdigest()
     success = declared_success(settings)
-    return Nominal(loaded, settings, run, folder, recording, digest, mission, samples, success)
+    return Nominal(loaded, settings, run, folder, digest, mission, success)
 
 
 def declared_success(settings: Settings) -> tuple[Condition, ...]:
@@ -318,6 +328,7 @@ def _judged(
             failed = mission_run(
                 done.trace,
                 folder,
+                recording,
                 unit=cell.unit,
                 fault_s=cell.time_s,
                 nominal=nominal.samples,
@@ -329,7 +340,8 @@ def _judged(
             error = damaged
     # The run without a failure left a recording: what this one lacks is the failure's doing.
     lost = (f"no recording of the run: {error}",)
-    return replace(cell, fails=True, effect="ended_badly", lost=lost)
+    effect: Effect = "ended_badly"
+    return replace(cell, fails=True, effect=effect, effects=(effect,), fate="unaware", lost=lost)
 
 
 def longest_s(nominal: Nominal) -> float:

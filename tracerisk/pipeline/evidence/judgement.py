@@ -1,4 +1,4 @@
-"""What a failure did to a mission: a run with it beside the same run without."""
+"""What a failure did to a mission and who noticed: a run with it beside the same run without."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
-from tracerisk.common.evidence.cells import EFFECTS, Cell, Effect
+from tracerisk.common.evidence.cells import EFFECTS, Cell, Effect, Fate
 from tracerisk.common.verdict import MISSION_MISSED, Reason
 from tracerisk.pipeline.evidence.mission_run import MissionRun, Position
-from tracerisk.pipeline.run.fault_run import REPORTED, finding_key
+from tracerisk.pipeline.evidence.reaction import Reaction, new_reports, reaction_to
 from tracerisk.trace import GOOD_ENDS, Contact, ObjectOffset, RunEnd, Visit
 
 FALLS = frozenset({"object-dropped", "object-knocked", "object-slipped", "object-tipped"})
@@ -24,6 +24,14 @@ MOVED_M = 0.02
 """How far from where it ended without the failure a thing without a goal may end [m]."""
 LATE_SHARE, LATE_S = 1.1, 1.0
 """A mission is late that takes more than this share of its time, and so many seconds [s], more."""
+BORNE_N = 65.0
+"""The force with which a thing may touch what it belongs to, or what it rolls against [N]: the
+least that a part of the body is to bear in a lasting contact, that of the face
+(ISO/TS 15066:2016, table A.2)."""
+_HARM: frozenset[Effect] = frozenset({"collision", "dropped"})
+"""The effects that stop a controller too late."""
+_SETTLED_S = 0.5
+"""For how long a robot that was stopped may come to rest [s]."""
 _ENDED_BY_ITSELF = frozenset({"ended", "quiescent"})
 _OF_THE_MISSION: frozenset[Effect] = frozenset(
     {"collision", "dropped", "not_placed", "ended_badly", "wrong_position"}
@@ -41,6 +49,8 @@ class _Seen:
     """The instant, in simulated time [s]; `None` where it was found at the end."""
     words: str
     """What happened, in words."""
+    name: str = ""
+    """The thing that fell; empty for all other effects."""
 
 
 def judge(
@@ -53,7 +63,8 @@ def judge(
     collides or ends badly. Of a run that was ended because its fate was decided, what had come by
     then counts.
     """
-    seen = [*_collisions(nominal, failed, cell.time_s), *_falls(nominal, failed, cell.time_s)]
+    fallen = list(_falls(nominal, failed, cell.time_s))
+    seen = [*_touches(nominal, failed, cell.time_s, fallen), *fallen]
     if not failed.is_decided:
         seen += [*_things(nominal, failed), *_end(nominal, failed)]
     seen += _positions(nominal, failed)
@@ -66,6 +77,9 @@ def judge(
         lost = tuple(f"missed: {name}" for name in missed)
     else:
         fails = any(item.effect in _OF_THE_MISSION for item in seen)
+    reaction = reaction_to(nominal, failed, cell.time_s)
+    fate = _fate(failed, reaction, seen, fails=fails)
+    shows_in = _function_of(failed, _first_shown(seen, reaction, failed))
     report = _first_report(nominal, failed, cell.time_s)
     if report is not None:
         seen.append(_Seen("told", report[0], report[1]))
@@ -73,15 +87,23 @@ def judge(
     same = [item for item in seen if worst is not None and item.effect == worst.effect]
     times = [item.time_s for item in same if item.time_s is not None]
     contact = max(_new_contacts(nominal, failed, cell.time_s), key=_force, default=None)
-    lost += tuple(item.words for item in seen if item.effect not in ("told", "collision"))
+    lost += tuple(
+        item.words for item in seen if item.effect not in ("told", "touched", "collision")
+    )
     return replace(
         cell,
         fails=fails,
         effect="nothing" if worst is None else worst.effect,
+        effects=tuple(sorted({item.effect for item in seen}, key=EFFECTS.index)),
+        fate=fate,
+        noticed_by=reaction.noticed_by,
+        noticed_s=_after(reaction.noticed_s, cell),
+        shows_in=shows_in,
+        next_function=_function_from(failed, reaction.next_s),
         local=_local(failed, cell),
-        told_after_s=None if report is None else round(max(0.0, report[0] - cell.time_s), 6),
+        told_after_s=None if report is None else _after(report[0], cell),
         told_by="" if report is None else report[1],
-        effect_after_s=round(max(0.0, min(times) - cell.time_s), 6) if times else None,
+        effect_after_s=_after(min(times, default=None), cell),
         lost=tuple(dict.fromkeys(lost)),
         contact="" if contact is None else _contact_text(contact),
         followed_s=_followed_s(failed, cell),
@@ -92,15 +114,81 @@ def _followed_s(failed: MissionRun, cell: Cell) -> float | None:
     """Return how long after the failure the run ended early [s]; `None` where it did not."""
     if not failed.is_decided:
         return None
-    return round(max(0.0, (failed.trace.end.simulated_s or 0.0) - cell.time_s), 6)
+    return _after(failed.trace.end.simulated_s or 0.0, cell)
+
+
+def _after(time_s: float | None, cell: Cell) -> float | None:
+    """Return how long after the failure something happened [s]; `None` where it did not."""
+    return None if time_s is None else round(max(0.0, time_s - cell.time_s), 6)
+
+
+# What the controller made of it
+
+
+def _fate(failed: MissionRun, reaction: Reaction, seen: Sequence[_Seen], *, fails: bool) -> Fate:
+    if not fails:
+        return "recovered" if reaction.is_other_way else "carried_out"
+    if reaction.noticed_s is None:
+        return "unaware"
+    rest_s = max(reaction.noticed_s, reaction.rest_s) + _SETTLED_S
+    is_late = (
+        reaction.went_on
+        or any(item.effect in _HARM for item in seen)
+        or failed.moved_after(rest_s) > ARRIVAL
+    )
+    return "stopped_late" if is_late else "stopped_safely"
+
+
+def _first_shown(seen: Sequence[_Seen], reaction: Reaction, failed: MissionRun) -> float | None:
+    """Return when the failure first shows in its effects, or to the controller [s]."""
+    times = [item.time_s for item in seen if item.time_s is not None]
+    times += [] if reaction.noticed_s is None else [reaction.noticed_s]
+    return min(times, default=failed.trace.end.simulated_s if seen else None)
+
+
+def _function_of(run: MissionRun, time_s: float | None) -> str:
+    """Return the function whose visit led to an instant; empty for none."""
+    if time_s is None:
+        return ""
+    begun = [visit for visit in run.trace.visits if visit.start_s < time_s]
+    return str(begun[-1].function.name) if begun else ""
+
+
+def _function_from(run: MissionRun, time_s: float | None) -> str:
+    """Return the function whose command was issued at an instant; empty for none."""
+    return "" if time_s is None else _function_of(run, math.nextafter(time_s, math.inf))
 
 
 # What happened
 
 
-def _collisions(nominal: MissionRun, failed: MissionRun, fault_s: float) -> Iterator[_Seen]:
+def _touches(
+    nominal: MissionRun, failed: MissionRun, fault_s: float, fallen: Sequence[_Seen]
+) -> Iterator[_Seen]:
+    """Yield what touched that does not touch without the failure: collisions, and touches.
+
+    A touch that is borne is none where a thing is carried that touches the same body without the
+    failure too, which is where it came from or goes, and where it fell before.
+    """
+    supports = {
+        (contact.link, contact.other)
+        for visit in nominal.trace.visits
+        for contact in visit.contacts
+        if contact.expected
+    }
+    fell_s = {item.name: item.time_s or 0.0 for item in fallen}
     for contact in _new_contacts(nominal, failed, fault_s):
-        yield _Seen("collision", max(contact.start_s, fault_s), _contact_text(contact))
+        is_own = (contact.link, contact.other) in supports and contact.link in _things_in(nominal)
+        has_fallen = any(
+            fell_s.get(name, math.inf) <= contact.start_s for name in (contact.link, contact.other)
+        )
+        is_borne = contact.force_n <= BORNE_N and (is_own or has_fallen)
+        effect: Effect = "touched" if is_borne else "collision"
+        yield _Seen(effect, max(contact.start_s, fault_s), _contact_text(contact))
+
+
+def _things_in(run: MissionRun) -> frozenset[str]:
+    return frozenset(item.name for item in run.trace.objects).union(run.things or ())
 
 
 def _new_contacts(nominal: MissionRun, failed: MissionRun, fault_s: float) -> list[Contact]:
@@ -133,7 +221,8 @@ def _falls(nominal: MissionRun, failed: MissionRun, fault_s: float) -> Iterator[
     before = {(reason.code, reason.object) for reason in _reasons(nominal)}
     for reason in _reasons(failed):
         if reason.code in FALLS and (reason.code, reason.object) not in before:
-            yield _Seen("dropped", max(reason.time_s or 0.0, fault_s), reason.words)
+            at_s = max(reason.time_s or 0.0, fault_s)
+            yield _Seen("dropped", at_s, reason.words, reason.object)
 
 
 def _reasons(run: MissionRun) -> tuple[Reason, ...]:
@@ -232,15 +321,8 @@ def _first_report(
     nominal: MissionRun, failed: MissionRun, fault_s: float
 ) -> tuple[float, str] | None:
     """Return when an interface first reported a failure that the run without did not have."""
-    known = {finding_key(finding) for finding in nominal.trace.findings}
-    pairs = [
-        (finding.time_s or 0.0, finding.kind)
-        for finding in failed.trace.findings
-        if finding.kind in REPORTED
-        and (finding.time_s or 0.0) >= fault_s
-        and finding_key(finding) not in known
-    ]
-    return min(pairs, default=None)
+    reports = new_reports(nominal.trace, failed.trace, fault_s)
+    return min(((finding.time_s or 0.0, finding.kind) for finding in reports), default=None)
 
 
 def _local(failed: MissionRun, cell: Cell) -> str:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from tracerisk.instrument.commands import Command
+from tracerisk.instrument.marks.call_log import CALLS, Calls
+from tracerisk.instrument.recording import Recording
 from tracerisk.trace import Trace
 from tracerisk.twin.recording.samples import Samples, has_samples, read_samples
 
 Position = tuple[float, float, float]
+_NO_CALLS = Calls(frozenset(), (), frozenset(), frozenset())
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,15 +28,48 @@ class MissionRun:
     """The positions of the robot's joints at the end of each visit of the trace [rad or m]."""
     things: Mapping[str, Position] | None = None
     """Where each thing that can be moved was at the end [m]; `None` where the run was cut."""
+    recording: Recording = field(default_factory=Recording)
+    """Its commands, notes and findings."""
+    samples: Samples | None = None
+    """Its samples; `None` where none were recorded."""
     is_decided: bool = False
     """Whether the run was ended because its fate was decided: how it would end is not known."""
     unit_moved: float = 0.0
     """How far the failed joint was from where it was without a failure, within a second [rad, m]"""
 
+    @property
+    def commands(self) -> tuple[Command, ...]:
+        """All commands, those that moved nothing too, in the order of issue."""
+        every = (*self.recording.commands, *self.recording.refused)
+        return tuple(sorted(every, key=lambda command: command.issue_ns))
+
+    @property
+    def calls(self) -> Calls:
+        """The calls that the controller executed."""
+        note = self.recording.note(CALLS)
+        return _NO_CALLS if note is None else Calls.of(note)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the controller ended the run: it waits for nothing, and no limit was reached."""
+        return not self.is_decided and self.trace.end.cause in ("ended", "exited", "raised")
+
+    def moved_after(self, from_s: float) -> float:
+        """Return how far a joint was at most, later than `from_s` [s], from where it was then.
+
+        In [rad], or [m] of a sliding one.
+        """
+        samples = self.samples
+        if samples is None or from_s * 1e9 >= samples.n_steps * samples.header.step_ns:
+            return 0.0
+        later = samples.position[round(from_s / samples.step_s) :]
+        return float(np.abs(later - later[0]).max(initial=0.0)) if len(later) else 0.0
+
 
 def mission_run(
     trace: Trace,
     folder: Path,
+    recording: Recording,
     *,
     unit: str | None = None,
     fault_s: float = 0.0,
@@ -44,12 +81,14 @@ def mission_run(
     Raises LogError where the recording is damaged.
     """
     if not has_samples(folder):
-        return MissionRun(trace, is_decided=is_decided)
+        return MissionRun(trace, recording=recording, is_decided=is_decided)
     samples = read_samples(folder)
     return MissionRun(
         trace,
         _arrivals(trace, samples),
         _things(samples),
+        recording,
+        samples,
         is_decided,
         _moved(samples, nominal, unit, fault_s),
     )

@@ -21,7 +21,7 @@ from tracerisk.pipeline.evidence.workers import CellProgress
 from tracerisk.pipeline.freshness.freshness import stated
 from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
-from tracerisk.report.fmea import end_effect, fmea_rows, untold_for
+from tracerisk.report.fmea import FATE_WORDS, all_effects, end_effect, fmea_rows, unnoticed_for
 from tracerisk.report.html.evidence import render_evidence
 from tracerisk.report.html.fault_report import render_fault_report
 from tracerisk.trace import Trace
@@ -115,15 +115,18 @@ def _page(
 
 def _lines(cell: Cell) -> list[str]:
     """Return what became of a failure, a line each."""
-    untold_s = untold_for((cell,))
-    text = "the controller was never notified"
-    if untold_s is not None:
-        text = f"the controller was not notified within {untold_s} s"
-    if cell.told_after_s is not None:
-        by = cell.told_by.replace("_", " ")
-        text = f"the controller was notified after {cell.told_after_s:.2f} s, by {by}"
+    unnoticed_s = unnoticed_for((cell,))
+    text = "the controller never noticed"
+    if unnoticed_s is not None:
+        text = f"the controller did not notice within {unnoticed_s} s"
+    if cell.noticed_s is not None and cell.noticed_by is not None:
+        by = cell.noticed_by.replace("_", " ")
+        text = f"the controller noticed after {cell.noticed_s:.2f} s, by {by}"
+        text += f", and went on with {cell.next_function}" if cell.next_function else ""
+    more = all_effects(cell)
     return [
-        f"{cell.component}: {end_effect((cell,))}",
+        f"{cell.component}: {end_effect((cell,))}{f', {more}' if more else ''}",
+        *([f"the mission: {FATE_WORDS[cell.fate]}"] if cell.fate is not None else []),
         *([f"the unit itself: {cell.local}"] if cell.local else []),
         text,
         *(f"lost: {name}" for name in cell.lost),

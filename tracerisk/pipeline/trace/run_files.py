@@ -179,6 +179,8 @@ class RunBeside:
     arrivals: tuple[tuple[int, tuple[float, ...]], ...] = ()
     """The number of the first command of each later visit, and the joint positions when it began
     [rad or m]."""
+    flow: tuple[str, ...] = ()
+    """What stands for each command in the control flow, in the order of issue."""
     has_conditions: bool = False
     """Whether the scenario declares the mission; then a collision alone fails it on the way."""
 

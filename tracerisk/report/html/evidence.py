@@ -7,7 +7,14 @@ from typing import TypeVar
 from xml.etree.ElementTree import SubElement
 
 from tracerisk.common.evidence.cells import EFFECTS, Cell, Evidence
-from tracerisk.report.fmea import WORDS, end_effect, fmea_rows, summary_lines
+from tracerisk.report.fmea import (
+    FATE_WORDS,
+    WORDS,
+    all_effects,
+    end_effect,
+    fmea_rows,
+    summary_lines,
+)
 from tracerisk.report.html.page import asset, page, rendered
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.svg import Drawing, number
@@ -60,6 +67,12 @@ def evidence_section(
         matrix=_matrix(found, pages),
         legend=[(effect, WORDS[effect]) for effect in EFFECTS],
         delays=_delays(cells),
+        undetected=_listed(
+            "evidence-undetected",
+            "Undetected",
+            [cell for cell in cells if cell.is_undetected and found.has_fates],
+            pages,
+        ),
         harmless=_listed("evidence-harmless", "In use, but harmless", harmless, pages),
         needed=_listed("evidence-needed", "Idle, but needed", needed, pages),
         table=_table(found, pages),
@@ -82,6 +95,7 @@ def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
                 entries.append(("none", "", "", ""))
                 continue
             failed = f"{row.failed} of {len(row.cells)}"
+            failed += f", {row.undetected} undetected" if row.undetected else ""
             link = next((pages[cell.key] for cell in row.cells if cell.key in pages), "")
             entries.append((str(row.worst.effect), end_effect(row.cells), failed, link))
         rows.append((component, mode.replace("_", " "), entries))
@@ -89,17 +103,17 @@ def _matrix(found: Evidence, pages: Pages) -> dict[str, object]:
 
 
 def _delays(cells: Sequence[Cell]) -> object:
-    """Return a drawing of when the controller was notified of each failure, a row for each mode."""
-    notified = [cell for cell in cells if cell.told_after_s is not None]
-    if not notified:
+    """Return a drawing of when the controller noticed each failure, a row for each mode."""
+    noticed = [cell for cell in cells if cell.noticed_s is not None]
+    if not noticed:
         return ""
-    most = max(cell.told_after_s or 0.0 for cell in notified) or 1.0
+    most = max(cell.noticed_s or 0.0 for cell in noticed) or 1.0
     kinds = _ordered((cell.component, cell.mode) for cell in cells)
     drawing = Drawing(
         "evidence-delays",
-        "When the controller was notified",
-        "A dot for each failure that was reported, by component and mode, over the seconds after "
-        "it; beside them how many were not reported while the run was followed.",
+        "When the controller noticed",
+        "A dot for each failure that it noticed, by component and mode, over the seconds after "
+        "it; beside them how many it did not notice while the run was followed.",
     )
     for index, (component, mode) in enumerate(kinds):
         y = (index + 0.5) * _ROW
@@ -110,15 +124,15 @@ def _delays(cells: Sequence[Cell]) -> object:
         drawing.path(f"M{number(_LABEL)} {number(y)} H{number(_WIDTH)}", "edge")
         mine = [cell for cell in cells if (cell.component, cell.mode) == (component, mode)]
         for cell in mine:
-            if cell.told_after_s is not None:
-                x = _LABEL + (_WIDTH - _LABEL) * cell.told_after_s / most
-                kind = "fails" if cell.fails else "harmless"
+            if cell.noticed_s is not None:
+                x = _LABEL + (_WIDTH - _LABEL) * cell.noticed_s / most
+                kind = "fails" if cell.is_undetected else "harmless"
                 place = {"cx": number(x), "cy": number(y), "r": "3.5", "class": kind}
                 SubElement(group, "circle", place)
-        never = sum(1 for cell in mine if cell.told_after_s is None)
+        never = sum(1 for cell in mine if cell.noticed_s is None)
         if never:
             note = SubElement(group, "text", {"x": number(_WIDTH + 12.0), "y": number(y + 4.0)})
-            note.text = f"{never} not notified"
+            note.text = f"{never} not noticed"
     bottom = len(kinds) * _ROW + 16.0
     axis = drawing.group("axis")
     for tick in range(_TICKS):
@@ -137,6 +151,7 @@ def _listed(name: str, caption: str, cells: Sequence[Cell], pages: Pages) -> Tab
         *texts("failure", "function"),
         Column("at s", "instant of the failure", is_number=True),
         Column("end effect"),
+        Column("mission"),
         Column("see it", "the option of tracerisk run"),
     )
     rows = tuple(
@@ -145,6 +160,7 @@ def _listed(name: str, caption: str, cells: Sequence[Cell], pages: Pages) -> Tab
             cell.function,
             f"{cell.time_s:.3f}",
             TableCell(end_effect((cell,)), note="; ".join(cell.lost)),
+            "not known" if cell.fate is None else FATE_WORDS[cell.fate],
             TableCell(
                 f"--fault {cell.unit}:{cell.mode}@{cell.time_s:g}", link=pages.get(cell.key, "")
             ),
@@ -159,9 +175,10 @@ def _table(found: Evidence, pages: Pages) -> Table:
     columns = (
         *texts("failure", "function"),
         Column("end effect", "the worst of the tries"),
-        Column("detected after s", "median, of those reported", is_number=True),
-        Column("detected by"),
+        Column("noticed after s", "median, of those noticed", is_number=True),
+        Column("noticed by"),
         Column("failed", "of the tries", is_number=True),
+        Column("undetected", "failed unnoticed, or with harm before the stop", is_number=True),
         Column("c", "share that ends the mission, with its 90 % interval", is_number=True),
     )
     rows = []
@@ -172,10 +189,15 @@ def _table(found: Evidence, pages: Pages) -> Table:
             row_of(
                 f"{row.component} {row.mode.replace('_', ' ')}",
                 row.function,
-                TableCell(end_effect(row.cells), link=next(shown, ""), note=row.hardest),
-                row.notified,
+                TableCell(
+                    end_effect(row.cells),
+                    link=next(shown, ""),
+                    note="; ".join(filter(None, (all_effects(row.worst), row.hardest))),
+                ),
+                row.noticed,
                 row.detection,
                 f"{row.failed} of {len(row.cells)}",
+                str(row.undetected),
                 TableCell(f"{row.share:.2f}", note=f"{low:.2f} to {high:.2f}"),
                 function=row.function,
                 component=row.component,

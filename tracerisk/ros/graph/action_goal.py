@@ -260,6 +260,7 @@ class ActionGoal:
             self.result = None if result is None else self._copied(result)
             if self.server is not None:
                 self.server.forget(self)
+                self.client.actions.note_answer(self)
         self.on_change(self)
         self._report("state", None)
 

@@ -15,7 +15,8 @@ from typing import Any, Literal
 
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
 from tracerisk.ros.graph.action_ends import ActionClientEnd, ActionServerEnd
-from tracerisk.ros.graph.action_goal import ActionGoal
+from tracerisk.ros.graph.action_goal import ActionGoal, GoalState
+from tracerisk.ros.graph.failures import answer_failed
 from tracerisk.ros.graph.runtime import Runtime
 
 ActionChange = Literal["client", "client_gone", "served", "unserved"]
@@ -62,6 +63,16 @@ class Actions:
         cell = self._runtime.graph.count(goal.client.name)
         if cell is not None:
             cell.sent(goal)
+
+    def note_answer(self, goal: ActionGoal) -> None:
+        """Record the end of a goal of the controller's that another serves, where it is a failure.
+
+        One that was cancelled on request is none.
+        """
+        server = goal.server
+        if goal.client.by_controller and server is not None and not server.by_controller:
+            has_failed = goal.state in (GoalState.ABORTED, GoalState.REJECTED, GoalState.LOST)
+            answer_failed(goal.client.name, goal.result, has_failed=has_failed)
 
     def note_late_cancel(self, goal: ActionGoal) -> None:
         """Pass on that a goal was to be cancelled that was over."""

@@ -10,7 +10,7 @@ from typing import Any
 from tracerisk.errors import Location
 from tracerisk.ros.controller.frames import caller_beyond, controller_frame, is_library
 from tracerisk.ros.controller.removed_names import removed_name_hint
-from tracerisk.ros.graph.runtime import current
+from tracerisk.ros.graph.runtime import current, running
 
 CALLBACK_FAILED = "callback_failed"
 ERROR_LOGGED = "error_logged"
@@ -56,15 +56,19 @@ def callback_failed(what: str, error: BaseException) -> None:
         recorder.finding(CALLBACK_FAILED, message, place, object_name=type(error).__name__)
 
 
-def error_logged(severity: str, text: str) -> None:
-    """Record a line of the log of severity ERROR or FATAL, if the controller's own code wrote it.
+def trouble_logged(severity: str, text: str) -> None:
+    """Record a line of the log of severity WARN or above, if the controller's own code wrote it.
 
-    The object of the finding is the line with each number as `#`, for acceptances.
+    ERROR and FATAL are a finding, whose object is the line with each number as `#`, for
+    acceptances.
     """
     recorder, frame = _recorder(), caller_beyond(_LOGGING)
     if recorder is None or frame is None or is_library(frame.f_code.co_filename):
         return
     first = (text.strip().splitlines() or [""])[0]
+    recorder.sign("log", plain_line(first))
+    if severity.startswith("WARN"):
+        return
     current().scheduler.needs.note_error(first)
     recorder.failed(
         ERROR_LOGGED,
@@ -73,6 +77,22 @@ def error_logged(severity: str, text: str) -> None:
         asker=_asker(frame),
         object_name=plain_line(first),
     )
+
+
+def answer_failed(name: str, answer: Any, *, has_failed: bool = False) -> None:
+    """Record the answer of an action or a service where it is a failure.
+
+    `has_failed` says that its status is one; else its fields say so.
+    """
+    runtime = running()
+    if runtime is None or runtime.beside is not None or runtime.recorder is None:
+        return
+    code = getattr(answer, "error_code", 0)
+    code = getattr(code, "val", code)  # that of MoveIt is 1 for a success
+    if has_failed or code not in (0, 1, "", None):
+        runtime.recorder.sign("code", name)
+    elif any(getattr(answer, field, True) is False for field in ("success", "reached_goal")):
+        runtime.recorder.sign("result", name)
 
 
 def plain_line(text: str) -> str:

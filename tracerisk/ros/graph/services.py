@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need, asking_place
 from tracerisk.ros.controller.node_process import NodeProcess
+from tracerisk.ros.graph.failures import answer_failed
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.graph import Graph
@@ -283,6 +284,8 @@ class Services:
             raise
         if answered is not None:
             answered(response)
+        if not server.is_callback:
+            answer_failed(server.name, response)
         return response
 
     def _answer(self, server: ServiceServer, request: Any) -> Any:

@@ -94,7 +94,7 @@ def build_world(request: RunRequest, samples: SampleWriter, recorder: Recorder) 
         tracer=tracer,
         baton=GreenletBaton() if request.greenlets else None,
     )
-    recorder.clock = lambda: scheduler.now_ns
+    recorder.clock = tracer.calls.clock = lambda: scheduler.now_ns
     return SimulatedWorld(recorder, scenario, twin, metered, tracer, scheduler)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from tracerisk.instrument.recorder import Recorder
+from tracerisk.pipeline.run.branching.flow import flow_key
 from tracerisk.pipeline.run.fault_run import REPORTED
 from tracerisk.pipeline.trace.run_files import DECIDED, RunBeside
 from tracerisk.ros.time.scheduler import Scheduler
@@ -48,12 +49,15 @@ class FateWatch:
         self._touches = frozenset(map(frozenset, beside.touches))
         self._arrivals = {number: np.array(at) for number, at in beside.arrivals}
         self._only_touches = beside.has_conditions
+        self._flow = beside.flow
         self._hands = frozenset(
             link for gripper in robot.grippers for link in hand_links(robot, gripper.name)[1]
         )
+        self._longest_ns = scheduler.duration_ns
         self._from_ns = 0
         self._notified_ns: int | None = None
         self._failed_ns: int | None = None
+        self._is_struck = self._has_left = False
         self._end_ns: int | None = None
 
     def begin(self, faults: Sequence[Fault]) -> None:
@@ -74,8 +78,19 @@ class FateWatch:
             if (data["kind"], data["message"], data["object"]) not in self._reports:
                 self._notified_ns = time_ns
                 self._decide()
-        elif event == "command" and self._shows_in(data["id"]):
-            self._fail(time_ns)
+        elif event == "command":
+            self._has_left = self._has_left or not self._is_as_before(data)
+            if self._shows_in(data["id"]):
+                self._fail(time_ns)
+            elif self._has_left:
+                self._decide()
+
+    def _is_as_before(self, command: Mapping[str, Any]) -> bool:
+        """Return whether a command is the one that the run without the failure issued there."""
+        place = command["id"] - 1
+        sites = [frame[2:4] for frame in command["stack"]]
+        now = flow_key(command["kind"], command["elements"], sites)
+        return self._flow[place : place + 1] == (now,)
 
     def _shows_in(self, command: int) -> bool:
         """Return whether it shows where a command is issued that the mission has failed."""
@@ -90,6 +105,7 @@ class FateWatch:
             return
         if link.name in self._hands and (other.kind == "free" or other.name in self._hands):
             return  # it may be about to grasp
+        self._is_struck = True
         self._fail(max(step * self._twin.step_ns, self._from_ns))
 
     def _fail(self, time_ns: int) -> None:
@@ -98,6 +114,14 @@ class FateWatch:
             self._decide()
 
     def _decide(self) -> None:
+        """Set the end of the run where its fate is decided.
+
+        A controller that has left the way of the run without the failure, and has struck nothing,
+        may stop safely: it is followed to its end.
+        """
+        if self._has_left and not self._is_struck:
+            self._end(None)
+            return
         if self._failed_ns is None:
             return
         end_ns = self._failed_ns + round(UNTOLD_S * 1e9)
@@ -105,5 +129,12 @@ class FateWatch:
             both_ns = max(self._failed_ns, self._notified_ns) + round(TOLD_S * 1e9)
             end_ns = min(end_ns, both_ns)
         end_ns = -(-end_ns // self._twin.step_ns) * self._twin.step_ns
-        if end_ns < self._scheduler.duration_ns:
-            self._end_ns = self._scheduler.duration_ns = self._twin.ends_ns = end_ns
+        if end_ns < self._longest_ns:
+            self._end(end_ns)
+
+    def _end(self, end_ns: int | None) -> None:
+        """End the run at an instant; `None` where it has all its time."""
+        if end_ns != self._end_ns:
+            self._end_ns = end_ns
+            end_ns = self._longest_ns if end_ns is None else end_ns
+            self._scheduler.duration_ns = self._twin.ends_ns = end_ns

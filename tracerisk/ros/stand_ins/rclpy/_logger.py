@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tracerisk.ros.controller.frames import caller_beyond
-from tracerisk.ros.graph.failures import error_logged
+from tracerisk.ros.graph.failures import trouble_logged
 from tracerisk.ros.time.clock import EPOCH_NS
 
 from ._run import run
@@ -98,8 +98,8 @@ class RcutilsLogger:
             f"[{level.name}] [{seconds}.{rest:09d}] [{given_name}]: {message}", file=sys.stderr
         )
         self._publish_to_rosout(level, message)
-        if level >= LoggingSeverity.ERROR:
-            error_logged(level.name, message)
+        if level >= LoggingSeverity.WARN:
+            trouble_logged(level.name, message)
         return True
 
     def _place(self, level: LoggingSeverity, name: str, filters: dict[str, Any]) -> _Place:

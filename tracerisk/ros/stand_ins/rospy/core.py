@@ -13,7 +13,7 @@ from types import FrameType
 from typing import Any
 
 from tracerisk.ros.controller.frames import controller_frame
-from tracerisk.ros.graph.failures import error_logged
+from tracerisk.ros.graph.failures import trouble_logged
 from tracerisk.ros.imports.exported import defined as _defined
 from tracerisk.ros.time.clock import EPOCH_NS
 
@@ -54,8 +54,8 @@ def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) ->
     name = f" [{child}]" if child else ""
     print(f"[{_NAMES[level]}]{name} {text}", file=sys.stderr)  # noqa: T201 - this is its purpose
     _publish_to_rosout(state, level, text)
-    if level >= ERROR:
-        error_logged(_NAMES[level], text)
+    if level >= WARN:
+        trouble_logged(_NAMES[level], text)
 
 
 def _formatted(msg: Any, args: tuple[Any, ...]) -> str:
