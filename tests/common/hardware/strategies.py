@@ -3,6 +3,7 @@
 from hypothesis import strategies as st
 
 from tracerisk.common.hardware.model import (
+    FAULTS,
     Basis,
     Component,
     FailureFigure,
@@ -118,15 +119,23 @@ def modes(draw, own: tuple[FailureFigure, ...], twin: TwinBinding) -> tuple[Fail
     if not words or not draw(st.booleans()):
         return ()
     names = draw(st.lists(NAMES, max_size=2, unique=True).filter(lambda got: "whole" not in got))
-    found = [
-        FailureMode(
-            name,
-            draw(st.floats(1e-6, 0.2)),
-            tuple(draw(st.lists(st.sampled_from(words), min_size=1, unique=True))),
-            draw(SOURCES),
-        )
-        for name in names
+    faults = [
+        *(FAULTS["gripper"] if twin.gripper else ()),
+        *(FAULTS["joint"] if twin.joints else ()),
     ]
+    found = []
+    for name in names:
+        fault = draw(st.sampled_from([None, *faults]))
+        found.append(
+            FailureMode(
+                name,
+                draw(st.floats(1e-6, 0.2)),
+                tuple(draw(st.lists(st.sampled_from(words), min_size=1, unique=True))),
+                draw(SOURCES),
+                fault,
+                None if fault is None else draw(st.none() | st.floats(0.001, 3600.0)),
+            )
+        )
     return (*found, FailureMode("whole", draw(st.floats(0.1, 0.5)), tuple(words), draw(SOURCES)))
 
 

@@ -46,7 +46,9 @@ def recorded(*lines, calls=(), handled=(), signs=(), sources=None):
     executed = sorted(f"{line}:1:cell.py" for line, _ in calls)
     first_ns = [round(at_s * SECOND) for _, at_s in sorted(calls)]
     note = {
-        **{"executed": executed, "first_ns": first_ns, "turns": [], "raised": [], "waiting": []},
+        "executed": executed,
+        "first_ns": first_ns,
+        **{key: [] for key in ("turns", "raised", "waiting")},
         "handled": [["cell.py", line, round(at_s * SECOND), own] for line, at_s, own in handled],
     }
     notes = [Note(CALLS, note)]

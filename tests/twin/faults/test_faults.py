@@ -23,15 +23,23 @@ from tests.twin.robots.test_robots import (
     straight_to,
 )
 from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.hardware.model import fault_kind
 from tracerisk.errors import InputError
-from tracerisk.twin.faults.armed import encoder_offset
-from tracerisk.twin.faults.fault import Fault, FaultMode, check_faults, modes_of, parse_fault
+from tracerisk.twin.faults.armed import ENCODER_NOISE, encoder_offset
+from tracerisk.twin.faults.fault import (
+    Fault,
+    FaultMode,
+    check_faults,
+    fault_named,
+    modes_of,
+    parse_fault,
+)
 from tracerisk.twin.faults.sensing import FORCE_OFFSET_N, TORQUE_OFFSET
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
 from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene, load_scene
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.recording.samples import SampleWriter, read_samples
-from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot import Drives, EncoderFault, Robot, load_robot, robot_names
 from tracerisk.twin.robots.sensors import Sensor
 from tracerisk.twin.simulation.twin import Twin
 
@@ -153,7 +161,9 @@ def test_a_frozen_encoder_says_the_same_while_its_joint_moves(
 ):
     joint = FALLS[name]
     with SampleWriter(tmp_path) as writer:
-        twin = leaning(name, writer)
+        robot = with_drives(standing_at(load_robot(name), LEANING[name]), "runs_away")
+        twin = Twin.build(robot, NOWHERE, samples=writer)
+        settle(twin, 0.2)
         twin.arm(Fault(f"{joint}/encoder", mode, 0.2))
         twin.follow(swing(twin))
         reported = set()
@@ -324,14 +334,128 @@ def test_the_same_fault_gives_the_same_bytes_and_a_cleared_one_those_of_none(tmp
     assert bytes_of(tmp_path / "later", (Fault("power", "lost_with_brakes", 9.0),)) == none
 
 
+def encoder_of(name: str) -> tuple[str, str]:
+    joint = FALLS[name]
+    return joint, f"{joint}/encoder"
+
+
+def with_drives(robot: Robot, kind: EncoderFault, error: float = 0.1) -> Robot:
+    return dataclasses.replace(robot, drives=Drives(kind, error, "a test"))
+
+
+@pytest.mark.parametrize("mode", ["frozen", "absent"])
+@pytest.mark.parametrize("kind", ["stops", "runs_away"])
+def test_a_drive_stops_the_arm_or_runs_away_when_its_encoder_fails(
+    kind: EncoderFault, mode: FaultMode
+):
+    joint, encoder = encoder_of("panda")
+    twin = Twin.build(with_drives(load_robot("panda"), kind), NOWHERE)
+    settle(twin, 0.2)
+    others = [one.name for one in twin.robot.arm_joints if one.name != joint]
+    way = swing(twin)
+    twin.arm(Fault(encoder, mode, 0.7))
+    twin.follow(way)
+    settle(twin, 3.0)
+    now = dict(zip([one.name for one in twin.robot.joints], twin.posture(), strict=True))
+    goal = dict(zip(way.joints, way.position[-1], strict=True))
+    off = abs(now[joint] - goal[joint])
+    if kind == "runs_away":
+        assert off > 0.1, "no reading says that it is there: it goes on"
+        assert all(abs(now[name] - goal[name]) < 0.02 for name in others)
+        return
+    stopped = {name: abs(now[name] - goal[name]) for name in (*others, joint)}
+    assert min(stopped.values()) > 0.05, "the whole arm stops"
+    before = twin.posture().copy()
+    settle(twin, 1.0)
+    assert np.abs(twin.posture() - before).max() < 1e-3
+
+
+def test_the_following_error_decides_when_a_drive_stops():
+    joint, encoder = encoder_of("panda")
+    moved = {}
+    for error in (0.02, 0.2):
+        twin = Twin.build(with_drives(load_robot("panda"), "stops", error), NOWHERE)
+        settle(twin, 0.2)
+        at = [one.name for one in twin.robot.joints].index(joint)
+        first = twin.posture()[at]
+        twin.arm(Fault(encoder, "frozen", 0.2))
+        twin.follow(swing(twin))
+        settle(twin, 3.0)
+        moved[error] = abs(twin.posture()[at] - first)
+    assert 0.0 < moved[0.02] < moved[0.2]
+
+
+def test_an_arm_that_stands_still_does_not_show_that_an_encoder_is_frozen():
+    _, encoder = encoder_of("panda")
+    twin = Twin.build(with_drives(load_robot("panda"), "stops"), NOWHERE)
+    settle(twin, 0.2)
+    before = twin.posture().copy()
+    twin.arm(Fault(encoder, "frozen", 0.3))
+    settle(twin, 1.0)
+    assert np.abs(twin.posture() - before).max() < 5e-3
+
+
+def test_a_noisy_encoder_shakes_its_joint_and_reads_the_same_noise_again(tmp_path: Path):
+    joint, encoder = encoder_of("panda")
+    taken = []
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        with SampleWriter(tmp_path / folder) as writer:
+            twin = leaning("panda", writer)
+            twin.arm(Fault(encoder, "noisy", 0.3))
+            settle(twin, 0.2)
+            readings = []
+            for _ in range(200):
+                settle(twin, 0.01)
+                readings.append(measured(twin)[joint])
+            twin.close()
+        samples = read_samples(tmp_path / folder)
+        taken.append((readings, samples.position.tobytes()))
+        true = samples.position[300:, samples.header.joints.index(joint)]
+        assert 1e-4 < np.std(true) < 0.05, "the servo follows what it reads"
+        assert 0.5 * ENCODER_NOISE < np.std(readings) < 2.0 * ENCODER_NOISE
+    assert taken[0] == taken[1]
+
+
+def test_a_fault_that_passes_leaves_the_unit_sound():
+    joint = FALLS["panda"]
+    twin = leaning("panda")
+    before = measured(twin)[joint]
+    twin.arm(Fault(joint, "dead", 0.3, 0.1))
+    settle(twin, 0.18)
+    sagged = abs(measured(twin)[joint] - before)
+    assert twin.live_faults
+    settle(twin, 2.0)
+    assert not twin.live_faults
+    assert sagged > 0.002
+    assert abs(measured(twin)[joint] - before) < 0.1 * sagged, "its servo brings it back"
+
+
+def test_a_link_that_is_lost_for_a_while_hears_nothing_until_it_is_back():
+    twin = leaning("panda")
+    twin.arm(Fault("control", "link_lost", 0.5, 3.0))
+    motion = twin.follow(swing(twin))
+    settle(twin, 0.5)
+    said = twin.joint_state()
+    assert said.absent == frozenset(said.names)
+    true = twin.posture().copy()
+    settle(twin, 2.0)
+    assert motion.outcome == "active", "nobody hears whether it has arrived"
+    assert np.abs(twin.posture() - true).max() < 5e-3, "the arm keeps to what it heard last"
+    assert twin.joint_state().position == said.position
+    settle(twin, 2.0)
+    assert motion.outcome != "active"
+    assert not twin.joint_state().absent
+
+
 def test_every_unit_of_both_arms_can_fail():
     modes = modes_of(load_robot("baxter"))
     for side in ("left", "right"):
         assert modes[f"{side}_s1"] == ("dead", "jam")
         assert modes[f"{side}_gripper"] == ("no_force", "opens", "stuck")
-        assert modes[f"{side}_s1/encoder"] == ("offset", "frozen", "absent")
+        assert modes[f"{side}_s1/encoder"] == ("offset", "frozen", "absent", "noisy")
     assert modes["power"] == ("lost_with_brakes", "lost_without_brakes")
-    assert modes["control"] == ("frozen",)
+    assert modes["control"] == ("frozen", "link_lost")
 
 
 @pytest.mark.parametrize("name", slow_but(SOME, robot_names()))
@@ -348,6 +472,17 @@ def test_every_fault_of_every_robot_can_begin(name: str):
     settle(twin, 0.1)
 
 
+def test_a_fault_that_passes_is_written_as_it_is_read():
+    fault = parse_fault("panda_hand:opens@8,for=0.5")
+    assert fault == Fault("panda_hand", "opens", 8.0, 0.5)
+    assert parse_fault(str(fault)) == fault
+    assert fault.words == "panda_hand opens at 8.000 s for 0.5 s"
+    assert fault_named("panda_hand", fault_kind("opens", 0.5), 8.0) == fault
+    assert fault_named("panda_hand", fault_kind("opens", None), 8.0) == Fault(
+        "panda_hand", "opens", 8.0
+    )
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
@@ -357,6 +492,9 @@ def test_every_fault_of_every_robot_can_begin(name: str):
         ("panda_joint1:dead@soon", "'soon' is not a time in seconds"),
         ("panda_joint1:dead@-1", "'-1' is not a time in seconds"),
         ("panda_joint1:dead@nan", "'nan' is not a time in seconds"),
+        ("panda_joint1:dead@3,for=0", "'for=0' is not 'for=SECONDS'"),
+        ("panda_joint1:dead@3,for=soon", "'for=soon' is not 'for=SECONDS'"),
+        ("panda_joint1:dead@3,until=4", "'until=4' is not 'for=SECONDS'"),
     ],
 )
 def test_a_fault_that_cannot_be_read_says_what_is_expected(text: str, expected: str):

@@ -71,7 +71,7 @@ class EvidenceShares:
         """Return a term with the share of every visit."""
         is_idle = term.counts == "standby"
         if term.mode is not None:
-            fault = term.mode.fault
+            fault = term.mode.tried_as
             return self._of_fault(bound, unit, fault, term, uses) if fault is not None else term
         if bound.component.modes and (is_idle or not bound.component.modes_by_use):
             return self._of_modes(bound, unit, term, uses)
@@ -86,9 +86,9 @@ class EvidenceShares:
         """Return a figure of all modes; one without a fault counts in full."""
         left, shares, number = 1.0, [0.0] * len(uses), 0
         for mode in bound.component.modes:
-            if mode.fault is None:
+            if mode.tried_as is None:
                 continue
-            of_fault = self._of_fault(bound, unit, mode.fault, term, uses)
+            of_fault = self._of_fault(bound, unit, mode.tried_as, term, uses)
             if of_fault.ends:
                 left -= mode.fraction
                 shares = [s + mode.fraction * c for s, c in zip(shares, of_fault.ends, strict=True)]

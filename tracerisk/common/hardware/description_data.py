@@ -126,6 +126,7 @@ def _mode(mode: FailureMode) -> dict[str, Any]:
         "fraction": mode.fraction,
         **({"when": list(mode.when)} if mode.when else {}),
         **_given("fault", mode.fault),
+        **_given("lasts_s", mode.lasts_s),
         **_given("source", mode.source),
     }
 

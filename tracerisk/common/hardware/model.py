@@ -38,19 +38,31 @@ FaultMode = Literal[
     "offset",
     "frozen",
     "absent",
+    "noisy",
     "no_force",
     "opens",
     "stuck",
     "lost_with_brakes",
     "lost_without_brakes",
+    "link_lost",
 ]
 """How a unit of the twin can be made to fail; docs/faults.md says what each does."""
 FAULTS: Mapping[ElementKind, tuple[FaultMode, ...]] = {
     "joint": ("dead", "jam"),
     "gripper": ("no_force", "opens", "stuck"),
-    "sensor": ("offset", "frozen", "absent"),
+    "sensor": ("offset", "frozen", "absent", "noisy"),
 }
 """The faults that a unit of each kind can have."""
+
+SHORTEST_FAULT_S, LONGEST_FAULT_S = 0.001, 3600.0
+"""How long a fault that passes may last [s]."""
+
+
+def fault_kind(mode: str, lasts_s: float | None) -> str:
+    """Return what a fault is called: its mode, and for how long it lasts where it passes [s]."""
+    return mode if lasts_s is None else f"{mode} for {lasts_s:g} s"
+
+
 POWER, CONTROL = "power", "control"
 """The units of the twin that are no element of the robot: its power supply and control unit."""
 
@@ -114,6 +126,13 @@ class FailureMode:
     """Where the fraction is from; `None` for the component's source."""
     fault: FaultMode | None = None
     """How the twin shows the mode; `None` where the description gives none."""
+    lasts_s: float | None = None
+    """For how long a failure of the mode lasts, where it is intermittent [s]; `None`: it stays."""
+
+    @property
+    def tried_as(self) -> str | None:
+        """What the mode of its failures on the twin is called, with how long they last."""
+        return None if self.fault is None else fault_kind(self.fault, self.lasts_s)
 
 
 NOT_OPTIONAL = "only a component of the gripper, of sensors or of all joints can be optional"

@@ -12,13 +12,12 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell, Effect
-from tracerisk.common.hardware.model import FaultMode
 from tracerisk.common.sandbox.scratch import new_scratch, scratch
 from tracerisk.config import Settings
 from tracerisk.errors import ControllerFailedError, InputError, LogError
@@ -34,7 +33,7 @@ from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.success import Condition
-from tracerisk.twin.faults.fault import Fault
+from tracerisk.twin.faults.fault import Fault, fault_named
 from tracerisk.twin.recording.samples import Samples
 
 if TYPE_CHECKING:
@@ -214,7 +213,7 @@ def whole_run(nominal: Nominal, cell: Cell, folder: Path) -> Cell:
 
 def fault_of(cell: Cell) -> Fault:
     """Return the failure of a cell."""
-    return Fault(cell.unit, cast(FaultMode, cell.mode), cell.time_s)
+    return fault_named(cell.unit, cell.mode, cell.time_s)
 
 
 def nominal_again(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tracerisk.common.evidence.cells import Cell
-from tracerisk.common.hardware.model import FaultMode, State
+from tracerisk.common.hardware.model import State
 from tracerisk.pipeline.evidence.unit_use import Flags, UnitUse
 from tracerisk.trace import Exposure, Trace
 
@@ -33,7 +33,7 @@ class Target:
     """The name of the unit's component in the hardware description."""
     unit: str
     """The unit of the twin: a joint, gripper or sensor by name, `power` or `control`."""
-    mode: FaultMode
+    mode: str
     """How the unit fails."""
     when: tuple[State, ...] = ()
     """The states in which the mode can matter; empty for all time in use."""
@@ -170,7 +170,7 @@ def _table(
     targets: Sequence[Target], uses: Mapping[str, UnitUse], trace: Trace, drawn: Sequence[Cell]
 ) -> Iterator[Cell]:
     """Yield what the table lacks: instants spread evenly over the visits of a function."""
-    kinds: dict[tuple[str, FaultMode], list[Target]] = {}
+    kinds: dict[tuple[str, str], list[Target]] = {}
     for target in targets:
         kinds.setdefault((target.component, target.mode), []).append(target)
     for (_, mode), same in kinds.items():

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 from tracerisk.common.evidence.cells import EFFECTS, Cell, Effect, Fate
+from tracerisk.common.hardware.model import CONTROL
 from tracerisk.common.verdict import MISSION_MISSED, Reason
 from tracerisk.pipeline.evidence.mission_run import MissionRun, Position
 from tracerisk.pipeline.evidence.reaction import Reaction, new_reports, reaction_to
@@ -327,7 +328,7 @@ def _first_report(
 
 def _local(failed: MissionRun, cell: Cell) -> str:
     """Return what the unit itself did, in words."""
-    match cell.mode:
+    match cell.mode.partition(" for ")[0]:
         case "dead" | "jam":
             far = failed.unit_moved
             if far < 1e-3:
@@ -339,6 +340,12 @@ def _local(failed: MissionRun, cell: Cell) -> str:
             return "fingers opened"
         case "stuck":
             return "fingers stayed"
-        case "offset" | "frozen" | "absent":
-            return f"reading {cell.mode}" if cell.unit != "control" else "commands frozen"
+        case "link_lost":
+            return "no communication with the arm"
+        case "frozen" if cell.unit == CONTROL:
+            return "commands frozen"
+        case "offset" | "frozen" | "absent" | "noisy" as mode:
+            far = failed.unit_moved
+            off = f", joint off its way by {far:.2g} within a second" if far >= 1e-3 else ""
+            return f"reading {mode}{off}"
     return "no motor has torque"

@@ -120,9 +120,10 @@ def _things(samples: Samples) -> Mapping[str, Position] | None:
 
 
 def _moved(samples: Samples, nominal: Samples | None, unit: str | None, fault_s: float) -> float:
-    if nominal is None or unit not in samples.header.joints:
+    joint = (unit or "").partition("/")[0]  # also of an encoder
+    if nominal is None or joint not in samples.header.joints:
         return 0.0
-    column = samples.header.joints.index(unit)
+    column = samples.header.joints.index(joint)
     first = round(fault_s / samples.step_s)
     stop = min(first + round(1.0 / samples.step_s), samples.n_steps, nominal.n_steps)
     if stop <= first:

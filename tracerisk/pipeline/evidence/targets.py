@@ -54,10 +54,10 @@ def _of_unit(
     name = bound.component.name
     if named:
         for mode in named:
-            assert mode.fault is not None
+            assert mode.tried_as is not None
             when = tuple(state for state in STATES if state in mode.when)
             share = mode.fraction
-            yield Target(name, unit, mode.fault, when, share * in_use, share * idle)
+            yield Target(name, unit, mode.tried_as, when, share * in_use, share * idle)
         return
     for fault in allowed:
         yield Target(name, unit, fault, (), in_use / len(allowed), idle / len(allowed))

@@ -14,6 +14,7 @@ from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import NOTES, Finding, Trace
 from tracerisk.twin.faults.fault import Fault, check_faults
+from tracerisk.twin.robots.robot import Robot
 
 REPORTED = frozenset(
     {
@@ -112,12 +113,18 @@ def run_with_faults(
     """
     checked = check_faults(faults, nominal.robot, before_s=nominal.trace.end.simulated_s)
     done = run_again(controller, nominal, with_scenario(settings), checked, options)
-    return FaultRun(checked, nominal.trace, with_faults_named(done.trace, checked))
+    return FaultRun(checked, nominal.trace, with_faults_named(done.trace, checked, nominal.robot))
 
 
-def with_faults_named(trace: Trace, faults: Sequence[Fault]) -> Trace:
-    """Return the trace of a run with faults that names them."""
-    lines = tuple(f"fault: {fault.words}, as asked for" for fault in faults)
+def with_faults_named(trace: Trace, faults: Sequence[Fault], robot: Robot) -> Trace:
+    """Return the trace of a run with faults that names them, and what is assumed of the drives."""
+    lines = [f"fault: {fault.words}, as asked for" for fault in faults]
+    blind = [fault for fault in faults if fault.mode in ("frozen", "absent")]
+    if any(fault.unit in robot.encoders for fault in blind) and not robot.drives.source:
+        lines.append(
+            f"the drives of {robot.name} go by an encoder that fails and run away: the robot's "
+            "file gives no `drives`"
+        )
     return replace(trace, assumptions=(*lines, *trace.assumptions))
 
 

@@ -7,19 +7,28 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast, get_args
 
-from tracerisk.common.hardware.model import CONTROL, FAULTS, POWER, FaultMode
+from tracerisk.common.hardware.model import (
+    CONTROL,
+    FAULTS,
+    LONGEST_FAULT_S,
+    POWER,
+    SHORTEST_FAULT_S,
+    FaultMode,
+)
 from tracerisk.errors import InputError, one_of
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
 
 _LATEST_S = 1e6
-_SYNTAX = "expected UNIT:MODE@SECONDS, such as panda_joint4:dead@3.5"
+_SYNTAX = (
+    "expected UNIT:MODE@SECONDS, such as panda_joint4:dead@3.5, with ',for=SECONDS' where it passes"
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A unit that fails at an instant of simulated time, and stays failed."""
+    """A unit that fails at an instant of simulated time, for good or for some time."""
 
     unit: str
     """A joint (its motor), a gripper or a sensor by its name, or `power` or `control`."""
@@ -27,33 +36,59 @@ class Fault:
     """How the unit fails; `modes_of` lists the modes of each unit."""
     time_s: float
     """The instant of the failure, in simulated time [s]."""
+    lasts_s: float | None = None
+    """How long it lasts, where it is intermittent [s]; `None`: the unit stays failed."""
 
     def __str__(self) -> str:
-        return f"{self.unit}:{self.mode}@{self.time_s:g}"
+        passes = "" if self.lasts_s is None else f",for={self.lasts_s:g}"
+        return f"{self.unit}:{self.mode}@{self.time_s:g}{passes}"
 
     @property
     def words(self) -> str:
         """The fault in words: `panda_joint4 dead at 3.500 s`."""
-        return f"{self.unit} {self.mode.replace('_', ' ')} at {self.time_s:.3f} s"
+        passes = "" if self.lasts_s is None else f" for {self.lasts_s:g} s"
+        return f"{self.unit} {self.mode.replace('_', ' ')} at {self.time_s:.3f} s{passes}"
+
+
+def fault_named(unit: str, kind: str, time_s: float) -> Fault:
+    """Return a fault of what `fault_kind` calls it."""
+    mode, _, lasts = kind.partition(" for ")
+    return Fault(
+        unit, cast(FaultMode, mode), time_s, float(lasts.removesuffix(" s")) if lasts else None
+    )
 
 
 def parse_fault(text: str) -> Fault:
     """Read UNIT:MODE@SECONDS; raise InputError where the text is not that."""
     rest, at, when = text.rpartition("@")
+    when, comma, passes = when.partition(",")
     unit, colon, mode = rest.rpartition(":")
     if not (at and colon and unit):
         raise InputError(f"fault '{text}': {_SYNTAX}")
     if mode not in get_args(FaultMode):
         raise InputError(f"fault '{text}': unknown mode '{mode}'; {one_of(get_args(FaultMode))}")
-    try:
-        time_s = float(when)
-    except ValueError:
-        time_s = math.nan
+    time_s = _number(when)
     if not 0.0 <= time_s <= _LATEST_S:
         raise InputError(
             f"fault '{text}': '{when}' is not a time in seconds from 0 to {_LATEST_S:g}; {_SYNTAX}"
         )
-    return Fault(unit, cast(FaultMode, mode), time_s)
+    if not comma:
+        return Fault(unit, cast(FaultMode, mode), time_s)
+    lasts_s = _number(passes.removeprefix("for=")) if passes.startswith("for=") else math.nan
+    if not SHORTEST_FAULT_S <= lasts_s <= LONGEST_FAULT_S:
+        raise InputError(
+            f"fault '{text}': '{passes}' is not 'for=SECONDS', a time from {SHORTEST_FAULT_S:g} to "
+            f"{LONGEST_FAULT_S:g}; {_SYNTAX}"
+        )
+    return Fault(unit, cast(FaultMode, mode), time_s, lasts_s)
+
+
+def _number(text: str) -> float:
+    """Return the number that a text is; not a number where it is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
 def modes_of(robot: Robot) -> Mapping[str, tuple[FaultMode, ...]]:
@@ -67,7 +102,7 @@ def modes_of(robot: Robot) -> Mapping[str, tuple[FaultMode, ...]]:
     modes |= {gripper.name: FAULTS["gripper"] for gripper in robot.grippers}
     modes |= {sensor.name: FAULTS["sensor"] for sensor in robot.sensors if sensor.kind != "camera"}
     modes.setdefault(POWER, ("lost_with_brakes", "lost_without_brakes"))
-    modes.setdefault(CONTROL, ("frozen",))
+    modes.setdefault(CONTROL, ("frozen", "link_lost"))
     return modes
 
 

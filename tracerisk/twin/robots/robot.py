@@ -222,6 +222,22 @@ class Following:
     """Where the figures are from; empty where none are known."""
 
 
+EncoderFault = Literal["stops", "runs_away"]
+"""What the drives do where an encoder does not say where its joint is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drives:
+    """How the robot's drives take the readings of their encoders."""
+
+    encoder_fault: EncoderFault = "runs_away"
+    """Whether a drive stops the arm once a reading is missing or too far off, or goes by it."""
+    following_error: float = 0.1
+    """How far a reading may be from its set-point before the drives stop the arm [rad]."""
+    source: str = ""
+    """Where this is from; empty where it is assumed."""
+
+
 @dataclass(frozen=True, slots=True)
 class Masses:
     """Where the masses of an arm are from, and how far another public source is off."""
@@ -314,6 +330,8 @@ class Robot:
     unknown."""
     following: Following = Following()
     """How its driver follows a stream of set-points."""
+    drives: Drives = Drives()
+    """What its drives do where an encoder fails."""
     assumed_figures: tuple[str, ...] = ()
     """Sentences on what is taken from another robot, or left out."""
     weighed: str = field(default="", compare=False)
@@ -326,6 +344,11 @@ class Robot:
         """Whether it is read from a description of its own, not shipped or generic."""
         shipped = self.file.startswith("robots/") and self.file[7:-5] in robot_names()
         return not shipped and not self.file.endswith("robots/generic.py")
+
+    @property
+    def encoders(self) -> Mapping[str, str]:
+        """The joint of each encoder."""
+        return {sensor.name: sensor.part for sensor in self.sensors if sensor.kind == "encoder"}
 
     @property
     def arm_joints(self) -> tuple[Joint, ...]:

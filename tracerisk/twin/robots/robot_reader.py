@@ -18,6 +18,8 @@ from tracerisk.twin.robots.robot import (
     Attachment,
     Controller,
     ControllerType,
+    Drives,
+    EncoderFault,
     Following,
     Gripper,
     Group,
@@ -47,6 +49,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
             "name", "title", "aliases", "source", "base_link", "links", "joints", "servos",
             "groups", "named_states", "initial_state", "grippers", "controllers",
             "default_scaling", "default_scene", "effort_unit", "payload", "sensors", "following",
+            "drives",
             "masses", "disabled_collisions", "other_models",
         }
     )  # fmt: skip
@@ -110,6 +113,7 @@ def read_robot(path: Path, *, shown: str | None = None) -> Robot:
         following=_following(top.map("following"), len(by_name) - len(held))
         if "following" in top
         else Following(),
+        drives=_drives(top.map("drives")) if "drives" in top else Drives(),
         masses=_masses(top.map("masses"), by_name) if "masses" in top else None,
     )
 
@@ -302,6 +306,13 @@ def _following(entry: YamlMap, n_joints: int) -> Following:
         tuple(rises),
         entry.string("source"),
     )
+
+
+def _drives(entry: YamlMap) -> Drives:
+    entry.forbid_unknown({"encoder_fault", "following_error", "source"})
+    kind: EncoderFault = entry.choice("encoder_fault", get_args(EncoderFault), "reaction")
+    error = entry.number("following_error", default=0.1, minimum=0.001, maximum=1.0)
+    return Drives(kind, error, entry.string("source"))
 
 
 def _masses(entry: YamlMap, joints: Collection[str]) -> Masses:

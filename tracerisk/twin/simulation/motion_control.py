@@ -65,8 +65,8 @@ class MotionControl:
 
     def settle(self) -> bool:
         """Drop the tracks that are over; say whether a motion ended with one of them."""
-        if not self._tracks:
-            return False
+        if not self._tracks or self._simulation.faults.has_lost_link:
+            return False  # whether one is over, nobody hears
         ended = False
         kept: list[Track] = []
         for track in self._tracks:

@@ -334,7 +334,9 @@ class Simulation:
         )
 
     def _begin_faults(self, wanted: int) -> int:
-        """Begin the faults that are due; return how many steps come before another one."""
+        """Begin and end the faults that are due; return how many steps come before another one."""
+        for fault in self.faults.ended(self._steps):
+            self.clear(fault)
         if self.faults.is_due(self._steps):
             measured = self.joint_state()
             wrists = {
@@ -343,6 +345,8 @@ class Simulation:
             for fault in self.faults.begin(self._steps, self._model, self._data):
                 wrist = wrists.get(fault.unit)
                 self._sensors.begin(fault, measured, None if wrist is None else self.wrench(wrist))
+        self.faults.look(self._steps, self._model, self._data)
+        self._sensors.look(self._steps)
         return self.faults.steps_before(self._steps, wanted)
 
     def _rebuild(self) -> None:

@@ -166,7 +166,8 @@ def read_modes(found: list[Metadata], way: tuple[Symbol, ...]) -> tuple[FailureM
         uses: Any = fields.words("uses", "Use") if "uses" in fields else ()
         fraction = fields.positive("fraction", maximum=1.0)
         fault: Any = fields.word("fault", "Fault") if "fault" in fields else None
-        modes[name] = FailureMode(name, fraction, uses, fields.text("source"), fault)
+        lasts_s = fields.time_s("lasts") if "lasts" in fields else None
+        modes[name] = FailureMode(name, fraction, uses, fields.text("source"), fault, lasts_s)
     return tuple(modes.values())
 
 

@@ -240,6 +240,7 @@ class _Writer:
             "fraction": mode.fraction,
             "uses": _several(self._word("Use", literal) for literal in mode.when),
             "fault": None if mode.fault is None else self._word("Fault", mode.fault),
+            "lasts": None if mode.lasts_s is None else _Written(self._time(mode.lasts_s)),
             "source": mode.source,
         }
         return self.metadata("FailureMode", values, mode.name)

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from tracerisk.common.hardware.load import unmeasured_exponent
-from tracerisk.common.hardware.model import Demand, FailureMode, FaultMode, LoadLaw, State
+from tracerisk.common.hardware.model import (
+    LONGEST_FAULT_S,
+    SHORTEST_FAULT_S,
+    Demand,
+    FailureMode,
+    FaultMode,
+    LoadLaw,
+    State,
+)
 from tracerisk.common.hardware.yaml.figures import word_of, words
 from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import HardwareError, one_of
@@ -15,7 +23,7 @@ USES: Mapping[str, State | Demand] = words(State) | words(Demand)
 """The words for the uses in which a failure mode can matter."""
 
 _LAW_KEYS = frozenset({"reference_load", "wearing_share", "exponent", "reference_speed", "source"})
-_MODE_KEYS = frozenset({"fraction", "when", "source", "fault"})
+_MODE_KEYS = frozenset({"fraction", "when", "source", "fault", "lasts_s"})
 
 
 def read_load_law(entry: YamlMap) -> LoadLaw | None:
@@ -62,7 +70,16 @@ def _mode(name: str, mode: YamlMap) -> FailureMode:
         tuple(USES[word] for word in given),
         mode.optional_string("source"),
         word_of(mode, "fault", words(FaultMode)) if "fault" in mode else None,
+        _lasts_s(mode),
     )
+
+
+def _lasts_s(mode: YamlMap) -> float | None:
+    if "lasts_s" not in mode:
+        return None
+    if "fault" not in mode:
+        mode.fail("lasts_s", "is of a fault that passes; give the mode a 'fault'")
+    return mode.number("lasts_s", minimum=SHORTEST_FAULT_S, maximum=LONGEST_FAULT_S)
 
 
 def _exponent(law: YamlMap) -> float:

@@ -51,7 +51,7 @@ class BranchResult:
         """The run beside that without faults. Raises `error` where nothing is to read."""
         if self.done is None:
             raise self.error or InputError("the run left nothing to read")
-        trace = with_faults_named(self.done.trace, self.branch.faults)
+        trace = with_faults_named(self.done.trace, self.branch.faults, self.done.robot)
         return FaultRun(self.branch.faults, self.nominal, trace)
 
 

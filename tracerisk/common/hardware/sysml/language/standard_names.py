@@ -21,7 +21,7 @@ FEATURES: dict[str, tuple[str, ...]] = {
         "age",
         "loadLaw",
     ),
-    "FailureMode": ("fraction", "uses", "fault", "source"),
+    "FailureMode": ("fraction", "uses", "fault", "lasts", "source"),
     "HardwareData": ("robot", "source"),
     "Redundancy": (
         "redundant",
@@ -64,7 +64,9 @@ ENUMERATIONS: dict[str, dict[str, str]] = {
     "Spare": _words("hot", "warm", "cold"),
     "Detection": _words("mission_start", "each_visit"),
     "SensorKind": _words("encoder", "torque", "wrench", "camera"),
-    "Fault": _words("dead", "jam", "offset", "frozen", "absent", "no_force", "opens", "stuck"),
+    "Fault": _words(
+        *("dead", "jam", "offset", "frozen", "absent", "noisy", "no_force", "opens", "stuck")
+    ),
     "Use": _words("moving", "holding", "grasping", "start", "grasp", "release"),
 }
 """The words of our enumerations, and what the hardware description calls them."""
