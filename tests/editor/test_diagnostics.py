@@ -5,11 +5,13 @@ import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 from lsprotocol import types as lsp
 
 from tests.editor.client import Editor
+from tracerisk.common.evidence.file import dump_evidence, read_evidence
 
 
 def findings(example_in, cell):
@@ -240,3 +242,26 @@ def test_the_folder_that_goes_takes_the_server_with_nothing(editor, cell):
     editor.save(cell)
     assert editor.diagnostics(cell, seen=seen) is not None
     assert editor.hover(cell, 0, 0) is None
+
+
+def test_where_a_check_would_help_is_shown_as_information(editor, cell, example_in):
+    example = example_in(cell.parent)
+    done = example.run("evidence", cell.name, "--cells", "3", "-j", "1", "-q")
+    assert done.code == 0, done.err
+    path = cell.parent / "tracerisk.evidence"
+    found = read_evidence(path)[cell.name]
+    line = cell.read_text().splitlines().index("    arm.go()") + 1
+    undetected = {"fails": True, "fate": "unaware", "missed_check": "result"}
+    cells = [replace(each, **undetected, missed_at=f"{cell.name}:{line}") for each in found.cells]
+    path.write_text(dump_evidence({cell.name: replace(found, cells=tuple(cells))}))
+    editor.open(cell)
+    (shown,) = editor.diagnostics(cell)
+    assert (shown.severity, shown.code) == (lsp.DiagnosticSeverity.Information, "undetected")
+    assert shown.range.start.line + 1 == line
+    assert shown.message.startswith(
+        f"the answer to this call is not looked at: {len(cells)} failures end the mission undetect"
+    )
+    # The lines of another version are not those of the evidence.
+    seen = editor.reported(cell)
+    editor.change(cell, cell.read_text().replace("joints[0] += 0.05", "joints[0] += 0.06"))
+    assert {each.code for each in editor.diagnostics(cell, seen=seen)} == {"stale"}

@@ -7,12 +7,16 @@ from pathlib import Path
 
 from lsprotocol.types import Diagnostic, DiagnosticSeverity
 
+from tracerisk.common.evidence.advice import Advice
 from tracerisk.editor.lines import Lines
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 
 SOURCE = "tracerisk"
 """What stands before the messages in an editor."""
+
+UNDETECTED = "undetected"
+"""The code of a place where a check would help."""
 
 _ERRORS: frozenset[FindingKind] = frozenset(
     {"edited", "undecided", "over_threshold", "unsolvable", "faulted", "stuck"}
@@ -29,6 +33,14 @@ def finding_diagnostic(finding: CheckFinding, controller: Path, lines: Lines) ->
         DiagnosticSeverity.Error if finding.kind in _ERRORS else DiagnosticSeverity.Warning,
         lines,
         {"kind": finding.kind, "subject": finding.subject, "controller": str(controller)},
+    )
+
+
+def advice_diagnostic(advice: Advice, lines: Lines) -> Diagnostic:
+    """Return where a check would show failures that evidence found undetected."""
+    severity = DiagnosticSeverity.Information
+    return _diagnostic(
+        advice.location, advice.words, UNDETECTED, severity, lines, {"kind": UNDETECTED}
     )
 
 

@@ -21,7 +21,7 @@ from tracerisk.common.version import __version__
 from tracerisk.editor.commands import register_commands
 from tracerisk.editor.completion import Offer, offers
 from tracerisk.editor.described_files import kind_of, yaml_offers
-from tracerisk.editor.diagnostics import error_diagnostic, finding_diagnostic
+from tracerisk.editor.diagnostics import advice_diagnostic, error_diagnostic, finding_diagnostic
 from tracerisk.editor.fixes import REFRESH, fixes
 from tracerisk.editor.folding import foldings
 from tracerisk.editor.hover import component_at, component_markdown, function_at, function_markdown
@@ -194,6 +194,9 @@ def diagnostics_of(session: Session) -> dict[Path, list[lsp.Diagnostic]]:
         for finding in analysis.findings:
             path = Path(finding.location.file)
             put(path, finding_diagnostic(finding, analysis.path, session.lines_of(path)))
+        for advice in analysis.advice:
+            path = Path(advice.location.file)
+            put(path, advice_diagnostic(advice, session.lines_of(path)))
         if analysis.error is not None:
             place = analysis.error.location
             path = analysis.path if place is None else Path(place.file)

@@ -11,12 +11,13 @@ import sys
 import tokenize
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from tracerisk.adder.lock.lock import lock_key
+from tracerisk.common.evidence.advice import Advice, advice_of
 from tracerisk.common.verdict import Verdict
 from tracerisk.editor.figures import ControllerFigures, figures_of
 from tracerisk.editor.lines import Lines
@@ -25,7 +26,9 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.check import check_controller, check_loaded
 from tracerisk.pipeline.check.finding import CheckFinding
+from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
+from tracerisk.pipeline.freshness.used_evidence import kept_evidence
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.pipeline.workspace.project import Projects
 
@@ -71,6 +74,8 @@ class Analysis:
     """Why the check could not be made; `None` where it was."""
     verdict: Verdict | None = None
     """The verdict of the last run; `None` where none is kept."""
+    advice: tuple[Advice, ...] = ()
+    """The places where a check would show failures that evidence found undetected."""
 
 
 class Session:
@@ -309,10 +314,29 @@ def analyse(path: Path, opened: Mapping[Path, bytes], projects: Projects) -> Ana
     try:
         if is_gone(path, projects):
             return Analysis(path, check_controller(path, projects).findings)
-        checked = check_loaded(controller_with(path, opened, projects))
-        return Analysis(path, checked.findings, verdict=checked.verdict)
+        controller = controller_with(path, opened, projects)
+        checked = check_loaded(controller)
+        # Of other sources than those of the evidence, its lines are not these.
+        is_fresh = all(finding.kind not in ("stale", "unknown") for finding in checked.findings)
+        advice = _advice(controller) if is_fresh else ()
+        return Analysis(path, checked.findings, verdict=checked.verdict, advice=advice)
     except TraceRiskError as error:
         return Analysis(path, error=error)
+
+
+def _advice(controller: Controller) -> tuple[Advice, ...]:
+    """Return where a check would show undetected failures, by evidence of the last run."""
+    evidence = kept_evidence(controller)
+    entry = controller.project.lock.controllers.get(controller.file)
+    if evidence is None or evidence.edited is not None or entry is None:
+        return ()
+    if evidence.fingerprint != RunInputs.from_data(entry.inputs).fingerprint:
+        return ()
+    return tuple(
+        replace(advice, location=replace(place, file=str(controller.path_of(place.file))))
+        for advice in advice_of(evidence.cells)
+        for place in (advice.location,)
+    )
 
 
 def solve_ahead(path: Path, opened: Mapping[Path, bytes], projects: Projects) -> None:

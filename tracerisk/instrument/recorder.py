@@ -204,9 +204,13 @@ class Recorder:
         """Record free JSON data."""
         self._write("note", kind=kind, data=data)
 
-    def sign(self, by: SignKind, name: str) -> None:
-        """Record that something went wrong in the controller's eyes, or in an answer to it."""
-        self.note(SIGN, by=by, name=name, ns=self.clock())
+    def sign(self, by: SignKind, name: str, stack: Sequence[Frame] = ()) -> None:
+        """Record that something went wrong in the controller's eyes, or in an answer to it.
+
+        `stack` is that of the code that asked.
+        """
+        file, line = (stack[-1].function.file, stack[-1].site[0]) if stack else ("", 0)
+        self.note(SIGN, by=by, name=name, ns=self.clock(), file=file, line=line)
 
     def run_ended(self, cause: EndCause, message: str, location: Location | None = None) -> None:
         """Record the end of the run; only the first one counts."""

@@ -38,6 +38,10 @@ class Sign:
     """The name of the action or service, or the line of the log with each number as `#`."""
     ns: int
     """When it happened, in simulated time [ns]."""
+    file: str = ""
+    """The file of the code that asked, from the controller's root; empty where none is known."""
+    line: int = 0
+    """The line there that asked; 0 where none is known."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from tracerisk.common.evidence.advice import advice_of
 from tracerisk.common.evidence.cells import (
     EFFECTS,
     FATES,
@@ -311,6 +312,7 @@ def summary_lines(found: Evidence) -> list[str]:
             "the file is of an earlier version, without what became of the missions: who noticed "
             "is not known, and each failed mission counts as undetected"
         )
+    lines += [f"{advice.location}: {advice.words}" for advice in advice_of(cells)]
     if delays:
         lines.append(
             f"reported to the controller in {len(delays)}, "

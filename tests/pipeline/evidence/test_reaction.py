@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tests.pipeline.evidence.test_judgement import CELL, PICK, run
+from tracerisk.common.evidence.advice import advice_of
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.errors import Location
 from tracerisk.instrument.commands import Command
@@ -192,6 +193,26 @@ def test_a_stream_may_be_longer():
     assert reaction_to(stream(20), stream(30), 0.05).noticed_s is None
 
 
+def test_a_loop_that_waits_longer_notices_nothing_until_its_limit():
+    source = b"""def pick():
+    while not_there():
+        sleep(0.05)
+        if now() - began > 3.0:
+            raise Stop(now())
+"""
+    sites = [(3, 9), (4, 12), (5, 19), (5, 24)]
+    times = dict(zip(sites, (2.1, 2.15, 5.2, 5.2), strict=True))
+    recording = recorded(10, 11, 12, sources={"cell.py": source})
+    executed = {f"{line}:{column}:cell.py": at for (line, column), at in times.items()}
+    note = {
+        "executed": sorted(executed),
+        "first_ns": [round(executed[key] * SECOND) for key in sorted(executed)],
+        **{key: [] for key in ("turns", "raised", "waiting", "handled")},
+    }
+    failed = made(replace(recording, notes=(Note(CALLS, note),)), end=ended("raised", 5.2))
+    assert reaction_to(NOMINAL, failed, 2.0).noticed_s == pytest.approx(5.2)
+
+
 def test_functions_play_no_role():
     """The same lines, cut into other functions, give the same reaction."""
     failed = made(recorded(10, 11, command(3, 30, 2.5)), end=ended("ended", 3.0))
@@ -227,6 +248,70 @@ def test_the_fate_of_a_mission_that_failed(lines, end, fells, fate):
     failed = made(recorded(*lines), arrivals=off, end=ended(end, 6.0), verdict=verdict)
     cell = judge(NOMINAL, failed, CELL)
     assert (cell.fails, cell.fate) == (True, fate)
+
+
+OFF = ({"joint_1": 0.9}, {"joint_1": -0.5})
+
+
+def missed(failed, unit="joint_1"):
+    cell = judge(NOMINAL, failed, replace(CELL, unit=unit))
+    return cell.missed_check, cell.missed_at
+
+
+def told(by, at_s, line, name="/grasp"):
+    return Note(
+        SIGN, {"by": by, "name": name, "ns": round(at_s * SECOND), "file": "cell.py", "line": line}
+    )
+
+
+def test_what_would_help_is_the_first_answer_that_nobody_looked_at():
+    recording = recorded(10, 11, 12, 13)
+    notes = (*recording.notes, told("result", 3.1, 12), told("code", 2.6, 11))
+    unaware = made(replace(recording, notes=notes), arrivals=OFF)
+    assert missed(unaware) == ("result", "cell.py:11")
+    # One that the run without the failure gets too says nothing.
+    usual = replace(NOMINAL, recording=replace(NOMINAL.recording, notes=notes))
+    assert judge(usual, unaware, CELL).missed_check is None
+    # Nor does one to which it reacted at once.
+    recording = recorded(10, 11)
+    notes = (*recording.notes, told("code", 2.6, 11))
+    stopped = made(replace(recording, notes=notes), arrivals=OFF, end=ended("exited", 2.6))
+    assert missed(stopped) == (None, "")
+
+
+def test_what_would_help_with_a_gripper_is_its_width_after_its_last_command():
+    grip = replace(command(2, 21, 1.0), elements=("hand",))
+    nominal = recorded(10, grip, 12, 13)
+    failed = made(nominal, arrivals=OFF)
+    cell = judge(made(nominal), failed, replace(CELL, unit="hand", mode="no_force"))
+    assert (cell.missed_check, cell.missed_at) == ("grip", "cell.py:21")
+
+
+@pytest.mark.parametrize("cause", ["deadlock", "wall_limit", "duration"])
+def test_what_would_help_with_a_wait_for_ever_is_a_limit(cause):
+    end = ended(cause, 30.0, location=Location("cell.py", 17))
+    assert missed(made(recorded(10, 11, 12), arrivals=OFF, end=end)) == ("time_limit", "cell.py:17")
+
+
+def test_places_where_a_check_would_help_come_with_what_they_would_show():
+    result = replace(
+        CELL, fails=True, fate="unaware", missed_check="result", missed_at="cell.py:11"
+    )
+    cells = [
+        result,
+        replace(result, time_s=3.0, mode="jam"),
+        replace(result, time_s=4.0, missed_check="grip", missed_at="cell.py:21"),
+        replace(result, time_s=5.0, fate="stopped_safely"),
+    ]
+    first, second = advice_of(cells)
+    assert (str(first.location), len(first.cells)) == ("cell.py:11", 2)
+    assert first.words == (
+        "the answer to this call is not looked at: 2 failures end the mission undetected "
+        "(motor dead, motor jam)"
+    )
+    assert second.words.startswith(
+        "the width of the gripper is not read after this command: 1 fail"
+    )
 
 
 @pytest.mark.parametrize(

@@ -95,6 +95,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print(options: argparse.Namespace, found: Evidence) -> None:
+    from tracerisk.common.evidence.advice import advice_of
+
     name = Path(options.controller).name
     for path, text in (
         (options.csv, fmea.csv_text(found)),
@@ -109,6 +111,16 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
             complete=found.is_complete,
             declared=found.declared,
             drawn=found.drawn,
+            would_help=[
+                {
+                    "check": advice.check,
+                    "file": advice.location.file,
+                    "line": advice.location.line,
+                    "undetected": len(advice.cells),
+                    "words": advice.words,
+                }
+                for advice in advice_of(found.cells)
+            ],
             edited="" if found.edited is None else found.edited.words,
             robot=found.robot,
             rows=[

@@ -34,6 +34,10 @@ UNDETECTED: frozenset[Fate] = frozenset({"stopped_late", "unaware"})
 Notice = Literal["result", "code", "exception", "log", "control_flow"]
 """By what a controller showed that it had noticed a failure."""
 NOTICES: tuple[Notice, ...] = get_args(Notice)
+MissedCheck = Literal["result", "grip", "time_limit"]
+"""What would have shown a failure: an answer that was not looked at, the width of a gripper, or a
+limit of the time to wait."""
+MISSED_CHECKS: tuple[MissedCheck, ...] = get_args(MissedCheck)
 Use = Literal["moving", "holding", "grasping", "active", "idle"]
 """What a unit did at the instant of its failure; `active` where it is none of the first three."""
 
@@ -87,6 +91,10 @@ class Cell:
     next_function: str = ""
     """The qualified name of the function whose command came first after it had noticed; empty
     where it commanded nothing more, or did not notice."""
+    missed_check: MissedCheck | None = None
+    """What would have shown an undetected failure to the controller; `None` where nobody knows."""
+    missed_at: str = ""
+    """The place where it would stand, as `file:line`; empty for none."""
     local: str = ""
     """What the unit itself did, in words: `sagged by 0.31 rad`."""
     told_after_s: float | None = None
@@ -210,6 +218,7 @@ class Evidence:
 
 _OUTCOME = (
     *("fails", "effect", "effects", "fate", "noticed_by", "noticed_s", "shows_in"),
+    *("missed_check", "missed_at"),
     *("next_function", "local", "told_after_s", "told_by", "effect_after_s", "lost", "contact"),
     "followed_s",
 )

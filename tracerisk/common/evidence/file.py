@@ -16,6 +16,7 @@ from typing import Any, get_args
 from tracerisk.common.evidence.cells import (
     EFFECTS,
     FATES,
+    MISSED_CHECKS,
     NOTICES,
     Cell,
     Edited,
@@ -198,6 +199,8 @@ _DEFAULTS: dict[str, Any] = {
     "noticed_s": None,
     "shows_in": "",
     "next_function": "",
+    "missed_check": None,
+    "missed_at": "",
     "local": "",
     "told_after_s": None,
     "told_by": "",
@@ -210,13 +213,14 @@ _DEFAULTS: dict[str, Any] = {
 
 _TEXTS = (
     *("component", "unit", "mode", "function", "shows_in", "next_function", "local", "told_by"),
-    "contact",
+    *("contact", "missed_at"),
 )
 _CHOICES: dict[str, tuple[Any, ...]] = {
     "effect": EFFECTS,
     "use": get_args(Use),
     "fate": (*FATES, None),
     "noticed_by": (*NOTICES, None),
+    "missed_check": (*MISSED_CHECKS, None),
 }
 """The values that a field may have; `None` for a field that may be missing."""
 

@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
-from tracerisk.common.evidence.cells import EFFECTS, Cell, Effect, Fate
+from tracerisk.common.evidence.cells import EFFECTS, UNDETECTED, Cell, Effect, Fate
 from tracerisk.common.hardware.model import CONTROL
 from tracerisk.common.verdict import MISSION_MISSED, Reason
+from tracerisk.pipeline.evidence.missed_checks import missed_check
 from tracerisk.pipeline.evidence.mission_run import MissionRun, Position
 from tracerisk.pipeline.evidence.reaction import Reaction, new_reports, reaction_to
 from tracerisk.trace import GOOD_ENDS, Contact, ObjectOffset, RunEnd, Visit
@@ -73,14 +74,17 @@ def judge(
     if has_conditions and failed.is_decided:
         fails = any(item.effect == "collision" for item in seen)
     elif has_conditions:
-        missed = [reason.words for reason in _reasons(failed) if _is_missed(reason)]
-        fails = bool(missed) or any(item.effect in ("collision", "ended_badly") for item in seen)
-        lost = tuple(f"missed: {name}" for name in missed)
+        lost = tuple(f"missed: {item.words}" for item in _reasons(failed) if _is_missed(item))
+        fails = bool(lost) or any(item.effect in ("collision", "ended_badly") for item in seen)
     else:
         fails = any(item.effect in _OF_THE_MISSION for item in seen)
     reaction = reaction_to(nominal, failed, cell.time_s)
     fate = _fate(failed, reaction, seen, fails=fails)
-    shows_in = _function_of(failed, _first_shown(seen, reaction, failed))
+    shown_s = _first_shown(seen, reaction, failed)
+    missed = None
+    if fails and fate in UNDETECTED:
+        effect_s = math.inf if shown_s is None else shown_s
+        missed = missed_check(nominal, failed, cell, reaction, effect_s)
     report = _first_report(nominal, failed, cell.time_s)
     if report is not None:
         seen.append(_Seen("told", report[0], report[1]))
@@ -99,8 +103,10 @@ def judge(
         fate=fate,
         noticed_by=reaction.noticed_by,
         noticed_s=_after(reaction.noticed_s, cell),
-        shows_in=shows_in,
+        shows_in=_function_of(failed, shown_s),
         next_function=_function_from(failed, reaction.next_s),
+        missed_check=None if missed is None else missed[0],
+        missed_at="" if missed is None else missed[1],
         local=_local(failed, cell),
         told_after_s=None if report is None else _after(report[0], cell),
         told_by="" if report is None else report[1],

@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from tracerisk.common.evidence.cells import Notice
+from tracerisk.instrument.code_positions import call_position
 from tracerisk.instrument.commands import Command
+from tracerisk.instrument.marks.call_log import Site
 from tracerisk.instrument.recording import is_near
 from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.evidence.mission_run import MissionRun
@@ -206,7 +208,13 @@ class _Signs:
     def __init__(self, nominal: MissionRun, failed: MissionRun, fault_ns: int) -> None:
         before, now = nominal.calls, failed.calls
         self._failed = failed
-        known = before.executed
+        polled = {
+            (file, site)
+            for file, source in failed.recording.sources.items()
+            for site in _polled_sites(source)
+        }
+        # A loop that waits longer is no other way.
+        known = before.executed | polled
         self._new_ns = sorted(
             ns for place, ns in now.first_ns.items() if place not in known and ns >= fault_ns
         )
@@ -271,6 +279,26 @@ def _raising_lines(source: bytes) -> frozenset[int]:
         if isinstance(node, ast.Raise | ast.Assert)
         for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
     )
+
+
+@lru_cache(maxsize=64)
+def _polled_sites(source: bytes) -> frozenset[Site]:
+    """Return the calls that a `while` loop makes in each of its rounds."""
+    tree = parsed(source)
+    loops = [] if tree is None else [n for n in ast.walk(tree) if isinstance(n, ast.While)]
+    sites = set()
+    for loop in loops:
+        pending: list[ast.AST] = [*loop.body]
+        while pending:
+            node = pending.pop()
+            if isinstance(node, ast.Call):
+                line, column = call_position(node)
+                sites.add((line, column + 1))
+            if isinstance(node, ast.If):
+                pending.append(node.test)
+            elif not isinstance(node, ast.ExceptHandler | ast.Match | ast.FunctionDef):
+                pending += ast.iter_child_nodes(node)
+    return frozenset(sites)
 
 
 def new_reports(nominal: Trace, failed: Trace, fault_s: float) -> Iterator[Finding]:

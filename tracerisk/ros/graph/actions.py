@@ -72,7 +72,7 @@ class Actions:
         server = goal.server
         if goal.client.by_controller and server is not None and not server.by_controller:
             has_failed = goal.state in (GoalState.ABORTED, GoalState.REJECTED, GoalState.LOST)
-            answer_failed(goal.client.name, goal.result, has_failed=has_failed)
+            answer_failed(goal.client.name, goal.result, goal.stack, has_failed=has_failed)
 
     def note_late_cancel(self, goal: ActionGoal) -> None:
         """Pass on that a goal was to be cancelled that was over."""

@@ -79,20 +79,26 @@ def trouble_logged(severity: str, text: str) -> None:
     )
 
 
-def answer_failed(name: str, answer: Any, *, has_failed: bool = False) -> None:
+def answer_failed(
+    name: str, answer: Any, stack: Sequence[Any] | None = None, *, has_failed: bool = False
+) -> None:
     """Record the answer of an action or a service where it is a failure.
 
-    `has_failed` says that its status is one; else its fields say so.
+    `stack` is that of the code that asked, by default of the code that runs; `has_failed` says that
+    its status is a failure, else its fields say so.
     """
     runtime = running()
     if runtime is None or runtime.beside is not None or runtime.recorder is None:
         return
     code = getattr(answer, "error_code", 0)
     code = getattr(code, "val", code)  # that of MoveIt is 1 for a success
-    if has_failed or code not in (0, 1, "", None):
-        runtime.recorder.sign("code", name)
-    elif any(getattr(answer, field, True) is False for field in ("success", "reached_goal")):
-        runtime.recorder.sign("result", name)
+    is_code = has_failed or code not in (0, 1, "", None)
+    says_no = any(getattr(answer, field, True) is False for field in ("success", "reached_goal"))
+    if is_code or says_no:
+        tracer: Any = runtime.tracer
+        if stack is None:
+            stack = () if tracer is None else tracer.stack()
+        runtime.recorder.sign("code" if is_code else "result", name, stack)
 
 
 def plain_line(text: str) -> str:
