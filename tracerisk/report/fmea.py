@@ -28,13 +28,18 @@ from tracerisk.report.tables import csv_of, rendered, table_of
 
 HEADINGS = (
     *("component", "failure mode", "failure cause", "function", "local effect", "end effect"),
-    *("detected by", "detected after s", *(fate.replace("_", " ") for fate in FATES)),
+    *(
+        "detected by",
+        "detected after s",
+        "told after s",
+        *(fate.replace("_", " ") for fate in FATES),
+    ),
     *("c", "c 5 %", "c 95 %", "undetected", "undetected 5 %", "undetected 95 %"),
     *("failed", "cells", "ended early", "severity", "occurrence", "hardest contact"),
 )
 """The columns of the table that is written, with the names of IEC 60812; those of occurrence and
-severity are the engineer's. `ended early` counts the cells whose run was not followed to its
-end."""
+severity are the engineer's. `told after s` is when an interface first reported a failure, noticed
+or not; `ended early` counts the cells whose run was not followed to its end."""
 DFMEA_HEADINGS = (
     *("Focus Element", "Function", "Failure Effects (FE)", "Severity (S) of FE"),
     *("Failure Mode (FM)", "Failure Cause (FC)", "Current Prevention Controls (PC) of FC"),
@@ -194,6 +199,8 @@ class FmeaRow:
     def values(self) -> tuple[str, ...]:
         """The row as text, in the order of `HEADINGS`."""
         noticed = self.noticed_s
+        told = [cell.told_after_s for cell in self.cells if cell.told_after_s is not None]
+        told_s = statistics.median(told) if told else None
         return (
             self.component,
             self.mode,
@@ -203,6 +210,7 @@ class FmeaRow:
             end_effect(self.cells),
             self.detection,
             "" if noticed is None else f"{noticed:.3g}",
+            "" if told_s is None else f"{told_s:.3g}",
             *map(str, self.fates),
             *_share(self.failed, len(self.cells)),
             *_share(self.undetected, len(self.cells)),

@@ -39,10 +39,10 @@ def missed_check(
 
 
 def _ignored_answer(nominal: MissionRun, failed: MissionRun, cell: Cell, reaction: Reaction) -> str:
-    """Return who was told first that something failed, and did not react; empty for nobody."""
+    """Return where the first bad answer came without a reaction; empty for none."""
     noticed_s = math.inf if reaction.noticed_s is None else reaction.noticed_s
     usual = {(sign.name, sign.file, sign.line) for sign in nominal.recording.signs}
-    told = [
+    answered = [
         (sign.ns / _SECOND_NS, f"{sign.file}:{sign.line}")
         for sign in failed.recording.signs
         if sign.by != "log" and sign.line and (sign.name, sign.file, sign.line) not in usual
@@ -50,6 +50,6 @@ def _ignored_answer(nominal: MissionRun, failed: MissionRun, cell: Cell, reactio
     for finding in new_reports(nominal.trace, failed.trace, cell.time_s):
         place = finding.location
         if place is not None and place.line is not None:
-            told.append((finding.time_s or 0.0, f"{place.file}:{place.line}"))
-    late = [item for item in told if cell.time_s <= item[0] < noticed_s - AT_ONCE_S]
+            answered.append((finding.time_s or 0.0, f"{place.file}:{place.line}"))
+    late = [item for item in answered if cell.time_s <= item[0] < noticed_s - AT_ONCE_S]
     return min(late, default=(0.0, ""))[1]

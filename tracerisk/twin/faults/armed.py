@@ -166,7 +166,7 @@ class ArmedFaults:
         return live
 
     def look(self, step: int, model: Any, data: Any) -> None:
-        """Let the drives look at their encoders: where one fails they may stop the arm."""
+        """Compare encoders with their set-points as drives do, and stop the arm where they would."""
         if step % LOOK_EVERY or not self._live:
             return
         for live in self._live:
