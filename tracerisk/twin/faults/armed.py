@@ -166,7 +166,7 @@ class ArmedFaults:
         return live
 
     def look(self, step: int, model: Any, data: Any) -> None:
-        """Compare encoders with their set-points as drives do, and stop the arm where they would."""
+        """Compare encoders with their set-points, and stop the arm where its drives would."""
         if step % LOOK_EVERY or not self._live:
             return
         for live in self._live:
