@@ -297,7 +297,7 @@ def test_failures_that_end_the_mission_are_replayed(gathered, tmp_path, example_
     found = read_evidence(folder.folder / "tracerisk.evidence")["controller.py"]
     matter = {(each.unit, each.mode) for each in found.cells if each.fails}
     pages = sorted(each.name for each in (folder.folder / "pages").iterdir())
-    assert {"index.html", "without.html"} < set(pages)
+    assert {"index.html", "without.html", "beside.html"} < set(pages)
     shown = [each for each in pages if each.startswith("panda_joint1-")]
     assert {tuple(each.split("-")[:2]) for each in shown} == matter
     index = folder.read("pages/index.html").decode()
@@ -306,6 +306,8 @@ def test_failures_that_end_the_mission_are_replayed(gathered, tmp_path, example_
         text = folder.read(f"pages/{name}").decode()
         assert 'href="index.html"' in text
         assert "replay" in text
+        assert (f'href="beside.html#{name}"' in text) == (name != "without.html")
+        assert f'"{name}"' in folder.read("pages/beside.html").decode()
     assert f"{len(shown)} replays, and index.html, in pages" in done.err
 
 

@@ -22,12 +22,12 @@ from tracerisk.pipeline.freshness.freshness import stated
 from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.report.fmea import FATE_WORDS, all_effects, end_effect, fmea_rows, unnoticed_for
-from tracerisk.report.html.evidence import render_evidence
+from tracerisk.report.html.evidence import render_beside, render_evidence
 from tracerisk.report.html.fault_report import render_fault_report
 from tracerisk.trace import Trace
 from tracerisk.twin.faults.fault import Fault
 
-INDEX, WITHOUT = "index.html", "without.html"
+INDEX, WITHOUT, BESIDE = "index.html", "without.html", "beside.html"
 _BATCH = 16
 
 
@@ -42,9 +42,9 @@ def write_replays(
     """Run the failures that matter again, and write a page with the replay of each.
 
     Those are, for each component, mode and function, the worst one that ended the mission.
-    `index.html` in the folder leads to them, `without.html` is the run without a failure. Files
-    that are there are replaced. Returns how
-    many failures have a page.
+    `index.html` in the folder leads to them, `without.html` is the run without a failure, and
+    `beside.html` shows both side by side. Files that are there are replaced. Returns how many
+    failures have a page.
     Raises InputError where the folder is a file, and as `plan_campaign`.
     """
     if folder.exists() and not folder.is_dir():
@@ -68,6 +68,8 @@ def write_replays(
                 progress(len(pages), len(cells), each_s * (len(cells) - len(pages)))
     index = render_evidence(found, Path(controller).name, pages, WITHOUT)
     atomic_write(folder / INDEX, index.encode())
+    beside = render_beside(Path(controller).name, pages, WITHOUT)
+    atomic_write(folder / BESIDE, beside.encode())
     return len(pages)
 
 
@@ -93,7 +95,9 @@ def _replayed(nominal: Nominal, hardware: Hardware, cells: list[Cell]) -> list[t
                 continue
             folder = kept / str(result.branch.index)
             fault = fault_of(cell)
-            pages.append((cell, _page(result.run.trace, fault, _lines(cell), hardware, folder)))
+            beside = Markup('<a href="{}#{}">beside the run without a failure</a>')
+            lines = [beside.format(BESIDE, _name(cell)), *_lines(cell)]
+            pages.append((cell, _page(result.run.trace, fault, lines, hardware, folder)))
     return pages
 
 

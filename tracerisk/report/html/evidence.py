@@ -48,6 +48,14 @@ def render_evidence(found: Evidence, name: str, pages: Pages, without: str) -> s
     return page(f"Failures of {name}", lead, (Section("replays", "Replays", runs), section))
 
 
+def render_beside(name: str, pages: Pages, without: str) -> str:
+    """Return the page that shows the failure named in its address beside the run without one.
+
+    Both show the same instant.
+    """
+    return rendered("beside.html.j2", name=name, pages=sorted(pages.values()), without=without)
+
+
 def evidence_section(
     found: Evidence, *, is_used: bool | None, pages: Pages | None = None
 ) -> Section:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tracerisk.report.html.page import page, rendered
+from tracerisk.report.html.page import asset, page, rendered
 from tracerisk.report.html.section import Section
 from tracerisk.trace import Trace
 
@@ -26,7 +26,7 @@ def render_fault_report(
     outcome = rendered("list.html.j2", lines=lines, lead="", empty="")
     assumed = rendered("list.html.j2", lines=trace.assumptions, lead="", empty="Nothing.")
     result = (
-        Section("outcome", "Effect", outcome),
+        Section("outcome", "Effect", outcome, js=asset("beside.js")),
         *sections,
         Section("assumptions", "Assumptions", assumed),
     )
