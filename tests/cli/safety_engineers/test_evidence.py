@@ -485,3 +485,32 @@ def test_a_killed_campaign_leaves_no_process_and_no_folder_of_its_workers(
     assert not ours()
     # That of the process which was killed outright is all that is left.
     assert len(list(kept.iterdir())) == left
+
+
+def test_failures_that_pass_are_tried_as_the_description_says(gathered, tmp_path, example_in):
+    folder = settled(example_in(tmp_path / "passing"))
+    folder.write(
+        "one.yaml",
+        HARDWARE
+        + "    modes:\n"
+        + "      sticks: {fraction: 0.5, fault: jam, lasts_s: 0.1}\n"
+        + "      jams: {fraction: 0.5, fault: jam}\n",
+    )
+    done = folder.run(*GATHER, "--dfmea", "dfmea.csv")
+    assert done.code == 0, done.err
+    cells = read_evidence(folder.folder / "tracerisk.evidence")["controller.py"].cells
+    by_mode = {mode: [each for each in cells if each.mode == mode] for mode in ("jam", PASSING)}
+    assert all(len([each for each in own if each.drawn]) >= 3 for own in by_mode.values())
+    assert len(cells) == sum(map(len, by_mode.values()))
+    # The joint goes on when it is free again: those that pass leave it where it should be.
+    failed = {mode: sum(each.fails for each in own) for mode, own in by_mode.items()}
+    off = {
+        mode: sum("wrong_position" in each.effects for each in own) for mode, own in by_mode.items()
+    }
+    assert failed[PASSING] <= failed["jam"]
+    assert off[PASSING] < off["jam"]
+    assert "motor,act" in folder.read("dfmea.csv").decode()
+    assert "intermittent" in folder.read("dfmea.csv").decode()
+
+
+PASSING = "jam for 0.1 s"
