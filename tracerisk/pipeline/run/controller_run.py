@@ -233,8 +233,8 @@ def run_request(
         shutil.rmtree(written / TEMPORARY, ignore_errors=True)  # each start makes its own
     else:
         raise errors.InputError(
-            "is replaced again and again while the run starts; end what writes it, then run the same "
-            "command again",
+            "is replaced again and again while the run starts; end what writes it, then run "
+            "the same command again",
             errors.Location(os.path.relpath(str(file))),
         )
     done = ended_run(controller, robot, settings, request, process_end, options)
