@@ -33,7 +33,7 @@ def test_a_run_goes_well_although_its_file_is_saved_while_it_starts(example):
     over = threading.Event()
 
     def save() -> None:
-        for _ in range(40):
+        for _ in range(8):
             if over.wait(0.05):
                 break
             copy = example.folder / "copy"

@@ -17,7 +17,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from tracerisk.common.acceptances import KEYS
 from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.common.worlds.world import ALL, WORLDS, group_names
-from tracerisk.config import FRACTIONS, FROM_ONE, Settings
+from tracerisk.config import FRACTIONS, FROM_ONE, GREATEST_TOLERANCE, Settings
 
 SchemaName = Literal["settings", "pyproject", "hardware", "scenario", "driver"]
 """The kinds of files: `settings` is the table `[tool.tracerisk]` alone, `pyproject` a whole
@@ -98,6 +98,8 @@ def _values(name: str, hint: Any) -> dict[str, Any]:
     """Return the schema of the values that a setting takes, by its name and type."""
     if name in FRACTIONS:
         return {"type": "number", "minimum": 0, "maximum": 1}
+    if name == "tolerance":
+        return {"type": "number", "minimum": 0, "maximum": GREATEST_TOLERANCE}
     if name in FROM_ONE:
         return {"type": "integer", "minimum": 1}
     if name == "accept":
