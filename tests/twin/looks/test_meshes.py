@@ -1,4 +1,4 @@
-"""Meshes of a robot's own model, and of mujoco_menagerie where the user has it."""
+"""Meshes of a robot's own model, and of mujoco_menagerie where the user names it."""
 
 import base64
 import struct
@@ -116,12 +116,26 @@ def test_a_model_whose_joints_are_elsewhere_is_not_drawn_and_said_so(menagerie):
     assert "are not drawn: mujoco_menagerie/universal_robots_ur5e/ur5e.xml:1" in note
 
 
-def test_without_the_folder_nothing_is_said(monkeypatch, tmp_path):
+def test_without_the_folder_nothing_is_said(menagerie, monkeypatch, tmp_path):
+    robot = load_robot("ur5e")
     monkeypatch.setenv(VARIABLE, str(tmp_path / "gone"))
-    assert menagerie_meshes(load_robot("ur5e")) == ({}, "")
+    assert menagerie_meshes(robot) == ({}, "")
+    monkeypatch.setenv(VARIABLE, "")
+    assert menagerie_meshes(robot) == ({}, "")
+
+
+def test_only_a_folder_that_is_named_is_looked_into(menagerie, monkeypatch, tmp_path):
+    """The same run gives the same page, whatever else is on the machine."""
+    robot = load_robot("ur5e")
+    menagerie(model_of(robot))
     monkeypatch.delenv(VARIABLE)
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert menagerie_meshes(load_robot("ur5e")) == ({}, "")
+    for usual in ("mujoco_menagerie", ".cache/robot_descriptions/mujoco_menagerie"):
+        (tmp_path / usual).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / usual).symlink_to(tmp_path)
+    assert menagerie_meshes(robot) == ({}, "")
+    monkeypatch.setenv(VARIABLE, "~/mujoco_menagerie")
+    assert menagerie_meshes(robot)[0]
 
 
 def test_the_own_model_is_drawn_by_its_meshes_and_simulated_as_before(tmp_path):

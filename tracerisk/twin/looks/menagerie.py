@@ -1,7 +1,7 @@
-"""A model with meshes of a shipped robot, where the user has mujoco_menagerie.
+"""A model with meshes of a shipped robot, where the user asks for those of mujoco_menagerie.
 
-Nothing is fetched: the folder is the one that `TRACERISK_MENAGERIE` names, or one of those in which
-it usually is: a clone, the cache of robot_descriptions, or that of the package mujoco-menagerie.
+Nothing is fetched or searched for: the folder is the one that `TRACERISK_MENAGERIE` names, so that
+the same run gives the same page on every machine.
 """
 
 from __future__ import annotations
@@ -17,14 +17,8 @@ from tracerisk.twin.model_files.paths import ModelFolder
 from tracerisk.twin.robots.robot import Robot
 
 VARIABLE = "TRACERISK_MENAGERIE"
-"""Environment variable that names the folder of mujoco_menagerie; empty for none."""
+"""Environment variable that names the folder of mujoco_menagerie; none by default."""
 
-_USUAL = (
-    "~/mujoco_menagerie",
-    "~/.cache/robot_descriptions/mujoco_menagerie",
-    "~/.cache/mujoco_menagerie",
-    "~/Library/Caches/mujoco_menagerie",
-)
 _MODELS = {
     "fr3": "franka_fr3/fr3.xml",
     "gen3": "kinova_gen3/gen3.xml",
@@ -44,7 +38,7 @@ _MODELS = {
 def menagerie_meshes(robot: Robot) -> tuple[dict[str, tuple[Piece, ...]], str]:
     """Return the meshes of a shipped robot by its links, and a sentence on them.
 
-    Both are empty where the user has none; without meshes the sentence says why.
+    Both are empty where the user names no folder; without meshes the sentence says why.
     """
     name = _MODELS.get(robot.name, "")
     path = None if robot.is_described or not name else _model(name)
@@ -65,15 +59,12 @@ def menagerie_meshes(robot: Robot) -> tuple[dict[str, tuple[Piece, ...]], str]:
 def _model(name: str) -> Path | None:
     """Return the file of a model; the package keeps each in a folder that ends with its digest."""
     named = os.environ.get(VARIABLE)
+    if not named:
+        return None
     model, file = name.split("/")
-    for place in _USUAL if named is None else (named,):
-        if not place:
-            continue
-        folder = _at(place)
-        for path in (folder / name, *sorted(folder.glob(f"models/{model}-*/**/{file}"))):
-            if path.is_file():
-                return path
-    return None
+    folder = _at(named)
+    paths = (folder / name, *sorted(folder.glob(f"models/{model}-*/**/{file}")))
+    return next((path for path in paths if path.is_file()), None)
 
 
 def _at(place: str) -> Path:

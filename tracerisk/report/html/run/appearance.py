@@ -29,7 +29,8 @@ _ALONG = 0.7  # cosine of the angle below which a shape goes along an axis
 def with_looks(bodies: Sequence[Body], robot: Robot) -> tuple[tuple[Body, ...], str]:
     """Return the bodies, those of the robot with what is drawn of them, and a sentence on it.
 
-    Meshes of the robot's own model come first, then those of mujoco_menagerie, then a shipped look.
+    Meshes of the robot's own model come first, then those of mujoco_menagerie where the user names
+    its folder, then a shipped look.
     The sentence is empty where there is nothing to say.
     """
     meshes, note = (own, "") if (own := own_meshes(robot)) else menagerie_meshes(robot)
