@@ -21,13 +21,13 @@ def blocks(language: str) -> list[str]:
 def test_the_commands_write_pages_with_the_sections_that_are_listed(example, quick, monkeypatch):
     monkeypatch.chdir(example.folder)
     example.write("controller.py", quick())
-    commands, dossier, _, _ = blocks("sh")
+    commands, dossier, both, _, _ = blocks("sh")
     first, *others = [shlex.split(line)[1:] for line in commands.splitlines()]
     outcome = example.run(*first, "--quiet")
     assert outcome.code == 0, outcome.err
     pages = [example.read("report.html").decode()]
     for words in (
-        ("init", "--quiet"), ("add", "controller.py"), ("commit", "--quiet", "-m", "x"),
+        ("init", "--quiet"), ("add", "controller.py", "tracerisk.lock"), ("commit", "--quiet", "-m", "x"),
     ):  # fmt: skip
         identity = ("-c", "user.name=t", "-c", "user.email=t@t")
         subprocess.run(["git", *identity, *words], check=True, capture_output=True)
@@ -40,6 +40,9 @@ def test_the_commands_write_pages_with_the_sections_that_are_listed(example, qui
     assert sorted(["Since REV", *run]) == sorted(reported)
     assert plain == run
     assert against == [run[0], "Since HEAD", *run[1:]]
+    for words in both.splitlines()[:2]:  # the third names what another machine has left
+        assert example.run(*shlex.split(words.replace("v1.2", "HEAD"))[1:], "--quiet").code == 0
+        assert "It is the same run as at HEAD." in example.read("report.html").decode()
     assert example.run(*shlex.split(dossier)[1:], "--quiet").code == 0
     with zipfile.ZipFile(example.folder / "dossier.zip") as archive:
         names = archive.namelist()
@@ -62,7 +65,7 @@ def test_the_commands_draw_the_pictures(example, quick, monkeypatch, capsys, fil
     for draw in (drawn, filmed):
         monkeypatch.setitem(draw.__kwdefaults__, "size", (240, 160))
     example.write("controller.py", quick())
-    _, _, commands, films = blocks("sh")
+    *_, commands, films = blocks("sh")
     again, run, kept = [shlex.split(line)[1:] for line in commands.splitlines()]
     outcome = example.run(*run, "--quiet")
     assert outcome.code == 0, outcome.err

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+import os
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,14 +13,96 @@ from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.review.git_versions import compared
 
 if TYPE_CHECKING:
+    from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.review.change_records import Review
+    from tracerisk.report.html.report_input import SideBySide, SourceFile
+    from tracerisk.report.html.run.replay import RecordedRun
 
 
 def add_against(parser: argparse.ArgumentParser) -> None:
     """Add the option."""
     parser.add_argument(
-        "--against", metavar="REV", help="show the difference to this git revision in the report"
+        "--against",
+        metavar="REV",
+        help="show the difference to this git revision in the report, with both runs side by side "
+        "where their recordings are kept",
     )
+
+
+def add_earlier_run(parser: argparse.ArgumentParser) -> None:
+    """Add the options that bring the run of that revision."""
+    parser.add_argument(
+        "--against-recording",
+        metavar="PATH",
+        help="the recording of the run of --against: what `run --keep DIR` left, a .replay file, "
+        "or the .tracerisk_cache of another machine (default: the cached one)",
+    )
+    parser.add_argument(
+        "--run-against",
+        action="store_true",
+        help="run the controller as it was at --against once more, in a folder of its own, if its "
+        "recording is not kept",
+    )
+
+
+def check_earlier_run(options: argparse.Namespace) -> None:
+    """Raise InputError where options that bring an earlier run name no revision."""
+    for name in ("against_recording", "run_against"):
+        if getattr(options, name) and options.against is None:
+            raise InputError(f"--{name.replace('_', '-')} goes with --against; add it")
+
+
+def both_runs(
+    options: argparse.Namespace,
+    controller: Controller | None,
+    *,
+    review: Review | None,
+    fingerprint: str,
+    now: RecordedRun | str,
+    sources: Mapping[str, bytes],
+) -> SideBySide | str:
+    """Return the run of `--against` and the present one, to show in step, or why not.
+
+    "" where none is asked for. `now` is what was recorded of the present run, or why nothing was;
+    `sources` are the present ones by the names of their files. Raises as `earlier_run`.
+    """
+    if review is None or controller is None:
+        return ""
+    if isinstance(now, str):
+        return now or "No run is known of the present sources."
+    from tracerisk.cli.reporting.report_input import shown_sources
+    from tracerisk.cli.shared.progress import progress_bar
+    from tracerisk.pipeline.pictures.earlier_run import earlier_run
+    from tracerisk.report.html.report_input import EarlierRun, SideBySide
+
+    given = getattr(options, "against_recording", None)
+    here = os.path.relpath(controller.path)
+    was = next((diff.was for diff in review.controllers if diff.name == here), None)
+    runs = getattr(options, "run_against", False)
+    with progress_bar(controller.settings.run_duration_s, quiet=options.quiet or not runs) as bar:
+        found = earlier_run(
+            controller,
+            options.against,
+            was=was,
+            fingerprint=fingerprint,
+            recording=None if given is None else Path(given),
+            runs=runs,
+            progress=bar,
+        )
+    if isinstance(found, str):
+        return found
+    names = {str(controller.path_of(file)): file for file in (controller.file, *found.sources)}
+    return SideBySide(
+        EarlierRun(
+            found.version, found.trace, found.recorded, _by_name(shown_sources(found.sources))
+        ),
+        now,
+        {names[source.name]: source for source in shown_sources(sources) if source.name in names},
+    )
+
+
+def _by_name(sources: Iterable[SourceFile]) -> dict[str, SourceFile]:
+    return {source.name: source for source in sources}
 
 
 def check_against(options: argparse.Namespace) -> None:

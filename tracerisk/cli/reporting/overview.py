@@ -18,7 +18,18 @@ if TYPE_CHECKING:
 _GENERATED = b'<meta name="generator" content="tracerisk">'
 _HEAD_BYTES = 4096  # within which a page names what made it
 _NOT_WITH_IT = (
-    *("against", "history", "trace", "png", "gif", "mp4", "recording", "dossier"),
+    *(
+        "against",
+        "against_recording",
+        "run_against",
+        "history",
+        "trace",
+        "png",
+        "gif",
+        "mp4",
+        "recording",
+        "dossier",
+    ),
     *("hardware", "active", "profile"),
 )
 
@@ -34,7 +45,9 @@ def write_overview(options: argparse.Namespace) -> int:
         raise InputError("--all takes every controller that a lock knows; name none beside it")
     for name in _NOT_WITH_IT:
         if getattr(options, name):
-            raise InputError(f"--{name} is for the report of one controller; leave out --all")
+            raise InputError(
+                f"--{name.replace('_', '-')} is for the report of one controller; leave out --all"
+            )
     if options.output is None:
         raise InputError("--all writes one page; give -o/--output OUT.html")
     known_controllers = overview(Path())

@@ -21,7 +21,7 @@ from tracerisk.pipeline.failure_data.band import figure_band
 from tracerisk.pipeline.freshness.used_evidence import kept_evidence, used_evidence
 from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.pictures.run_section import run_section
-from tracerisk.report.html.report_input import ReportInput, SourceBlock, SourceFile
+from tracerisk.report.html.report_input import ReportInput, SideBySide, SourceBlock, SourceFile
 from tracerisk.report.run_figures import run_figures, set_by_hand
 
 if TYPE_CHECKING:
@@ -113,6 +113,7 @@ def report_input(
     *,
     run: RunShown | str,
     review: Review | None = None,
+    both_runs: SideBySide | str = "",
     verdict: Sequence[str] = (),
     more: tuple[Section, ...] = (),
     band: str = "",
@@ -131,6 +132,7 @@ def report_input(
         sources=shown_sources(sources),
         pins=overrides_in([Path(file) for file in sources], contents=sources),
         review=review,
+        both_runs=both_runs,
         verdict=tuple(verdict),
         sections=more,
         band=band,

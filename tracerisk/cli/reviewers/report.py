@@ -7,7 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk import api
-from tracerisk.cli.reporting.against import add_against, review_against
+from tracerisk.cli.reporting.against import (
+    add_against,
+    add_earlier_run,
+    both_runs,
+    check_earlier_run,
+    review_against,
+)
 from tracerisk.cli.reporting.overview import write_overview
 from tracerisk.cli.reporting.report_input import (
     RunShown,
@@ -59,6 +65,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "their reports beside it",
     )
     add_against(parser)
+    add_earlier_run(parser)
     parser.add_argument(
         "--history", action="store_true", help="show how the figure went over the commits of git"
     )
@@ -83,6 +90,7 @@ def run(options: argparse.Namespace) -> int:
     if not options.files:
         raise InputError("name a source, or give --all for every controller of the lock")
     check_picture_options(options)
+    check_earlier_run(options)
     if options.history and options.output is None:
         raise InputError("--history is a part of the page; give -o/--output OUT.html as well")
     kept = _kept(options.files[0])
@@ -126,12 +134,21 @@ def _write_page(
     more = history_shown(options.files[0]) if options.history else ()
     sources = {name: read_file(name) for name in files}
     run = _run_of(kept, trace, recorded, options)
+    review = review_against(options.against, files)
     page = report_input(
         assessment,
         model,
         sources,
         run=run,
-        review=review_against(options.against, files),
+        review=review,
+        both_runs=both_runs(
+            options,
+            None if kept is None else kept.controller,
+            review=review,
+            fingerprint="" if kept is None or trace is not None else kept.fingerprint,
+            now=recorded if isinstance(run, RunShown) else run,
+            sources=sources,
+        ),
         verdict=lines,
         more=more,
         band=band_shown(run, model, sources, _settings(kept, options)),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tracerisk import api
-from tracerisk.cli.reporting.against import review_against
+from tracerisk.cli.reporting.against import both_runs, review_against
 from tracerisk.cli.reporting.report_input import (
     RunShown,
     evidence_shown,
@@ -158,18 +158,28 @@ def _write_files(options: argparse.Namespace, finished: FinishedRun) -> None:
     if options.sarif is not None:
         write_sarif(options.sarif, run_alerts(done.trace, done.controller.root))
     if options.report is not None:
-        section = run_section(done.trace, done.hardware, replay_of(done.trace) or "")
+        recorded = replay_of(done.trace) or ""
+        section = run_section(done.trace, done.hardware, recorded)
         sections: tuple[Section, ...] = () if section is None else (section,)
         sections += worlds_shown(done.trace)
         sections += evidence_shown(done.controller, done.settings, done.annotated.fingerprint)
         verdict = as_typed(done.trace.verdict, done.controller.path)
         run = RunShown(done.trace, done.hardware, done.annotated.computed, sections)
+        review = review_against(options.against, done.sources)
         page = report_input(
             done.assessment,
             done.model,
             done.sources,
             run=run,
-            review=review_against(options.against, done.sources),
+            review=review,
+            both_runs=both_runs(
+                options,
+                done.controller,
+                review=review,
+                fingerprint=done.annotated.fingerprint,
+                now=recorded,
+                sources=done.sources,
+            ),
             verdict=(verdict_line(verdict), *verdict_details(verdict)),
             band="" if finished.band is None else finished.band.words,
             record=record_of(

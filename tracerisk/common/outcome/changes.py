@@ -11,6 +11,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from tracerisk.common.outcome.alignment import aligned
 from tracerisk.common.outcome.arm import Position, angle_between
@@ -80,6 +81,29 @@ def outcome_changes(
     return OutcomeChanges(*(tuple(dict.fromkeys(sentences)) for sentences in kinds))
 
 
+@dataclass(frozen=True, slots=True)
+class AlignedSteps:
+    """Steps of two runs that stand at the same place of both ways."""
+
+    before: tuple[Step, ...]
+    """Those of the earlier run; empty where only the later one has any."""
+    after: tuple[Step, ...]
+    """Those of the later run; empty where only the earlier one has any."""
+    words: tuple[str, ...] = ()
+    """What differs there, in sentences; empty where both do the same."""
+
+
+def aligned_steps(
+    old: Outcome, new: Outcome, tolerances: Tolerances = TOLERANCES
+) -> tuple[AlignedSteps, ...]:
+    """Return the ways of two runs in order: a step that both have, or what stands between two.
+
+    Nothing is returned for runs that command other joints.
+    """
+    joints = [tuple(arm.joints for arm in outcome.arms) for outcome in (old, new)]
+    return () if joints[0] != joints[1] else tuple(_Comparison(old, new, tolerances).in_step())
+
+
 class _Comparison:
     """Two outcomes, their steps aligned."""
 
@@ -129,21 +153,43 @@ class _Comparison:
         lost: list[str] = []
         added: list[str] = []
         for gone, come in self._gaps():
-            rests = [step for step in gone if isinstance(step, Rest)]
-            others = [step for step in come if isinstance(step, Rest)]
-            for old, new in zip(rests, others, strict=False):
-                lost.append(f"{self._rest_name(old)} is now {self._apart(old, new)} there")
-            lost += self._lost_rests(rests[len(others) :])
-            added += [f"a rest at {_place(new.tool_m)} is new" for new in others[len(rests) :]]
-            lost += _grip_changes(gone, come, added)
+            self._gap(gone, come, lost, added)
         added += self._other_postures()
         lost += self._moved_uses()
-        lost += self._other_ways()
+        lost += self._other_ways.values()
         totals = [len(outcome.steps) + outcome.left_out for outcome in (self._old, self._new)]
         if (self._old.left_out or self._new.left_out) and totals[0] != totals[1]:
             line = f"the mission has {totals[1]} steps in all, before: {totals[0]}"
             (lost if totals[1] < totals[0] else added).append(line)
         return lost, added
+
+    def _gap(
+        self, gone: Sequence[Step], come: Sequence[Step], lost: list[str], added: list[str]
+    ) -> None:
+        """Add what is lost and what is added between two steps that are the same."""
+        rests = [step for step in gone if isinstance(step, Rest)]
+        others = [step for step in come if isinstance(step, Rest)]
+        for old, new in zip(rests, others, strict=False):
+            lost.append(f"{self._rest_name(old)} is now {self._apart(old, new)} there")
+        lost += self._lost_rests(rests[len(others) :])
+        added += [f"a rest at {_place(new.tool_m)} is new" for new in others[len(rests) :]]
+        lost += _grip_changes(gone, come, added)
+
+    def in_step(self) -> Iterator[AlignedSteps]:
+        """Yield the steps that are the same, and those between them, in order."""
+        i = j = 0
+        for one, other in (*self._pairs, (len(self._before), len(self._after))):
+            if one > i or other > j:
+                gone, come = self._before[i:one], self._after[j:other]
+                lost: list[str] = []
+                added: list[str] = []
+                self._gap(gone, come, lost, added)
+                yield AlignedSteps(gone, come, tuple(dict.fromkeys((*lost, *added))))
+            if one < len(self._before):
+                step = self._before[one]
+                way = self._other_ways.get(step.order)
+                yield AlignedSteps((step,), (self._after[other],), (way,) if way else ())
+            i, j = one + 1, other + 1
 
     def _other_postures(self) -> Iterator[str]:
         """Yield rests at which the tool is where it was, and the arm is not."""
@@ -219,11 +265,13 @@ class _Comparison:
                 else f"{step.interface} {VERBS[step.kind]} at another point after rest {now}"
             )
 
-    def _other_ways(self) -> Iterator[str]:
-        """Yield rests that are reached by another way of the tool, from the same rest."""
+    @cached_property
+    def _other_ways(self) -> dict[int, str]:
+        """Rests that are reached by another way of the tool, from the same rest, by their order."""
+        ways: dict[int, str] = {}
         corner_m = max(self._old.corner_m, self._new.corner_m)
         if not (self._old.corner_m and self._new.corner_m):
-            return
+            return ways
         twin = {self._before[i].order: self._after[j].order for i, j in self._pairs}
         before, after = _rests_before(self._old), _rests_before(self._new)
         for i, j in self._pairs:
@@ -238,7 +286,10 @@ class _Comparison:
             )
             if off > _WAY * corner_m:
                 name = self._rest_name(old)
-                yield f"the way to {name} is up to {millimetres(off)} away from the old one"
+                ways[old.order] = (
+                    f"the way to {name} is up to {millimetres(off)} away from the old one"
+                )
+        return ways
 
     def pace(self) -> list[str]:
         """Return which rests and ways take another time, between rests that are the same."""

@@ -56,8 +56,8 @@ class TraceCache:
         """Return the file that holds what a replay of a run shows, if it is kept."""
         return self._path(fingerprint, controller).with_suffix(_REPLAY)
 
-    def write(self, fingerprint: str, trace: Trace) -> None:
-        """Keep a run as the controller's last one.
+    def write(self, fingerprint: str, trace: Trace, *, is_last: bool = True) -> None:
+        """Keep a run, as the controller's last one unless said otherwise.
 
         Raises InputError or OSError where the folder cannot be written.
         """
@@ -68,6 +68,8 @@ class TraceCache:
         if trace.replay is not None and len(trace.replay) <= MOST_REPLAY_BYTES:
             atomic_write(path.with_suffix(_REPLAY), trace.replay)
             self._drop_oldest(path.with_suffix(_REPLAY))
+        if not is_last:
+            return
         for old in self._folder.glob(f"{_short(trace.controller)}-*.json"):
             if old != path and not old.with_suffix(_REPLAY).exists():
                 old.unlink(missing_ok=True)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from markupsafe import Markup
+
 from tracerisk.prm.hybrid.assessment import MissionFigures
 from tracerisk.prm.review.change_records import FunctionFigures, Review, RiskDiff
 from tracerisk.report.diff import sentences
-from tracerisk.report.html.page import rendered
+from tracerisk.report.html.page import asset, rendered
 from tracerisk.report.html.report_input import ReportInput
-from tracerisk.report.html.section import Section
+from tracerisk.report.html.section import Data, Section
 from tracerisk.report.html.tables import Cell, Column, Table, numbers, row_of, texts
 
 _NONE = "none"
@@ -32,6 +34,7 @@ def difference_section(report: ReportInput) -> Section | None:
     review = report.review
     if review is None:
         return None
+    runs, data = _both_runs(report, review)
     html = rendered(
         "difference.html.j2",
         headline=sentences.headline(review),
@@ -42,8 +45,33 @@ def difference_section(report: ReportInput) -> Section | None:
             for index, controller in enumerate(review.controllers)
         ],
         notes=review.notes,
+        both_runs=runs,
+        has_runs=bool(data),
     )
-    return Section("difference", f"Since {review.before}", html)
+    return Section(
+        "difference",
+        f"Since {review.before}",
+        html,
+        css=asset("side_by_side.css") if data else "",
+        js=asset("side_by_side.js") if data else "",
+        data=data,
+    )
+
+
+def _both_runs(report: ReportInput, review: Review) -> tuple[Markup | str, tuple[Data, ...]]:
+    """Return both runs side by side with their data, or a sentence that says why not."""
+    shown = report.both_runs
+    if isinstance(shown, str):
+        return f"Both runs are not shown side by side. {shown}" if shown else "", ()
+    from tracerisk.report.html.run.side_by_side import side_by_side
+
+    renamed = {
+        function.was: function.name
+        for diff in review.controllers
+        for function in diff.functions
+        if function.was is not None
+    }
+    return side_by_side(shown, report, renamed)
 
 
 def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:

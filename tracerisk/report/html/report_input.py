@@ -12,6 +12,7 @@ from tracerisk.common.record import Record
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.review.change_records import Review
+from tracerisk.report.html.run.replay import RecordedRun
 from tracerisk.report.html.section import Section
 from tracerisk.report.run_figures import RunFigures
 from tracerisk.trace import Trace
@@ -41,6 +42,32 @@ class SourceFile:
     """The whole source."""
     blocks: tuple[SourceBlock, ...] = ()
     """Its risk blocks, in the order of the lines."""
+
+
+@dataclass(frozen=True, slots=True)
+class EarlierRun:
+    """The run of an earlier version."""
+
+    version: str
+    """The version as the user named it."""
+    trace: Trace
+    """Its trace."""
+    recorded: RecordedRun
+    """What was recorded of it."""
+    sources: Mapping[str, SourceFile]
+    """The sources of the version with blocks, by the names that the trace gives them."""
+
+
+@dataclass(frozen=True, slots=True)
+class SideBySide:
+    """Two runs to show side by side."""
+
+    before: EarlierRun
+    """The earlier run."""
+    now: RecordedRun
+    """What was recorded of the present run."""
+    sources: Mapping[str, SourceFile]
+    """The present sources, by the names that the trace gives them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +105,8 @@ class ReportInput:
     """Lines of the verdict of the run, the first of which is the whole in short."""
     review: Review | None = None
     """Changes since an earlier version; `None` where not asked for."""
+    both_runs: SideBySide | str = ""
+    """The run of that version and the present one, to show in step; or why not, in a sentence."""
     band: str = ""
     """How far the figure may be off, in one sentence; "" where that is not known."""
     record: Record | None = None

@@ -1,30 +1,35 @@
 // What every part of the page shares: data, the clock, what is selected, the theme.
-const listeners = new Set();
 const probe = document.body.appendChild(document.createElement("span"));
 probe.hidden = true;
 
-const clock = {
-  time: 0,
-  end: 0,
-  set(time, source = null) {
-    const held = Math.min(Math.max(Number(time) || 0, 0), clock.end);
-    if (held === clock.time) return;
-    clock.time = held;
-    for (const listener of [...listeners]) listener(held, source);
-  },
-  setEnd(end) {
-    clock.end = Math.max(Number(end) || 0, 0);
-    if (clock.time > clock.end) clock.set(clock.end);
-  },
-  subscribe(listener) {
-    listeners.add(listener);
-    listener(clock.time, null);
-    return () => listeners.delete(listener);
-  },
-};
+// Time, and who follows it. The page has one clock; what shows more than its run makes others.
+function makeClock() {
+  const listeners = new Set();
+  const clock = {
+    time: 0,
+    end: 0,
+    set(time, source = null) {
+      const held = Math.min(Math.max(Number(time) || 0, 0), clock.end);
+      if (held === clock.time) return;
+      clock.time = held;
+      for (const listener of [...listeners]) listener(held, source);
+    },
+    setEnd(end) {
+      clock.end = Math.max(Number(end) || 0, 0);
+      if (clock.time > clock.end) clock.set(clock.end);
+    },
+    subscribe(listener) {
+      listeners.add(listener);
+      listener(clock.time, null);
+      return () => listeners.delete(listener);
+    },
+  };
+  return clock;
+}
 
 const tracerisk = {
-  clock,
+  clock: makeClock(),
+  makeClock,
   selected: { function: null, component: null },
   data(id) {
     return JSON.parse(document.getElementById(id).textContent);

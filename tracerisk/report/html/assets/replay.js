@@ -77,14 +77,17 @@ function hullOf(points) {
   return [...kept].map((index) => points[index]);
 }
 
-// Make one arm play in its stage, a `.replay-stage` with its canvas. A page may have several; each
-// has its own camera, and all follow the page's clock.
+// Make one arm play in its stage, a `.replay-stage` with its canvas. A page may have several.
 //
 // `bodies`, `frames`, `packed`: what `replay.py` writes. `activity`: what was in use when, as
-// `activeAt`, `contactsAt` and `componentOf` of `runActivity`. `risk`: what `riskOverTime` returns;
-// without it the colours are those of the states. `choose`: called with the body of a click.
+// `openRun` returns it. `risk`: what `riskOverTime` returns; without it the colours are those of the
+// states. `choose`: called with the element of a click. `clock`: what it follows, that of the page
+// if none is given, and `keys`: what moves it. `beside`: a replay whose camera it shares.
 // Returns what can be asked of it and `null` where nothing can be drawn.
-async function createReplay(stage, { bodies, frames, packed, activity = null, risk = null, choose }) {
+async function createReplay(stage, {
+  bodies, frames, packed, activity = null, risk = null, choose, beside = null,
+  clock = tracerisk.clock, keys = timeKey,
+}) {
   const canvas = stage.querySelector("canvas");
   const labels = stage.querySelector(".replay-labels");
   const tell = (text) => {
@@ -126,7 +129,8 @@ async function createReplay(stage, { bodies, frames, packed, activity = null, ri
   const samples = Array.from({ length: 24 }, (_, i) => posesAtTime((clock.end * i) / 23));
   const scene = sceneOf(bodies, ownMeshes, samples);
   const ball = meshes.push(new Float32Array(tubed([0, 0, 0, 1], false))) - 1;
-  const camera = new Camera(scene);
+  const camera = beside?.camera ?? new Camera(scene);
+  if (beside) camera.holdToo(scene);
   let drawing;
   try {
     drawing = new Drawing(canvas, meshes, scene);
@@ -252,7 +256,7 @@ async function createReplay(stage, { bodies, frames, packed, activity = null, ri
   window.addEventListener("beforeprint", render);
   stage.querySelector('[data-view="reset"]')?.addEventListener("click", () => {
     camera.reset();
-    ask();
+    camera.changed();
   });
   stage.querySelector('[data-view="labels"]')?.addEventListener("click", ({ currentTarget }) => {
     isLabelled = !isLabelled;
@@ -269,7 +273,8 @@ async function createReplay(stage, { bodies, frames, packed, activity = null, ri
       ask();
     });
   }
-  steer(canvas, camera, ask);
+  camera.watchers.add(ask);
+  steer(canvas, camera, keys);
   const under = (x, y) => {
     const way = camera.ray(x, y);
     let [best, found] = [Infinity, null];

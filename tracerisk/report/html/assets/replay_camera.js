@@ -9,12 +9,26 @@ class Camera {
     this.home = home;
     this.aspect = 4 / 3;
     this.covered = 0; // part of the height that buttons cover
+    this.watchers = new Set(); // called when somebody has moved it
     this.reset();
   }
   reset() {
     this.yaw = this.home.towards - 0.95;
     this.pitch = 0.34;
     this.fit();
+  }
+  // Hold what another picture shows as well, which is to be seen from the same place.
+  holdToo({ points, radius }) {
+    this.home = {
+      ...this.home,
+      points: hullOf([...this.home.points, ...points]),
+      radius: Math.max(this.home.radius, radius),
+    };
+    this.reset();
+    this.changed();
+  }
+  changed() {
+    for (const watcher of this.watchers) watcher();
   }
   // Go as near as all points allow, and put them in the middle of what the buttons leave free.
   fit() {

@@ -1,9 +1,6 @@
 // The replay of this page: its run in the stage beside the headline.
 
-const componentOf = new Map(
-  run.rows.flatMap(({ component, elements }) => elements.map(({ name }) => [name, component])),
-);
-const runActivity = { activeAt, contactsAt, componentOf };
+const { componentOf } = shownRun;
 const riskData = document.getElementById("replay-risk") ? tracerisk.data("replay-risk") : null;
 
 // What a chosen component adds to the risk, and the blocks in the source that say so.
@@ -55,7 +52,7 @@ async function beginReplay() {
     : (element) => tracerisk.select({ component: componentOf.get(element) || null, source: "replay" });
   const { bodies, frames } = tracerisk.data("replay-bodies");
   const packed = tracerisk.bytes("replay-frames");
-  const replay = await createReplay(stage, { bodies, frames, packed, activity: runActivity, risk, choose });
+  const replay = await createReplay(stage, { bodies, frames, packed, activity: shownRun, risk, choose });
   if (replay) tracerisk.replay = Object.assign(replay, tracerisk.replay);
 }
 

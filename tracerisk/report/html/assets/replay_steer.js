@@ -1,5 +1,5 @@
-// Mouse, touch and keys that move the camera.
-function steer(canvas, camera, ask) {
+// Mouse, touch and keys that move the camera; `keys` takes those that move time.
+function steer(canvas, camera, keys) {
   const pointers = new Map();
   const spread = () => {
     const [one, other] = [...pointers.values()];
@@ -21,7 +21,7 @@ function steer(canvas, camera, ask) {
       camera.pan(dx / height / 2, dy / height / 2);
     } else if (event.shiftKey || event.buttons & 6) camera.pan(dx / height, dy / height);
     else camera.orbit((dx / height) * 3, (dy / height) * 3);
-    ask();
+    camera.changed();
   });
   for (const name of ["pointerup", "pointercancel"]) {
     canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
@@ -32,13 +32,13 @@ function steer(canvas, camera, ask) {
     if (document.activeElement !== canvas && !event.ctrlKey) return;
     event.preventDefault();
     camera.zoom(Math.exp(event.deltaY * 0.0012));
-    ask();
+    camera.changed();
   }, { passive: false });
   const moves = {
     ArrowLeft: [0.12, 0], ArrowRight: [-0.12, 0], ArrowUp: [0, 0.12], ArrowDown: [0, -0.12],
   };
   canvas.addEventListener("keydown", (event) => {
-    if (timeKey(event) || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (keys(event) || event.ctrlKey || event.metaKey || event.altKey) return;
     const move = moves[event.key];
     if (move && event.shiftKey) camera.pan(move[0] * 0.5, move[1] * 0.5);
     else if (move) camera.orbit(-move[0], move[1]);
@@ -47,7 +47,7 @@ function steer(canvas, camera, ask) {
     else if (event.key === "0") camera.reset();
     else return;
     event.preventDefault();
-    ask();
+    camera.changed();
   });
 }
 

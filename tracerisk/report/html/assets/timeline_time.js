@@ -7,10 +7,6 @@ const BORDERLINE = 8;
 const SOMEWHEN = 16;
 const NO_COMPONENT = "that the hardware data has no figure for";
 
-const run = tracerisk.data("timeline-data");
-const { clock } = tracerisk;
-clock.setEnd(Math.max(run.end, clock.end));
-
 // Flat numbers (start [ms], length [ms], state) as objects, in [s].
 function unpackSegments(flat) {
   const found = [];
@@ -24,30 +20,62 @@ function unpackSegments(flat) {
   return found;
 }
 
-for (const row of run.rows) {
-  row.segments = unpackSegments(row.segments);
-  for (const element of row.elements) element.segments = unpackSegments(element.segments);
-}
-
-// Stretches of visits in the order of time: one visit may be current again after another.
-const stretches = run.visits
-  .flatMap(({ spans }, visit) => spans.map(([start, stop]) => ({ visit, start, stop })))
-  .sort((one, other) => one.start - other.start);
-
-// The last entry that begins at or before a time, if the time is in it.
-function at(entries, time) {
-  let [low, high] = [0, entries.length];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (entries[middle].start <= time + 1e-9) low = middle + 1;
-    else high = middle;
+// A run as `timeline_data` writes it, and what can be asked of it.
+function openRun(run) {
+  for (const row of run.rows) {
+    row.segments = unpackSegments(row.segments);
+    for (const element of row.elements) element.segments = unpackSegments(element.segments);
   }
-  const found = entries[low - 1];
-  return found && (time < found.stop - 1e-9 || found.stop >= run.end - 1e-9) ? found : null;
+
+  // Stretches of visits in the order of time: one visit may be current again after another.
+  const stretches = run.visits
+    .flatMap(({ spans }, visit) => spans.map(([start, stop]) => ({ visit, start, stop })))
+    .sort((one, other) => one.start - other.start);
+
+  // The last entry that begins at or before a time, if the time is in it.
+  function at(entries, time) {
+    let [low, high] = [0, entries.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (entries[middle].start <= time + 1e-9) low = middle + 1;
+      else high = middle;
+    }
+    const found = entries[low - 1];
+    return found && (time < found.stop - 1e-9 || found.stop >= run.end - 1e-9) ? found : null;
+  }
+
+  const componentOf = new Map(
+    run.rows.flatMap(({ component, elements }) => elements.map(({ name }) => [name, component])),
+  );
+  return {
+    run, stretches, at, componentOf,
+    visitAt: (time) => at(stretches, time)?.visit ?? -1,
+    functionOf: (visit) => run.functions[run.visits[visit].function],
+    // The elements in use, by component: [{component, always, elements: [{name, state}]}].
+    activeAt(time) {
+      const found = [];
+      for (const row of run.rows) {
+        const elements = row.elements
+          .map(({ name, segments }) => ({ name, state: at(segments, time)?.state ?? 0 }))
+          .filter(({ state }) => state);
+        if (row.always || elements.length) {
+          found.push({ component: row.component, always: row.always, elements });
+        }
+      }
+      return found;
+    },
+    contactsAt: (time) =>
+      run.visits.flatMap(({ contacts }) =>
+        contacts.filter(({ start, stop }) => start <= time && time <= stop),
+      ),
+  };
 }
 
-const visitAt = (time) => at(stretches, time)?.visit ?? -1;
-const functionOf = (visit) => run.functions[run.visits[visit].function];
+const { clock } = tracerisk;
+const shownRun = openRun(tracerisk.data("timeline-data"));
+const { run, stretches, at, visitAt, functionOf, activeAt, contactsAt } = shownRun;
+clock.setEnd(Math.max(run.end, clock.end));
+
 const secondsText = (time) => `${time.toFixed(2)} s`;
 
 function stateWords(state) {
@@ -60,25 +88,6 @@ function stateWords(state) {
   if (state & BORDERLINE) words.push("borderline");
   return words.join(", ");
 }
-
-// The elements in use at a time, by component: [{component, always, elements: [{name, state}]}].
-function activeAt(time) {
-  const found = [];
-  for (const row of run.rows) {
-    const elements = row.elements
-      .map(({ name, segments }) => ({ name, state: at(segments, time)?.state ?? 0 }))
-      .filter(({ state }) => state);
-    if (row.always || elements.length) {
-      found.push({ component: row.component, always: row.always, elements });
-    }
-  }
-  return found;
-}
-
-const contactsAt = (time) =>
-  run.visits.flatMap(({ contacts }) =>
-    contacts.filter(({ start, stop }) => start <= time && time <= stop),
-  );
 
 // The active components in one sentence: "electric_motor: 3 moving, 4 holding; gripper: grasping".
 function activeText(time) {
@@ -111,16 +120,16 @@ function stepVisit(forward) {
   clock.set(wanted ?? (forward ? run.end : 0), "visit");
 }
 
-const player = (() => {
+// Plays a clock; `speed` returns how many times as fast as it ran.
+function makePlayer(clock, speed) {
   let last = null;
   const listeners = new Set();
   const frame = (now) => {
     if (last === null) return;
-    const speed = Number(document.getElementById("timeline-speed").value);
     // After a pause of the page (a hidden tab) it goes on from where it was.
     const passed = Math.min((now - last) / 1000, 0.25);
     last = now;
-    clock.set(clock.time + passed * speed, "play");
+    clock.set(clock.time + passed * speed(), "play");
     if (clock.time >= clock.end) player.pause();
     else requestAnimationFrame(frame);
   };
@@ -147,20 +156,35 @@ const player = (() => {
     onChange: (listener) => listeners.add(listener),
   };
   return player;
-})();
+}
 
-// Keys that move time, wherever the view or the chart has the focus; true when one was taken.
-function timeKey(event) {
+// A button that plays and pauses; it shows which of the two it does.
+function playButton(button, player, what = "") {
+  button.addEventListener("click", () => player.toggle());
+  player.onChange((isPlaying) => {
+    const word = `${isPlaying ? "Pause" : "Play"}${what}`;
+    const shape = isPlaying ? "M4 3h3v10h-3zM9 3h3v10h-3z" : "M4 2.5v11l9-5.5z";
+    button.querySelector("path").setAttribute("d", shape);
+    button.setAttribute("aria-label", word);
+    button.title = word;
+  });
+}
+
+const player = makePlayer(clock, () => Number(document.getElementById("timeline-speed").value));
+
+// Keys that move a clock: `step` goes to the next place, or back; true when one was taken.
+const timeKeys = ({ clock, player, step }) => (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey) return false;
   if (event.key === " ") player.toggle();
-  else if (event.key === "PageDown") stepVisit(true);
-  else if (event.key === "PageUp") stepVisit(false);
+  else if (event.key === "PageDown") step(true);
+  else if (event.key === "PageUp") step(false);
   else if (event.key === "Home") clock.set(0, "keyboard");
   else if (event.key === "End") clock.set(clock.end, "keyboard");
   else return false;
   event.preventDefault();
   return true;
-}
+};
+const timeKey = timeKeys({ clock, player, step: stepVisit });
 
 function beginControls() {
   const slider = document.getElementById("timeline-slider");
@@ -174,7 +198,7 @@ function beginControls() {
   });
   document.querySelector('[data-time="previous"]').addEventListener("click", () => stepVisit(false));
   document.querySelector('[data-time="next"]').addEventListener("click", () => stepVisit(true));
-  play.addEventListener("click", () => player.toggle());
+  playButton(play, player);
   for (const jump of document.querySelectorAll("[data-time-at]")) {
     jump.addEventListener("click", () => {
       player.pause();
@@ -182,13 +206,6 @@ function beginControls() {
       document.getElementById("timeline").scrollIntoView();
     });
   }
-  player.onChange((isPlaying) => {
-    const word = isPlaying ? "Pause" : "Play";
-    const shape = isPlaying ? "M4 3h3v10h-3zM9 3h3v10h-3z" : "M4 2.5v11l9-5.5z";
-    play.querySelector("path").setAttribute("d", shape);
-    play.setAttribute("aria-label", word);
-    play.title = word;
-  });
   // Spoken at most once a second, and while it plays only when another visit begins.
   let waiting = null;
   let spokenVisit = -1;
@@ -206,4 +223,4 @@ function beginControls() {
   });
 }
 beginControls();
-tracerisk.player = player;
+Object.assign(tracerisk, { player, makePlayer, playButton, timeKeys, openRun });

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
 
 BODIES, FRAMES = "replay-bodies", "replay-frames"
-"""The ids of the data within the page."""
+"""The ids of the data of a page's own run within it."""
 
 _JOINT_QUANTUM = 1e-4  # [rad or m]; half of it is 0.05 mm at the end of a link of 1 m
 _ROUNDED_S = 0.1  # by which a recording may be shorter than its run [s]
@@ -75,15 +75,18 @@ def check_recording(trace: Trace, run: RecordedRun) -> None:
         )
 
 
-def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
+def make_replay(
+    run: RecordedRun, end_s: float | None = None, *, most_frames: int | None = None
+) -> Replay:
     """Return the replay of a run up to `end_s` [s], to the end of its samples if `None`.
 
+    Of more than `most_frames` positions, `MOST_FRAMES` if `None`, every second, third... is kept.
     Raises LogError when the samples are of another robot.
     """
     import numpy as np
 
     from tracerisk.report.html.run.appearance import with_looks
-    from tracerisk.report.html.run.replay_frames import pack_frames
+    from tracerisk.report.html.run.replay_frames import MOST_FRAMES, pack_frames
     from tracerisk.twin.recording.activity import element_activity
     from tracerisk.twin.recording.samples import POSE_EVERY, until
 
@@ -123,7 +126,7 @@ def make_replay(run: RecordedRun, end_s: float | None = None) -> Replay:
         notes.append(f"The model of {run.robot.name} has no shapes that could be shown.")
     return Replay(
         bodies=bodies,
-        frames=pack_frames(values, quanta, POSE_EVERY * samples.step_s),
+        frames=pack_frames(values, quanta, POSE_EVERY * samples.step_s, most_frames or MOST_FRAMES),
         activity=activity,
         step_s=samples.step_s,
         notes=tuple(notes),
@@ -146,8 +149,8 @@ def _columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
     return values, np.array(quanta)
 
 
-def replay_data(replay: Replay) -> tuple[Data, ...]:
-    """Return what the script of the replay reads."""
+def replay_data(replay: Replay, name: str = "replay") -> tuple[Data, ...]:
+    """Return what the script of the replay reads; its ids begin with `name`."""
     frames = replay.frames
     model = {
         "bodies": bodies_data(replay.bodies),
@@ -158,4 +161,7 @@ def replay_data(replay: Replay) -> tuple[Data, ...]:
             "first": frames.first,
         },
     }
-    return (Data.of_json(BODIES, model), Data.of_bytes(FRAMES, frames.packed))
+    return (
+        Data.of_json(f"{name}-bodies", model),
+        Data.of_bytes(f"{name}-frames", frames.packed),
+    )

@@ -35,8 +35,8 @@ class Frames:
     """Deflated differences between frames, see the module."""
 
 
-def pack_frames(values: Array, quanta: Array, every_s: float) -> Frames:
-    """Return values packed; of more than `MOST_FRAMES` frames every second, third... is kept.
+def pack_frames(values: Array, quanta: Array, every_s: float, most: int = MOST_FRAMES) -> Frames:
+    """Return values packed; of more than `most` frames every second, third... is kept.
 
     values: (n_frames, n_columns); quanta: (n_columns,), in the units of the columns. A column
     that jumps by more than 32,767 quanta between two frames gets coarser ones.
@@ -45,7 +45,7 @@ def pack_frames(values: Array, quanta: Array, every_s: float) -> Frames:
     finite = np.isfinite(values).all(axis=1)
     if not finite.all():
         values = values[: int(np.argmin(finite))]
-    stride = max(1, -(-len(values) // MOST_FRAMES))
+    stride = max(1, -(-len(values) // most))
     values = values[::stride]
     if not len(values):
         return Frames(0, every_s * stride, tuple(quanta.tolist()), (0,) * len(quanta), b"")

@@ -30,6 +30,8 @@ NAME = "timeline"
 "The id of the section, which stands before all others."
 TIMELINE = "timeline-data"
 """The id of the data within the page."""
+SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
+"""How many times as fast as it ran a run may be played."""
 
 _CHART = ("timeline_draw", "timeline_names", "timeline_tips", "timeline")
 _REPLAY = (
@@ -47,7 +49,6 @@ _REPLAY = (
 )
 _MOST_LISTED = 1000  # visits in the table; the chart has them all
 _MOST_MARKS = 6  # in sight below the chart; more are folded
-_SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
 
 
 def timeline_section(
@@ -75,7 +76,7 @@ def timeline_section(
         has_replay=replay is not None,
         notes=replay.notes if replay is not None else (),
         no_replay=no_replay,
-        speeds=_SPEEDS,
+        speeds=SPEEDS,
         marks=marks,
         most_marks=_MOST_MARKS,
         table=_table(trace, names),
@@ -87,7 +88,7 @@ def timeline_section(
         name=NAME,
         title="Replay and timeline" if replay is not None else "Timeline",
         html=html,
-        beside=None if replay is None else rendered("replay.html.j2", speeds=_SPEEDS),
+        beside=None if replay is None else rendered("replay.html.j2", speeds=SPEEDS),
         css="\n".join(asset(f"{style}.css") for style in styles),
         js="\n".join(asset(f"{script}.js") for script in scripts),
         data=(
