@@ -29,7 +29,10 @@ if [ ! -s "$body" ]; then
     printf '%s\n**No change of risk worth a comment any more.**\n' "$tag" >"$body"
 elif [[ "${REPORT_URL:-}" =~ ^https://[A-Za-z0-9./:_-]+$ ]]; then
     # GitHub shows no picture or page of an artefact in a comment: it is a download.
-    printf '\n[The reports, as a download](%s)\n' "$REPORT_URL" >>"$body"
+    what='The reports'
+    [ -z "$(find "$folder/report" -name '*.gif' -print -quit 2>/dev/null)" ] ||
+        what='The reports, and films of the runs before and after'
+    printf '\n[%s, as a download](%s)\n' "$what" "$REPORT_URL" >>"$body"
 fi
 if [ -n "$earlier" ]; then
     gh api --method PATCH "repos/$REPOSITORY/issues/comments/$earlier" \

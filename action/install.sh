@@ -8,5 +8,7 @@ python -I -m venv "$folder/venv"
 # A replay is unpacked with NumPy, which nothing else needs here.
 extra=
 [ "${REPLAYS:-}" != true ] || extra='[large]'
+# A film is drawn with the simulator's renderer.
+[ "${FILM:-}" != true ] || extra='[sim]'
 "$folder/venv/bin/python" -I -m pip install --quiet --disable-pip-version-check "$ACTION$extra"
 tracerisk --version

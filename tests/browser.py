@@ -19,6 +19,18 @@ _ARGUMENTS = (
     "--window-size=1280,900",
 )
 
+_DRAWING = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--window-size=1400,1000",
+    # WebGL 2 in software, and a sixteenth of the pixels for it.
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--force-device-scale-factor=0.25",
+)
+
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
@@ -39,6 +51,28 @@ def browser() -> Iterator[Any]:
             yield started
         finally:
             started.quit()
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    """A headless Chromium that draws in three dimensions."""
+    pytest.importorskip("selenium", reason="selenium is not installed")
+    from selenium import webdriver
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+
+    chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if chromium is None or driver is None:
+        pytest.skip("Chromium and its driver are not installed")
+    options = Options()
+    options.binary_location = chromium
+    for flag in _DRAWING:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    started = webdriver.Chrome(options=options, service=Service(driver))
+    started.set_script_timeout(60)
+    yield started
+    started.quit()
 
 
 def requests(browser):

@@ -21,6 +21,7 @@ from hypothesis import HealthCheck, settings
 
 from tests import other_system
 from tests.browser import browser as browser
+from tests.browser import chromium as chromium
 from tests.commands import Commands
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.common.sandbox.ros_prefix import without_ros

@@ -347,6 +347,37 @@ def test_the_report_replays_the_run_that_the_cache_holds(runner, quick):
     assert 'id="replay-canvas"' in page
 
 
+def test_a_film_of_both_runs_is_beside_the_report_if_asked_for(runner, quick):
+    runner.repository.write("cell.py", quick())
+    assert runner.repository.run("run", "cell.py", "--quiet").code == 0
+    base = runner.repository.commit()
+    source = runner.repository.read("cell.py").decode()
+    runner.repository.write("cell.py", source.replace("+= 0.05", "+= 0.25"))
+    assert runner.repository.run("run", "cell.py", "--quiet").code == 0
+    runner.repository.commit()
+    film = runner.temp / "tracerisk" / "report" / "cell.gif"
+    runner.run(base)
+    assert not film.exists()
+    assert runner.comments[0].endswith(f"[The reports, as a download]({REPORTS})\n")
+    runner.run(base, film="true")
+    if "without a screen" in runner.log:
+        assert "1 films could not be made" in runner.log
+        pytest.skip("nothing can be drawn here")
+    assert film.read_bytes().startswith(b"GIF89a")
+    link = f"[The reports, and films of the runs before and after, as a download]({REPORTS})\n"
+    assert runner.comments[0].endswith(link)
+    # Where a run is not kept, nothing of the checkout is run to have it.
+    film.unlink()
+    cache = runner.repository.folder / ".tracerisk_cache"
+    for replay in cache.glob("*.replay"):
+        replay.unlink()
+    assert runner.run(base, film="true")["verdict"] == "0"
+    assert not film.exists()
+    assert not list(cache.glob("*.replay"))
+    assert "no film of both runs can be made." in runner.log
+    assert "::warning title=tracerisk::1 films could not be made" in runner.log
+
+
 def test_the_cache_is_restored_before_anything_is_installed_and_only_if_asked_for():
     action = YAML(typ="safe").load(ACTION)
     assert action["inputs"]["replays"]["default"] == "false"

@@ -1,6 +1,7 @@
 """`tracerisk report --against REV` with both runs: where that of the revision comes from."""
 
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -8,9 +9,11 @@ import subprocess
 import pytest
 from lxml import html
 
+from tests.browser import emulate, violations
 from tracerisk.cli import main
 
 CACHE = ".tracerisk_cache"
+SIDES = ("before", "now")
 
 
 def git(folder, *words):
@@ -143,6 +146,102 @@ def test_a_revision_is_run_again_in_a_folder_of_its_own(changed, capsys):
     # It is kept, and is the run that was kept before.
     assert report() == 0
     assert changed.read("cell/out.html") == wanted
+
+
+OPENED = """
+const done = arguments[0];
+tracerisk.bothRuns.ready.then(() => requestAnimationFrame(() => done("ready")), (e) => done(`${e}`));
+"""
+STATE = """
+const { cursor, clocks, before, now } = tracerisk.bothRuns;
+const arm = (replay) => replay.bodies.filter(({ kind }) => kind === "robot").map(({ name }) => name);
+const places = (replay) => arm(replay).map((name) => replay.bodyPosition(name));
+return {
+  cursor: [cursor.time, cursor.end],
+  clocks: [clocks.before.time, clocks.now.time],
+  places: [places(before), places(now)],
+  isOneCamera: before.camera === now.camera,
+  text: [...document.querySelectorAll("[data-side-now]")].map((each) => each.textContent),
+};
+"""
+
+
+@pytest.fixture(scope="module")
+def opened(changed_in, chromium):
+    """The page with both runs in a browser."""
+    words = ("--against", "HEAD", "-o", "both.html", "--quiet")
+    assert changed_in.run("report", "cell/controller.py", *words).code == 0
+    chromium.get((changed_in.folder / "both.html").as_uri())
+    assert chromium.execute_async_script(OPENED) == "ready"
+    return chromium
+
+
+def distance(state):
+    """How far the links of one run are from those of the other at most [m]."""
+    return max(math.dist(*pair) for pair in zip(*state["places"], strict=True))
+
+
+def align(page, mode):
+    selector = f'[data-side-mode="{mode}"]'
+    page.execute_script("document.querySelector(arguments[0]).click()", selector)
+
+
+def test_one_cursor_moves_both_arms_in_step_and_in_plain_time(opened):
+    # It begins at the first difference: there both are at rest, each in its own place.
+    begun = opened.execute_script(STATE)
+    assert begun["isOneCamera"]
+    assert 0.0 < begun["cursor"][0] < begun["cursor"][1]
+    assert distance(begun) > 0.02
+    assert all(re.fullmatch(r"home, \d\.\d\d s of \d\.\d\d s", text) for text in begun["text"])
+    # At the stop that both have, they are at one place, although at different times.
+    data = opened.execute_script("return tracerisk.data('side-by-side')")
+    (last_other,) = [each for each in data["stretches"] if each["kind"] == "other"][-1:]
+    before, now = last_other["before"][1], last_other["now"][1]
+    until = data["stretches"][: data["stretches"].index(last_other) + 1]
+    along = sum(max(each[side][1] - each[side][0] for side in SIDES) for each in until)
+    opened.execute_script("tracerisk.bothRuns.cursor.set(arguments[0], 'test')", along)
+    home = opened.execute_script(STATE)
+    assert home["clocks"] == pytest.approx([before, now], abs=0.01)
+    assert distance(home) < 0.005
+    align(opened, "time")
+    plain = opened.execute_script(STATE)
+    ends = [data["before"]["end"], opened.execute_script("return tracerisk.clock.end")]
+    assert plain["clocks"] == pytest.approx([min(now, ends[0]), now], abs=0.01)
+    assert plain["cursor"][1] == pytest.approx(max(ends), abs=0.01)
+    align(opened, "step")
+    assert opened.execute_script(STATE)["clocks"] == pytest.approx([before, now], abs=0.01)
+
+
+def test_keys_and_marks_go_from_difference_to_difference(opened):
+    opened.execute_script("tracerisk.bothRuns.cursor.set(0, 'test')")
+    canvas = opened.find_element("id", "side-now")
+    canvas.send_keys("\ue00f")  # Page Down
+    first = opened.execute_script(STATE)["cursor"][0]
+    jump = opened.find_element("css selector", "[data-side-at='0']")
+    assert jump.text == f"{first:.2f} s"
+    canvas.send_keys("\ue010")  # End
+    assert opened.execute_script(STATE)["cursor"][0] == opened.execute_script(STATE)["cursor"][1]
+    opened.execute_script("arguments[0].click()", jump)
+    assert opened.execute_script(STATE)["cursor"][0] == pytest.approx(first)
+    # The page's own cursor is another one.
+    assert opened.execute_script("return tracerisk.clock.time") == 0.0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1400, 400])
+def test_both_runs_are_accessible_and_fit_the_window(opened, scheme, width):
+    emulate(opened, scheme)
+    metrics = {"width": width, "height": 900, "deviceScaleFactor": 0.25, "mobile": False}
+    opened.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    found, report = violations(opened, scheme)
+    assert not found, report
+    assert opened.execute_script("return document.documentElement.scrollWidth") <= width
+    tops = opened.execute_script(
+        "return [...document.querySelectorAll('.side-run')]"
+        ".map((each) => each.getBoundingClientRect().top)"
+    )
+    assert (tops[0] == tops[1]) == (width == 1400)
+    opened.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,7 @@
 
 import math
 import re
-import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,17 +27,6 @@ from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot, robot_names
 
-_FLAGS = (
-    "--headless=new",
-    "--no-sandbox",
-    "--disable-dev-shm-usage",
-    "--window-size=1400,1000",
-    # WebGL 2 in software, and a sixteenth of the pixels for it.
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--force-device-scale-factor=0.25",
-)
 _SERIOUS = ("serious", "critical")
 TIMES = (0.0, 3.32, 7.88, 20.04)
 N_VISITS = 10
@@ -95,28 +83,6 @@ let left = 4;
 const look = () => (left-- ? requestAnimationFrame(look) : done(tracerisk.clock.time));
 look();
 """
-
-
-@pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    """A headless Chromium."""
-    pytest.importorskip("selenium", reason="selenium is not installed")
-    from selenium import webdriver
-    from selenium.webdriver.chrome.options import Options
-    from selenium.webdriver.chrome.service import Service
-
-    chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if chromium is None or driver is None:
-        pytest.skip("Chromium and its driver are not installed")
-    options = Options()
-    options.binary_location = chromium
-    for flag in _FLAGS:
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    started = webdriver.Chrome(options=options, service=Service(driver))
-    started.set_script_timeout(60)
-    yield started
-    started.quit()
 
 
 @pytest.fixture(scope="session")

@@ -12,7 +12,7 @@ from PIL import Image
 from tracerisk.common.dependencies import EXTRAS
 from tracerisk.errors import DependencyError, RenderError
 from tracerisk.report.png.drawn import filmed
-from tracerisk.report.png.film import MOST_FRAMES, make_film
+from tracerisk.report.png.film import MOST_FRAMES, make_film, make_film_of_both
 from tracerisk.report.png.film_child import CAPTION
 from tracerisk.trace import RunEnd
 
@@ -60,6 +60,38 @@ def test_a_long_run_is_shown_faster_and_says_so(two_functions, turning_arm):
     found = make_film(trace, run)
     assert len(found) == MOST_FRAMES
     assert found[60].rows[0].text == "16.1 of 32.0 s, 2.69 times as fast"
+
+
+def test_two_runs_stand_beside_each_other_in_step_and_seen_from_one_place(
+    two_functions, turning_arm, trace_of
+):
+    joints = ("panda_joint2", "panda_joint4")
+    later = trace_of(("raise", 0.0, 1.0, joints), ("bend", 1.0, 3.0, joints))
+    found = make_film_of_both(
+        two_functions, turning_arm, later, turning_arm, renamed={"lift": "raise"}
+    )
+    before, now = found[::2], found[1::2]
+    assert len(before) == len(now)
+    assert len({each.camera for each in found}) == 1
+    titles = [
+        [name for name, last in zip(names, [None, *names], strict=False) if name != last]
+        for names in ([each.title for each in side] for side in (before, now))
+    ]
+    assert titles == [["Before: lift", "Before: bend"], ["Now: raise", "Now: bend"]]
+    # The visits begin in the same frame, although one takes half as long.
+    starts = [
+        [each.title for each in side].index(names[1])
+        for side, names in zip((before, now), titles, strict=True)
+    ]
+    assert starts[0] == starts[1]
+    assert [side[-1].rows[0].text for side in (before, now)] == ["4.0 of 4.0 s"] * 2
+    try:
+        (gif,) = filmed(found[::8] + found[1::8], ("gif",), frame_s=0.1, size=SIZE, beside=2)
+    except RenderError as error:
+        pytest.skip(f"nothing can be drawn here: {error}")
+    image = Image.open(io.BytesIO(gif))
+    assert image.n_frames == len(found[::8])
+    assert image.width > 2 * SIZE[0]
 
 
 def test_a_gif_moves_and_has_the_same_bytes_again(frames, films):

@@ -57,14 +57,15 @@ def both_runs(
     controller: Controller | None,
     *,
     review: Review | None,
-    fingerprint: str,
+    fingerprint: str = "",
     now: RecordedRun | str,
     sources: Mapping[str, bytes],
 ) -> SideBySide | str:
     """Return the run of `--against` and the present one, to show in step, or why not.
 
-    "" where none is asked for. `now` is what was recorded of the present run, or why nothing was;
-    `sources` are the present ones by the names of their files. Raises as `earlier_run`.
+    "" where none is asked for, or no source is Python. `now` is what was recorded of the present
+    run, or why nothing was; `sources` are the present ones by the names of their files. Raises as
+    `earlier_run`.
     """
     if review is None or controller is None:
         return ""

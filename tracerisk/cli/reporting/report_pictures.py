@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,11 +13,17 @@ from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
 from tracerisk.common.dependencies import require_film
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.pipeline.pictures.run_pictures import run_again, write_films, write_pictures
+from tracerisk.pipeline.pictures.run_pictures import (
+    run_again,
+    write_films,
+    write_films_of_both,
+    write_pictures,
+)
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
     from tracerisk.pipeline.check.cached_run import KeptRun
+    from tracerisk.report.html.report_input import SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.png.drawn import FilmFormat
     from tracerisk.trace import Trace
@@ -28,7 +35,9 @@ def add_picture_options(parser: argparse.ArgumentParser) -> None:
         "--png", metavar="DIR", help="write a picture of the arm for each function into DIR"
     )
     parser.add_argument(
-        "--gif", metavar="OUT.gif", help="write a short film of the arm, of at most 12 seconds"
+        "--gif",
+        metavar="OUT.gif",
+        help="write a short film of the arm, of at most 12 seconds; with --against of both runs",
     )
     parser.add_argument(
         "--mp4", metavar="OUT.mp4", help="write the same film as MP4, a fifth as large"
@@ -81,14 +90,21 @@ def write_report_pictures(
     given: Trace | None,
     recorded: RecordedRun | str,
     settings: Settings,
+    *,
+    both: SideBySide | str = "",
+    renamed: Mapping[str, str] | None = None,
 ) -> tuple[ExitCode, tuple[str, ...]]:
     """Write the pictures and films; return the exit code, and the files written.
 
     `given` is the trace that the command line names, `recorded` what was recorded of the run; where
     that is not known, the run is done again. It may fail: then its error is reported and nothing
-    is written.
+    is written. Films show `both` runs where these are given; if a sentence says why they cannot be
+    shown, InputError is raised, and nothing runs. `renamed` gives the later name of functions by
+    their earlier one.
     """
 
+    if both and isinstance(both, str) and (options.gif or options.mp4):
+        raise InputError(f"no film of both runs can be made. {both}", Location(options.files[0]))
     trace = given if given is not None else None if kept is None else kept.trace
     if trace is None or isinstance(recorded, str):
         if kept is None:
@@ -110,7 +126,11 @@ def write_report_pictures(
         files = tuple(str(Path(options.png) / name) for name in names)
     asked: dict[FilmFormat, str | None] = {"gif": options.gif, "mp4": options.mp4}
     films = {name: path for name, path in asked.items() if path is not None}
-    for path, size in write_films(trace, recorded, settings, films).items():
+    if isinstance(both, str):
+        sizes = write_films(trace, recorded, settings, films)
+    else:
+        sizes = write_films_of_both(both, trace, settings, films, renamed or {})
+    for path, size in sizes.items():
         note(f"{path}: a film of {size / 1e6:.2f} MB", quiet=quiet)
         files += (path,)
     return ExitCode.FINE, files

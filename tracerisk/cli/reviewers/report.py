@@ -39,8 +39,11 @@ from tracerisk.errors import ExitCode, InputError, Location, SourceError
 from tracerisk.instrument.source.language import is_c_like
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from tracerisk.pipeline.check.cached_run import KeptRun
-    from tracerisk.report.html.report_input import ReportInput
+    from tracerisk.prm.review.change_records import Review
+    from tracerisk.report.html.report_input import ReportInput, SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.trace import Trace
 
@@ -96,12 +99,33 @@ def run(options: argparse.Namespace) -> int:
     kept = _kept(options.files[0])
     trace = _given_trace(options.trace)
     recorded = _recorded(options, kept, trace)
+    files = list(options.files)
+    if len(files) == 1 and kept is not None:
+        files = list(kept.files)
+    sources = {name: read_file(name) for name in files}
+    review = review_against(options.against, files)
+    both = both_runs(
+        options,
+        None if kept is None else kept.controller,
+        review=review,
+        fingerprint="" if kept is None or trace is not None else kept.fingerprint,
+        now=recorded,
+        sources=sources,
+    )
     shown: dict[str, Any] = {}
     if options.output is not None or options.dossier is not None:
-        shown = _write_page(options, kept, trace, recorded)
+        shown = _write_page(options, kept, trace, recorded, sources, review, both)
     if wants_pictures(options):
         settings = _settings(kept, options)
-        code, pictures = write_report_pictures(options, kept, trace, recorded, settings)
+        code, pictures = write_report_pictures(
+            options,
+            kept,
+            trace,
+            recorded,
+            settings,
+            both=both,
+            renamed=None if review is None else review.renamed,
+        )
         if code != ExitCode.FINE:
             return int(code)
         shown["pictures"] = list(pictures)
@@ -115,15 +139,16 @@ def _write_page(
     kept: KeptRun | None,
     trace: Trace | None,
     recorded: RecordedRun | str,
+    sources: Mapping[str, bytes],
+    review: Review | None,
+    both: SideBySide | str,
 ) -> dict[str, Any]:
     """Write the page; return what `--json` prints of it."""
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.report.html.record import report_record
     from tracerisk.report.html.report import render_report
 
-    files = list(options.files)
-    if len(files) == 1 and kept is not None:
-        files = list(kept.files)
+    files = list(sources)
     model = model_of_sources(files, read_profile(options))
     assessment = api.solve(model)
     verdicts = sources_verdict(files)
@@ -132,23 +157,14 @@ def _write_page(
     for verdict in verdicts.by_controller.values():
         lines += verdict_details(verdict)
     more = history_shown(options.files[0]) if options.history else ()
-    sources = {name: read_file(name) for name in files}
     run = _run_of(kept, trace, recorded, options)
-    review = review_against(options.against, files)
     page = report_input(
         assessment,
         model,
         sources,
         run=run,
         review=review,
-        both_runs=both_runs(
-            options,
-            None if kept is None else kept.controller,
-            review=review,
-            fingerprint="" if kept is None or trace is not None else kept.fingerprint,
-            now=recorded if isinstance(run, RunShown) else run,
-            sources=sources,
-        ),
+        both_runs=both,
         verdict=lines,
         more=more,
         band=band_shown(run, model, sources, _settings(kept, options)),

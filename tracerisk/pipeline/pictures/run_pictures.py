@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,7 @@ from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.pipeline.workspace.controller import Controller
+    from tracerisk.report.html.report_input import SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.png.drawn import FilmFormat
     from tracerisk.trace import Trace
@@ -85,6 +86,31 @@ def write_films(
         return {}
     frames = make_film(trace, run)
     written = filmed(frames, list(films), frame_s=FRAME_S, limits=settings.drawing_limits)
+    return _write_films(films, written)
+
+
+def write_films_of_both(
+    both: SideBySide,
+    trace: Trace,
+    settings: Settings,
+    films: Mapping[FilmFormat, str],
+    renamed: Mapping[str, str],
+) -> dict[str, int]:
+    """Write a film of an earlier run beside the present one, as `write_films` does.
+
+    `renamed` gives the later name of functions by their earlier one.
+    """
+    from tracerisk.report.png.drawn import BOTH_SIZE, filmed
+    from tracerisk.report.png.film import FRAME_S, make_film_of_both
+
+    before = both.before
+    frames = make_film_of_both(before.trace, before.recorded, trace, both.now, renamed=renamed)
+    limits = settings.drawing_limits
+    written = filmed(frames, list(films), frame_s=FRAME_S, size=BOTH_SIZE, beside=2, limits=limits)
+    return _write_films(films, written)
+
+
+def _write_films(films: Mapping[FilmFormat, str], written: Sequence[bytes]) -> dict[str, int]:
     for path, data in zip(films.values(), written, strict=True):
         try:
             atomic_write(Path(path), data)

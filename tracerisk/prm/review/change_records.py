@@ -431,6 +431,16 @@ class Review:
     statement: str = FIGURE_STATEMENT
     """What the figures are and are not, for every output."""
 
+    @property
+    def renamed(self) -> dict[str, str]:
+        """The later name of each function that was renamed, by its earlier one."""
+        return {
+            function.was: function.name
+            for controller in self.controllers
+            for function in controller.functions
+            if function.was is not None
+        }
+
     def is_worth_telling(self, threshold: float) -> bool:
         """Return whether a reviewer should hear of it: a figure changed by more, or a mark.
 

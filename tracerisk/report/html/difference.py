@@ -65,13 +65,7 @@ def _both_runs(report: ReportInput, review: Review) -> tuple[Markup | str, tuple
         return f"Both runs are not shown side by side. {shown}" if shown else "", ()
     from tracerisk.report.html.run.side_by_side import side_by_side
 
-    renamed = {
-        function.was: function.name
-        for diff in review.controllers
-        for function in diff.functions
-        if function.was is not None
-    }
-    return side_by_side(shown, report, renamed)
+    return side_by_side(shown, report, review.renamed)
 
 
 def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:

@@ -20,7 +20,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont, PngImagePlugin
 
 from tracerisk.common.sandbox.limited_process import mark_start
-from tracerisk.report.png.film_child import framed, write_gif, write_mp4
+from tracerisk.report.png.film_child import framed, side_by_side, write_gif, write_mp4
 
 READY = "ready"
 _OVERSAMPLED = 2  # drawn larger and scaled down: edges are smooth whatever the driver offers
@@ -52,7 +52,8 @@ def main() -> int:
     pictures = request["pictures"]
     images = (_drawn(picture, width, height) for picture in pictures)
     if request["films"]:
-        frames = [framed(image, item) for image, item in zip(images, pictures, strict=True)]
+        single = (framed(image, item) for image, item in zip(images, pictures, strict=True))
+        frames = list(side_by_side(single, request["beside"]))
         for name in request["films"]:
             write = {"gif": write_gif, "mp4": write_mp4}[name]
             write(frames, folder / f"film.{name}", request["frame_s"])

@@ -26,6 +26,8 @@ SIZE = (960, 640)
 """Width and height of a picture without its caption [px]."""
 FILM_SIZE = (480, 320)
 """Width and height of a frame without its caption [px]."""
+BOTH_SIZE = (400, 266)
+"""The same of each of two frames beside each other."""
 FilmFormat = Literal["gif", "mp4"]
 _OFF = frozenset({"", "0", "disable", "disabled", "false", "no", "off"})
 _READY = "ready"
@@ -49,13 +51,20 @@ def filmed(
     *,
     frame_s: float,
     size: tuple[int, int] = FILM_SIZE,
+    beside: int = 1,
     limits: Limits = _LIMITS,
 ) -> tuple[bytes, ...]:
     """Return frames as a film in each format, every one seen for `frame_s` [s].
 
+    So many as `beside` says stand beside each other.
+
     The same frames give the same bytes of a GIF on the same machine. Raises as `_written`.
     """
-    request = _request(frames, size) | {"films": list(formats), "frame_s": frame_s}
+    request = _request(frames, size) | {
+        "films": list(formats),
+        "frame_s": frame_s,
+        "beside": beside,
+    }
     return _written(request, [f"film.{name}" for name in formats], limits)
 
 

@@ -5,7 +5,7 @@ A frame has a caption of one height, so that all frames have the same size.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from PIL import Image, ImageDraw, ImageFont
 CAPTION = 64
 """How high the caption below a frame is [px]."""
 _MARGIN = 14
+_GAP = 6  # between frames beside each other [px]
 _COLOURS = 96  # of the palette that all frames of a GIF share
 _PAPER, _INK, _MUTED = "#ffffff", "#1b1d21", "#565b64"
 _PALETTE_FRAMES = 8  # from which the palette is taken, evenly over the film
@@ -40,6 +41,23 @@ def framed(image: Image.Image, picture: dict[str, Any]) -> Image.Image:
         pen.text((x + 18, y), row["text"], font=body, fill=_MUTED)
         x += 18 + body.getlength("grasping 00") + 2 * _MARGIN
     return page
+
+
+def side_by_side(frames: Iterable[Image.Image], count: int) -> Iterator[Image.Image]:
+    """Yield frames with so many of them beside each other."""
+    waiting: list[Image.Image] = []
+    for frame in frames:
+        waiting.append(frame)
+        if len(waiting) < count:
+            continue
+        width = sum(image.width for image in waiting) + _GAP * (count - 1)
+        page = Image.new("RGB", (width, frame.height), _PAPER)
+        left = 0
+        for image in waiting:
+            page.paste(image, (left, 0))
+            left += image.width + _GAP
+        waiting = []
+        yield page
 
 
 def write_gif(frames: Sequence[Image.Image], path: Path, frame_s: float) -> None:

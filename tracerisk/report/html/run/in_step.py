@@ -72,16 +72,22 @@ class InStep:
 
     def times_at(self, place_s: float) -> tuple[float, float]:
         """Return the times of both runs [s] at a place of the common axis [s]."""
-        left = place_s
+        stretch, share = self._at(place_s)
+        (begin, end), (first, last) = stretch.before, stretch.now
+        return begin + share * (end - begin), first + share * (last - first)
+
+    def kind_at(self, place_s: float) -> StretchKind:
+        """Return what the runs do at a place of the common axis [s]."""
+        return self._at(place_s)[0].kind
+
+    def _at(self, place_s: float) -> tuple[Stretch, float]:
+        """Return the stretch of a place, and which part of it lies before the place."""
+        left, stretch = max(place_s, 0.0), Stretch((0.0, 0.0), (0.0, 0.0), "same")
         for stretch in self.stretches:
-            length = stretch.length_s
-            if left <= length:
-                share = max(left, 0.0) / length if length else 1.0
-                (begin, end), (first, last) = stretch.before, stretch.now
-                return begin + share * (end - begin), first + share * (last - first)
-            left -= length
-        last_stretch = self.stretches[-1] if self.stretches else Stretch((0, 0), (0, 0), "same")
-        return last_stretch.before[1], last_stretch.now[1]
+            if left <= stretch.length_s:
+                return stretch, left / stretch.length_s
+            left -= stretch.length_s
+        return stretch, 1.0
 
 
 @dataclass(frozen=True, slots=True)
