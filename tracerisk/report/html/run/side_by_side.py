@@ -170,7 +170,7 @@ def _lines(
         _command_place("now", difference.now, shown.sources, links, ""),
     ]
     known = [place for place in places if place is not None]
-    # A command that stands there unchanged is told once.
+    # A command that stands there unchanged is shown once.
     return known[1:] if len({place.text for place in known}) == 1 < len(known) else known
 
 
