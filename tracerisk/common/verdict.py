@@ -148,6 +148,18 @@ class Verdict:
         """The reasons that are not accepted."""
         return tuple(reason for reason in self.reasons if not reason.accepted)
 
+    @property
+    def deciding_reasons(self) -> tuple[Reason, ...]:
+        """The open reasons of this very verdict, without functions that never ran.
+
+        The coverage counts those.
+        """
+        return tuple(
+            reason
+            for reason in self.open_reasons
+            if reason.verdict == self.kind and reason.code != NEVER_RAN
+        )
+
     def with_lines(self, line_of: Callable[[str, int], int]) -> Verdict:
         """Return the verdict with other lines; `line_of` takes a file and a line of it."""
         never = (replace(u, line=line_of(u.ref.file, u.line)) for u in self.coverage.never_ran)
@@ -211,10 +223,7 @@ def verdict_line(verdict: Verdict | None) -> str:
         return UNKNOWN_VERDICT
     ran, number = verdict.coverage.ran, verdict.coverage.all
     covered = f"{ran} of {number} function{'' if number == 1 else 's'} with commands ran"
-    # Functions that never ran are counted by the coverage.
-    reported = [
-        open_reason for open_reason in verdict.open_reasons if open_reason.code != NEVER_RAN
-    ]
+    reported = verdict.deciding_reasons
     if not reported:
         return f"{verdict.kind}, {covered}"
     more = f" (and {len(reported) - 1} more)" if len(reported) > 1 else ""

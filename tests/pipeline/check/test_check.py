@@ -371,3 +371,17 @@ def test_a_refresh_that_goes_wrong_keeps_the_blocks_of_a_good_run(project):
     # A run that is asked for by name writes what it shows.
     assert project.run("run", "c.py").code == 1
     assert project.read("c.py") != before["c.py"]
+
+
+def test_the_first_line_gives_the_reason_that_makes_the_verdict(project):
+    lock = json.loads(project.read("tracerisk.lock"))
+    verdict = lock["controllers"]["c.py"]["trace"]["verdict"]
+    plain = {"function": "", "object": "", "time_s": None, "location": None, "accepted": ""}
+    verdict["kind"] = "faulted"
+    verdict["reasons"] = [
+        {**plain, "code": "object-dropped", "verdict": "faulted", "words": "'cup' fell 90 mm"},
+        {**plain, "code": "never-called", "verdict": "partial", "words": "go was not executed"},
+    ]
+    project.write("tracerisk.lock", json.dumps(lock))
+    first = project.run("check").out.splitlines()[0]
+    assert first == "c.py: faulted: 'cup' fell 90 mm; 2 of 2 functions with commands ran"

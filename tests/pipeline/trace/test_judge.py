@@ -488,3 +488,16 @@ def test_a_goal_past_a_limit_is_a_fault_however_its_motion_ended(end, expected):
     found = judge(recorded(commands=(past, move(3.0, goal=(0.1,)))))
     assert [each.code for each in found.reasons] == expected
     assert found.reasons[0].object == "joint1"
+
+
+def test_the_reason_of_a_verdict_is_one_of_that_verdict_and_only_those_are_counted():
+    branch = MissedCommand("pick", "self.arm.go", HERE, was_executed=False)
+    falls = (Fall("tube", 3.5, 0.15, True),)
+    moves = (move(1.0), move(9.0))
+    line = verdict_line(judge(recorded(commands=moves, missed=(branch,), falls=falls)))
+    assert line.startswith("faulted: 'tube' fell 150 mm after it was let go (")
+    assert "more)" not in line
+    falls = (*falls, Fall("cup", 4.5, 0.15, True))
+    line = verdict_line(judge(recorded(commands=moves, missed=(branch,), falls=falls)))
+    assert line.startswith("faulted: 'tube' fell")
+    assert " (and 1 more); " in line

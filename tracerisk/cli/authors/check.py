@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -18,7 +17,7 @@ from tracerisk.cli.shared.output import (
 )
 from tracerisk.cli.shared.values import probability
 from tracerisk.common.text.plain_data import picked
-from tracerisk.common.verdict import GAPS, verdict_line
+from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.source.language import is_c
@@ -133,7 +132,7 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
         return int(code)
     for check_finding in checked:
         if not options.quiet:
-            show(f"{check_finding.path}: {_verdict_of(check_finding)}")
+            show(f"{check_finding.path}: {verdict_line(_as_typed(check_finding))}")
     for line in [*map(str, findings), *(error.with_code for error in errors)]:
         show(line)
     for line in _notes(checked):
@@ -171,14 +170,6 @@ def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:
     from tracerisk.pipeline.review.run_verdicts import base_verdicts
 
     return list(base_verdicts(list(paths), revision))
-
-
-def _verdict_of(checked: Checked) -> str:
-    """Return the verdict in words, without reasons where a finding of its own has each."""
-    verdict = _as_typed(checked)
-    if verdict is not None and any(finding.kind == verdict.kind for finding in checked.findings):
-        verdict = replace(verdict, reasons=tuple(r for r in verdict.reasons if r.code in GAPS))
-    return verdict_line(verdict)
 
 
 def _as_typed(checked: Checked) -> Verdict | None:

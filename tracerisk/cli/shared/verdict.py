@@ -11,7 +11,7 @@ from typing import Any
 from tracerisk.cli.shared.output import show
 from tracerisk.cli.shared.sources import read_file
 from tracerisk.common.text.plain_data import plain_data
-from tracerisk.common.verdict import NEVER_RAN, Verdict, verdict_line
+from tracerisk.common.verdict import Verdict, verdict_line
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode
 from tracerisk.pipeline.freshness.source_verdict import source_verdict_lines, source_verdicts
@@ -44,8 +44,8 @@ def verdict_details(verdict: Verdict | None) -> list[str]:
     if verdict is None:
         return []
     opened = verdict.open_reasons
-    # The first reason is in the line, unless it is a function that never ran.
-    first = next((reason for reason in opened if reason.code != NEVER_RAN), None)
+    # The first reason of the verdict is in the line.
+    first = next(iter(verdict.deciding_reasons), None)
     lines = [str(reason) for reason in opened if reason is not first]
     lines += [
         f"accepted: {reason}: {reason.accepted}" for reason in verdict.reasons if reason.accepted

@@ -184,7 +184,7 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool)
             "gives it one"
         )
     elif new in ("faulted", "stuck") or verdicts.does_less:
-        reasons = verdicts.after.open_reasons if verdicts.after else ()
+        reasons = verdicts.after.deciding_reasons if verdicts.after else ()
         # A lock that was edited by hand may keep a verdict without a reason.
         first = next(iter(verdicts.broke or reasons), None)
         was = f"was {old}, " if verdicts.in_before and old != new else ""
