@@ -149,6 +149,11 @@ class Verdict:
         return tuple(reason for reason in self.reasons if not reason.accepted)
 
     @property
+    def is_bad(self) -> bool:
+        """Whether the run went wrong, so that its figure passes no limit."""
+        return self.kind in ("faulted", "stuck")
+
+    @property
     def deciding_reasons(self) -> tuple[Reason, ...]:
         """The open reasons of this very verdict, without functions that never ran.
 

@@ -98,6 +98,61 @@ def test_the_gate_is_on_just_that(both):
     assert "pick.py: cup is no longer moved (and 2 more); --no-outcome-change" in outcome.err
 
 
+@pytest.mark.parametrize("words", [[], ["."], ["pick.py"]])
+def test_another_outcome_is_found_where_no_block_differs(both, words):
+    repository = both(WHOLE, HALF, figures=("2e-07", "2e-07"))
+    assert repository.git("diff", "--name-only").split() == ["tracerisk.lock"]
+    assert "cup is no longer moved" in repository.run("diff", *words).out
+    outcome = repository.run("diff", *words, "--no-outcome-change")
+    assert outcome.code == 1
+    assert "pick.py: cup is no longer moved (and 2 more); --no-outcome-change" in outcome.err
+
+
+def test_a_lock_that_lost_its_outcome_is_found_where_no_block_differs(both):
+    repository = both(WHOLE, Outcome(), figures=("2e-07", "2e-07"))
+    lock = json.loads((repository.folder / "tracerisk.lock").read_text())
+    del lock["controllers"]["pick.py"]["trace"]["outcome"]
+    repository.write("tracerisk.lock", json.dumps(lock))
+    outcome = repository.run("diff", "--no-outcome-change")
+    assert outcome.code == 1
+    assert "is not known of both versions" in outcome.err
+
+
+def test_another_pace_alone_is_no_change(both):
+    slower = replace(WHOLE, rests=(HOME, replace(PLACE, took_s=9.0)))
+    repository = both(WHOLE, slower, figures=("2e-07", "2e-07"))
+    assert review([], repository.folder).controllers == ()
+
+
+def test_the_limit_on_the_figure_holds_for_controllers_that_the_change_leaves_alone(both):
+    repository = both(WHOLE, WHOLE, figures=("2e-07", "2e-07"))
+    repository.write("README.md", "A cell\n")
+    assert repository.run("diff", "--max-failure-probability", "1e-6").code == 0
+    for words in ([], ["."], ["HEAD", "pick.py"]):
+        outcome = repository.run("diff", *words, "--max-failure-probability", "1e-7")
+        assert outcome.code == 1
+        assert "pick.py: mission failure 2e-07 is over --max-failure-pro" in outcome.err
+    assert repository.run("diff", "README.md", "--max-failure-probability", "1e-7").code == 0
+    outcome = repository.run("diff", "--max-failure-probability", "1e-7", "--json")
+    assert outcome.json["controllers"] == []
+
+
+@pytest.mark.parametrize("kind", ["faulted", "stuck"])
+@pytest.mark.parametrize("was", ["complete", "faulted"])
+def test_a_run_that_went_wrong_passes_no_limit_on_the_figure(both, kind, was):
+    repository = both(WHOLE, WHOLE, figures=("2e-07", "2e-07"))
+    lock = json.loads((repository.folder / "tracerisk.lock").read_text())
+    for name in (was, kind):
+        lock["controllers"]["pick.py"]["trace"]["verdict"]["kind"] = name
+        repository.write("tracerisk.lock", json.dumps(lock))
+        if name == was:
+            repository.commit()
+    outcome = repository.run("diff", "--max-failure-probability", "0.5")
+    assert outcome.code == 1
+    assert f"pick.py: its run is {kind}" in outcome.err
+    assert "; --max-failure-probability 0.5" in outcome.err
+
+
 def test_the_gate_passes_another_pace(both):
     slower = replace(WHOLE, rests=(HOME, replace(PLACE, took_s=9.0)))
     repository = both(WHOLE, slower, figures=("2e-07", "4e-07"))
@@ -110,7 +165,10 @@ def test_a_rise_of_another_mission_is_held_by_the_limit(both):
     repository = both(WHOLE, HALF, figures=("2e-07", "4e-07"))
     outcome = repository.run("diff", "HEAD", "pick.py", "--max-increase", "0.5")
     assert outcome.code == 1
-    assert "mission failure is more by 100 %" in outcome.err
+    assert (
+        "mission failure is more by 100 %, over --max-increase 0.5, though the figures are not "
+        "comparable, of different missions"
+    ) in outcome.err
 
 
 MOVED = replace(WHOLE, objects=(replace(CUP, end_m=(0.3, 0.206, 0.1)),))

@@ -102,6 +102,24 @@ def test_a_controller_that_moves_keeps_its_files_and_its_past(repository, parts)
     ]
 
 
+@pytest.mark.parametrize("is_run", [True, False])
+def test_a_controller_that_moves_is_not_lost_though_the_lock_keeps_its_old_entry(
+    repository, parts, is_run
+):
+    entries = [("main.py", lock_of(parts(), "main.py", sources={"main.py": "a"}))]
+    write(repository, parts(), *entries)
+    repository.commit()
+    repository.git("mv", "main.py", "start.py")
+    moved = parts()
+    moved["start.py"] = moved.pop("main.py")
+    if is_run:
+        entries.append(("start.py", lock_of(moved, "start.py", sources={"start.py": "a"})))
+    write(repository, moved, *entries)
+    for words in ([], ["HEAD", "start.py"]):
+        diff = only(review(words, repository.folder))
+        assert (diff.name, diff.was, diff.is_unchanged) == ("start.py", "main.py", True)
+
+
 def test_a_function_that_moves_to_another_file_of_its_controller_is_unchanged(repository, parts):
     write(repository, parts(), ("main.py", lock_of(parts(), "main.py")))
     repository.commit()

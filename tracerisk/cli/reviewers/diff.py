@@ -17,6 +17,7 @@ from tracerisk.cli.shared.sources import read_file
 from tracerisk.cli.shared.values import probability
 from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import ExitCode, InputError
+from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.review.review import review
 from tracerisk.pipeline.review.textconv import textconv
 from tracerisk.prm.review.change_records import RunVerdicts
@@ -54,7 +55,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--max-risk",
         metavar="P",
         type=probability,
-        help="exit 1 if a mission's failure probability is above P after the change",
+        help="exit 1 if a mission's failure probability is above P after the change, changed or "
+        "not, or its run went wrong or is stale",
     )
     parser.add_argument(
         "--no-new-accepts",
@@ -96,16 +98,19 @@ def run(options: argparse.Namespace) -> int:
     # An error is JSON too, where JSON was asked for.
     options.json = options.json or options.format == "json"
 
-    result = review(options.words)
+    limit = options.max_failure_probability
+    result = review(options.words, with_others=limit is not None)
     exceeded = [
         line
         for controller in result.controllers
         for line in (
             *_new_accepts(controller, options),
             *_other_outcome(controller, options),
-            *_exceeded(controller, options.max_increase, options.max_failure_probability),
+            *_rise(controller, options.max_increase),
+            *_above(controller, limit),
         )
     ]
+    exceeded += [line for controller in result.others for line in _above(controller, limit)]
     code = ExitCode.WOULD_CHANGE if exceeded else ExitCode.FINE
     _write_reports(result, options)
     if options.json:
@@ -169,16 +174,22 @@ def _new_accepts(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
 def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
     if not options.no_outcome_change:
         return []
-    if diff.outcome is None:
-        if diff.verdicts is None or diff.before is None or diff.after is None:
-            return []
-        return [
-            f"{diff.name}: what the mission brings about is not known of both versions; "
+    texts = []
+    if diff.outcome is not None:
+        first, *more = diff.outcome.of_mission or ("",)
+        rest = f" (and {len(more)} more)" if more else ""
+        texts += [f"{first}{rest}; --no-outcome-change"] if first else []
+    elif diff.verdicts is not None and diff.before is not None and diff.after is not None:
+        texts.append(
+            "what the mission brings about is not known of both versions; "
             f"`tracerisk refresh {diff.name}` runs it, and --no-outcome-change"
-        ]
-    first, *more = diff.outcome.of_mission or ("",)
-    rest = f" (and {len(more)} more)" if more else ""
-    return [f"{diff.name}: {first}{rest}; --no-outcome-change"] if first else []
+        )
+    # What C and C++ bring about is never known.
+    if diff.stale and diff.after is not None and not is_c(diff.name):
+        from tracerisk.report.diff.sentences import not_assessed
+
+        texts.append(f"{not_assessed(diff)}; --no-outcome-change")
+    return [f"{diff.name}: {text}" for text in texts]
 
 
 def _bad_run(diff: RiskDiff) -> str | None:
@@ -193,50 +204,51 @@ def _bad_run(diff: RiskDiff) -> str | None:
             return None
         refresh = f"`tracerisk refresh {diff.name}` gives it one"
         return f"the verdict of its run is unknown and was known before; {refresh}"
-    if verdicts.after.kind in ("faulted", "stuck") or (
-        not diff.is_comparable and verdicts.does_less
-    ):
-        return f"its run is {verdict_line(verdicts.after)}"
-    return None
+    return f"its run is {verdict_line(verdicts.after)}" if verdicts.after.is_bad else None
 
 
-def _exceeded(diff: RiskDiff, max_increase: float | None, limit: float | None) -> list[str]:
-    """Return which limits a controller exceeds; a rise within the noise is none.
+def _rise(diff: RiskDiff, most: float | None) -> list[str]:
+    """Return how a controller exceeds the limit on the increase; a rise within the noise does not.
 
-    A newer run that went wrong fails the limit on the increase; a base that went wrong is no
-    measure, so that its repair passes.
+    A newer run that went wrong fails it; a base that went wrong is no measure, so that its repair
+    passes.
     """
 
-    if diff.after is None:
+    if most is None or diff.after is None:
         return []
-    texts = []
-    risk = diff.after.failure_probability
+    verdicts = diff.verdicts
     bad = _bad_run(diff)
+    if bad is None and verdicts is not None and not diff.is_comparable and verdicts.does_less:
+        bad = f"its run is {verdict_line(verdicts.after)}"
+    if bad is not None:
+        return [f"{diff.name}: {bad}; --max-increase {most:g}"]
     # Of two runs of unknown verdict, and of two missions, the figures are all there is.
-    unknown = diff.verdicts is not None and diff.verdicts == RunVerdicts(None, None)
-    if bad is not None and (max_increase is not None or (limit is not None and diff.stale)):
-        held = {"--max-increase": max_increase, "--max-failure-probability": limit}
-        given = [f"{name} {value:g}" for name, value in held.items() if value is not None]
-        texts.append(f"{diff.name}: {bad}; {given[0]}")
-    elif (
-        max_increase is not None
-        and diff.before is not None
-        and not diff.is_unchanged
-        and (diff.is_comparable or unknown or _is_other_mission(diff))
-    ):
-        before = diff.before.failure_probability
-        is_apart = unknown or _is_other_mission(diff)
-        if risk > before * (1.0 + max_increase):
-            rise = f"{100.0 * (risk / before - 1.0):.3g} %" if before > 0.0 else "from zero"
-            texts.append(
-                f"{diff.name}: mission failure {'is more' if is_apart else 'rises'} by {rise}, "
-                f"over --max-increase {max_increase:g}"
-            )
-    if limit is not None and risk > limit:
-        texts.append(
-            f"{diff.name}: mission failure {risk:.4g} is over --max-failure-probability {limit:g}"
-        )
-    return texts
+    unknown = verdicts is not None and verdicts == RunVerdicts(None, None)
+    is_other = _is_other_mission(diff)
+    is_measured = diff.is_comparable or unknown or is_other
+    if diff.before is None or diff.is_unchanged or not is_measured:
+        return []
+    before, risk = diff.before.failure_probability, diff.after.failure_probability
+    if risk <= before * (1.0 + most):
+        return []
+    rise = f"{100.0 * (risk / before - 1.0):.3g} %" if before > 0.0 else "from zero"
+    verb, apart = "rises", ""
+    if unknown or is_other:
+        verb = "is more"
+        why = "different missions" if is_other else "runs of unknown verdict"
+        apart = f", though the figures are not comparable, of {why}"
+    return [f"{diff.name}: mission failure {verb} by {rise}, over --max-increase {most:g}{apart}"]
+
+
+def _above(diff: RiskDiff, limit: float | None) -> list[str]:
+    """Return how a controller exceeds the limit on its figure; one of a bad run passes none."""
+    if limit is None or diff.after is None:
+        return []
+    bad, risk = _bad_run(diff), diff.after.failure_probability
+    texts = [] if bad is None else [f"{bad}; --max-failure-probability {limit:g}"]
+    if risk > limit:
+        texts.append(f"mission failure {risk:.4g} is over --max-failure-probability {limit:g}")
+    return [f"{diff.name}: {text}" for text in texts]
 
 
 def _is_other_mission(diff: RiskDiff) -> bool:

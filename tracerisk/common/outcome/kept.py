@@ -9,6 +9,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from tracerisk.common.outcome.arm import Arm, ArmFrame, Position
+from tracerisk.common.outcome.changes import OutcomeChanges, outcome_changes
 from tracerisk.common.outcome.outcome import (
     CORNER_M,
     TICK_S,
@@ -69,6 +70,23 @@ def kept_tolerances(summary: Mapping[str, Any]) -> Tolerances:
     if not all(type(value) is float and value > 0.0 for value in values):
         return TOLERANCES
     return Tolerances(**given)
+
+
+def kept_changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> OutcomeChanges | None:
+    """Return how the outcomes of two locks' summaries differ; `None` where one is unknown.
+
+    The smaller tolerances of both count: no change widens those it is judged by.
+    """
+    old, new = kept_outcome(before), kept_outcome(after)
+    if old is None or new is None:
+        return None
+    allowed = kept_tolerances(before), kept_tolerances(after)
+    tolerances = Tolerances(
+        min(tolerance.place_m for tolerance in allowed),
+        min(tolerance.angle_deg for tolerance in allowed),
+        min(tolerance.joint for tolerance in allowed),
+    )
+    return outcome_changes(old, new, tolerances)
 
 
 def kept_outcome(summary: Mapping[str, Any]) -> Outcome | None:

@@ -23,16 +23,19 @@ class AnnotatedFiles(NamedTuple):
     notes: tuple[str, ...]
     """Sentences on what was left out."""
     lock_folders: tuple[str, ...] = ()
-    """The folders of the locks that changed; empty where the review names paths."""
+    """The folders of the locks that changed."""
     changed: frozenset[str] = frozenset()
-    """The paths of all files that changed, of those that the review names."""
+    """The paths of all files that changed."""
     locks: tuple[str, ...] = ()
     """The folders of all locks of the later version."""
 
 
-def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:
+def annotated_files(
+    repository: Repository, what: Compared, *, with_others: bool = False
+) -> AnnotatedFiles:
     """Return the annotated sources that changed, or are named; of named folders, those in them.
 
+    If asked, all locks are among what is returned, even where no file changed.
     Raises InputError where git or a file cannot be read.
     """
     later = what.after.commit
@@ -50,18 +53,16 @@ def annotated_files(repository: Repository, what: Compared) -> AnnotatedFiles:
     locks = tuple(
         str(PurePosixPath(file.after).parent)
         for file in changed
-        if file.after is not None
-        and PurePosixPath(file.after).name == LOCK_NAME
-        and what.paths is None
+        if file.after is not None and PurePosixPath(file.after).name == LOCK_NAME
     )
     touched = frozenset(
         path
         for file in changed
-        if file.mode not in (SYMLINK, SUBMODULE) and _is_within(file, what.paths)
+        if file.mode not in (SYMLINK, SUBMODULE)
         for path in (file.before, file.after)
         if path is not None
     )
-    all_locks = tuple(_folders_of_locks(what.after)) if touched else ()
+    all_locks = tuple(_folders_of_locks(what.after)) if touched or with_others else ()
     return AnnotatedFiles(tuple(_joined(pairs, renames)), renames, notes, locks, touched, all_locks)
 
 
@@ -132,13 +133,14 @@ def _renames(repository: Repository, what: Compared, held: list[ChangedFile]) ->
 
 
 def _is_within(file: ChangedFile, paths: tuple[str, ...] | None) -> bool:
+    return any(path is not None and is_within(path, paths) for path in (file.before, file.after))
+
+
+def is_within(path: str, paths: tuple[str, ...] | None) -> bool:
+    """Return whether a review that is narrowed to paths looks at one; `None` stands for all."""
     if paths is None:
         return True
-    return any(
-        path is not None and (base == "." or path == base or path.startswith(f"{base}/"))
-        for path in (file.before, file.after)
-        for base in paths
-    )
+    return any(base == "." or path == base or path.startswith(f"{base}/") for base in paths)
 
 
 def _named(what: Compared, known: set[str]) -> Iterator[tuple[str | None, str | None]]:

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.outcome.kept import OUTCOME, kept_changes, kept_outcome
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.freshness.known_controllers import has_digest
-from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated
+from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated, is_within
 from tracerisk.pipeline.review.changed_inputs import changed_inputs
-from tracerisk.pipeline.review.git_versions import GitVersion
+from tracerisk.pipeline.review.git_versions import Compared, GitVersion
 from tracerisk.pipeline.review.version_inputs import (
     RunOfVersion,
     depends_on,
@@ -61,6 +62,8 @@ class ReviewedController(NamedTuple):
     """The earlier version."""
     after: ControllerVersion
     """The later version."""
+    is_changed: bool = True
+    """Whether the change has to do with it; `False` where only its figure as it is counts."""
 
 
 class _Known(NamedTuple):
@@ -161,14 +164,19 @@ class Locks:
 
 
 def reviewed_controllers(
-    files: AnnotatedFiles, before: GitVersion, after: GitVersion, shown: Callable[[str], str]
+    files: AnnotatedFiles,
+    what: Compared,
+    shown: Callable[[str], str],
+    *,
+    with_others: bool = False,
 ) -> list[ReviewedController]:
     """Return the controllers that the files belong to, with all of their annotated sources.
 
     A file that no lock knows is a controller of its own. `shown` returns how messages name a path.
+    If asked, all others of the later version's locks come last.
     Raises InputError, naming the version, where a lock cannot be read.
     """
-    locks = Locks(before, shown), Locks(after, shown, files.changed)
+    locks = Locks(what.before, shown), Locks(what.after, shown, files.changed)
     was = {new: old for old, new in files.renames.items()}
     names: dict[str, None] = {}
     for old, new in files.pairs:
@@ -178,29 +186,58 @@ def reviewed_controllers(
         own = new if new is not None else old
         names.update(dict.fromkeys(controllers or [str(own)]))
     for folder in files.lock_folders:
-        names.update(dict.fromkeys(_of_other_verdict(locks, folder)))
-    for folder in files.locks:
-        stale = _made_stale(locks[1], folder, files.changed - names.keys())
-        names.update(dict.fromkeys(stale))
-    return [_reviewed(name, was.get(name), locks, files.renames) for name in sorted(names)]
+        names.update(dict.fromkeys(_of_other_run(locks, folder, what.paths)))
+    # The entry of a controller that moved may stay in the lock: the controller is not lost.
+    there = [name for folder in files.locks for name in sorted(locks[1]._in(folder))]
+    there = [name for name in there if name not in files.renames]
+    names.update(dict.fromkeys(_made_stale(locks[1], there, files.changed - names.keys(), what)))
+    others = sorted({name for name in there if is_within(name, what.paths)} - names.keys())
+    return [
+        *(_reviewed(name, was.get(name), locks, files.renames) for name in sorted(names)),
+        *(
+            _reviewed(name, None, locks, {})._replace(is_changed=False)
+            for name in others
+            if with_others
+        ),
+    ]
 
 
-def _of_other_verdict(locks: tuple[Locks, Locks], folder: str) -> Iterator[str]:
-    """Yield the controllers of a lock whose run has another verdict, or accepts something else."""
+def _of_other_run(
+    locks: tuple[Locks, Locks], folder: str, paths: tuple[str, ...] | None
+) -> Iterator[str]:
+    """Yield the controllers of a lock whose run has another verdict, or did something else.
+
+    Among them are those whose run accepts something else, or whose verdict or outcome is lost.
+    """
     earlier, later = locks[0]._in(folder), locks[1]._in(folder)
     for name in sorted(earlier.keys() & later.keys()):
-        old, new = (kept_verdict(fields[name].entry) for fields in (earlier, later))
-        if old is None or new is None:
+        if not is_within(name, paths):
             continue
-        if old.kind != new.kind or old.acceptances != new.acceptances:
+        before, after = earlier[name].entry, later[name].entry
+        old, new = kept_verdict(before), kept_verdict(after)
+        if old is not None and (
+            new is None or old.kind != new.kind or old.acceptances != new.acceptances
+        ):
             yield name
+        elif before.trace.get(OUTCOME) != after.trace.get(OUTCOME):
+            changes = kept_changes(before.trace, after.trace)
+            is_lost = kept_outcome(before.trace) is not None and changes is None
+            if is_lost or (changes is not None and changes.of_mission):
+                yield name
 
 
-def _made_stale(locks: Locks, folder: str, changed: frozenset[str]) -> Iterator[str]:
-    """Yield the controllers of a lock whose blocks a changed file made stale."""
-    for name in sorted(locks._in(folder)):
+def _made_stale(
+    locks: Locks, names: list[str], changed: frozenset[str], what: Compared
+) -> Iterator[str]:
+    """Yield the controllers whose blocks a changed file made stale.
+
+    The review looks at the controller or at the file.
+    """
+    looked_at = frozenset(path for path in changed if is_within(path, what.paths))
+    for name in names:
+        files = changed if is_within(name, what.paths) else looked_at
         run = locks.run_of(name)
-        if run is not None and depends_on(run, changed) and version_of(locks, name).stale:
+        if run is not None and depends_on(run, files) and version_of(locks, name).stale:
             yield name
 
 
@@ -214,12 +251,13 @@ def _reviewed(
         [backwards.get(file, file) for file in known[1].files] if known[1] else [earlier],
         [renames.get(file, file) for file in known[0].files] if known[0] else [name],
     )
-    before = _version(locks[0], known[0], guesses[0], earlier)
-    after = _version(locks[1], known[1], guesses[1], name)
+    names = earlier, name
+    before = _version(locks[0], known[0], guesses[0], names)
+    after = _version(locks[1], known[1], guesses[1], names[::-1])
     if after.stale or _hardware(before) != _hardware(after):
         before, after = (
             version._replace(hardware=_description(one, path, version))
-            for one, path, version in zip(locks, (earlier, name), (before, after), strict=True)
+            for one, path, version in zip(locks, names, (before, after), strict=True)
         )
     return ReviewedController(name, was, before, after)
 
@@ -242,23 +280,24 @@ def version_of(locks: Locks, controller: str) -> ControllerVersion:
 
     Raises InputError, naming the version, where a lock cannot be read.
     """
-    return _version(locks, locks.known(controller), [], controller)
+    return _version(locks, locks.known(controller), [], (controller, controller))
 
 
 def _version(
-    locks: Locks, known: _Known | None, guesses: list[str], controller: str
+    locks: Locks, known: _Known | None, guesses: list[str], names: tuple[str, str]
 ) -> ControllerVersion:
-    """Return a controller as one version has it.
+    """Return a controller as one version has it; `names` are its own there and in the other.
 
     Where that version's lock does not know it, it is taken to have the files it has in the other,
     those left out that this version's lock gives to another controller.
     """
+    controller = names[0]
     files: list[str] = []
     if known is not None:
         files = list(known.files)
     else:
         for file in dict.fromkeys([controller, *guesses]):
-            if locks.controllers_of(file) in ([], [controller]):
+            if set(locks.controllers_of(file)) <= set(names):
                 files.append(file)
     contents = {file: locks.version.file(file) for file in sorted(files)}
     sources = {

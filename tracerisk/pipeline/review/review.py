@@ -12,9 +12,8 @@ from typing import NamedTuple
 
 from tracerisk.adder.lock.kept import as_computed
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
-from tracerisk.common.outcome.changes import OutcomeChanges, outcome_changes
-from tracerisk.common.outcome.kept import kept_outcome, kept_tolerances
-from tracerisk.common.outcome.tolerances import TOLERANCES, Tolerances
+from tracerisk.common.outcome.changes import OutcomeChanges
+from tracerisk.common.outcome.kept import kept_changes, kept_outcome, kept_tolerances
 from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.history.many_at_once import shared_out
@@ -45,37 +44,38 @@ from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import compare
 
 
-def review(words: Sequence[str] = (), folder: Path | None = None) -> Review:
+def review(
+    words: Sequence[str] = (), folder: Path | None = None, *, with_others: bool = False
+) -> Review:
     """Return what changed in risk between two versions that git knows.
 
     `words` are `[REV[..REV]] [FILE...]`, as `tracerisk diff` takes them; without a revision HEAD
     is compared with the working tree. `folder` is where they are meant, else the current one.
-    Nothing is written.
+    If asked, the controllers that the change leaves alone are in `others`. Nothing is written.
     Raises InputError for what git does not know, and, naming the version, where blocks are
     malformed or make no model.
     """
     here = Path.cwd() if folder is None else folder
     with Repository.opened(here) as repository:
         what = compared(repository, here, words)
-        files = annotated_files(repository, what)
+        files = annotated_files(repository, what, with_others=with_others)
         shown = _Shown(repository.top, here)
-        controllers = reviewed_controllers(files, what.before, what.after, shown.name)
+        controllers = reviewed_controllers(files, what, shown.name, with_others=with_others)
     names = _VersionName.of(what.before), _VersionName.of(what.after)
     risk_diffs = shared_out(partial(_reviews, versions=names, shown=shown), controllers)
     for trace_risk_error in risk_diffs:
         if isinstance(trace_risk_error, TraceRiskError):
             raise trace_risk_error
-    # A source may speak of blocks and have none.
-    diffs = [
-        risk_diff
-        for risk_diff in risk_diffs
-        if isinstance(risk_diff, RiskDiff)
-        and (risk_diff.before is not None or risk_diff.after is not None)
-    ]
+    diffs: dict[bool, list[RiskDiff]] = {True: [], False: []}
+    for controller, risk_diff in zip(controllers, risk_diffs, strict=True):
+        # A source may speak of blocks and have none.
+        if isinstance(risk_diff, RiskDiff) and (risk_diff.before or risk_diff.after):
+            diffs[controller.is_changed].append(risk_diff)
     return Review(
         before=what.before.name,
         after=what.after.name,
-        controllers=tuple(sorted(diffs, key=lambda diff: (-abs(diff.increase), diff.name))),
+        controllers=tuple(sorted(diffs[True], key=lambda diff: (-abs(diff.increase), diff.name))),
+        others=tuple(diffs[False]),
         notes=files.notes,
         prefixes=(what.before.prefix, what.after.prefix),
         commits=(what.before.commit, what.after.commit),
@@ -247,22 +247,10 @@ def _stale(controller: ReviewedController, diff: RiskDiff) -> tuple[str, ...]:
 
 def _outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeChanges | None:
     """Return how the outcomes of two versions differ; `None` where a lock keeps none."""
-    entries = controller.before.entry, controller.after.entry
-    old, new = (None if entry is None else kept_outcome(entry.trace) for entry in entries)
-    if not in_both or old is None or new is None:
+    before, after = controller.before.entry, controller.after.entry
+    if not in_both or before is None or after is None:
         return None
-    return outcome_changes(old, new, _tolerances(controller))
-
-
-def _tolerances(controller: ReviewedController) -> Tolerances:
-    """Return the smaller tolerances of both versions: no change widens those it is judged by."""
-    entries = controller.before.entry, controller.after.entry
-    old, new = (TOLERANCES if entry is None else kept_tolerances(entry.trace) for entry in entries)
-    return Tolerances(
-        min(old.place_m, new.place_m),
-        min(old.angle_deg, new.angle_deg),
-        min(old.joint, new.joint),
-    )
+    return kept_changes(before.trace, after.trace)
 
 
 def _of_outcomes(controller: ReviewedController) -> Iterator[str]:

@@ -16,7 +16,7 @@ def review_to_json(review: Review) -> dict[str, Any]:
     figure to compare with), each function's status, each change's causes.
     """
     plain = asdict(review)
-    for name in ("prefixes", "folder"):
+    for name in ("prefixes", "folder", "others"):
         plain.pop(name)
     plain["controllers"] = [_diff_to_json(controller) for controller in review.controllers]
     readable: dict[str, Any] = _readable(plain)

@@ -419,6 +419,8 @@ class Review:
     """The later version as the user named it."""
     controllers: tuple[RiskDiff, ...]
     """Differences by controller, the greatest change first."""
+    others: tuple[RiskDiff, ...] = ()
+    """Controllers that the change leaves alone, by name; empty unless they were asked for."""
     notes: tuple[str, ...] = ()
     """Remarks on the comparison, one sentence each."""
     prefixes: tuple[str, str] = ("", "")
