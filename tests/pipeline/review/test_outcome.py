@@ -98,6 +98,32 @@ def test_the_gate_is_on_just_that(both):
     assert "pick.py: cup is no longer moved (and 2 more); --no-outcome-change" in outcome.err
 
 
+@pytest.mark.parametrize("figures", [("4e-07", "2e-07"), ("2e-07", "4e-07"), ("2e-07", "2e-07")])
+def test_every_output_calls_two_missions_not_comparable(both, figures):
+    repository = both(WHOLE, HALF, figures=figures)
+    rows = repository.run("diff", "HEAD", "pick.py").out.splitlines()
+    (row,) = (row for row in rows if row.startswith("  mission failure"))
+    assert row.endswith(" not comparable")
+    assert "| not comparable |" in repository.run("diff", "--format", "markdown").out
+    assert repository.run("report", "pick.py", "--against", "HEAD", "-o", "r.html").code == 0
+    page = repository.read("r.html").decode()
+    section = page[page.index('id="difference-1-mission-table"') :]
+    section = section[: section.index("</table>")]
+    assert section.count("not comparable") == 3
+    assert 'id="difference-1-changes-table"' not in page
+    assert 'id="difference-1-functions-table"' not in page
+    history = repository.run("history", "pick.py")
+    assert "largest rise" not in history.out
+    assert "the figure never rose between runs that can be compared" in history.out
+    assert "not comparable with the one before: 1 commit, at last working tree" in history.out
+    assert (
+        repository.run("history", "pick.py", "--json").json["controllers"]["pick.py"][
+            "largest_rise"
+        ]
+        is None
+    )
+
+
 @pytest.mark.parametrize("words", [[], ["."], ["pick.py"]])
 def test_another_outcome_is_found_where_no_block_differs(both, words):
     repository = both(WHOLE, HALF, figures=("2e-07", "2e-07"))
@@ -225,8 +251,7 @@ def test_history_marks_the_commit_that_changed_the_result(both):
     repository = both(WHOLE, HALF)
     repository.commit()
     out = repository.run("history", "pick.py").out
-    last = out.splitlines()[-4:]
-    assert any("result" in line for line in last), out
+    assert any("2.000e-07" in line and "result" in line for line in out.splitlines()), out
     assert "x0.5" not in out
     data = repository.run("history", "pick.py", "--json").json
     assert [point["outcome"] for point in data["controllers"]["pick.py"]["commits"]] == [

@@ -106,11 +106,20 @@ def _answers(points: list[HistoryPoint]) -> list[str]:
     from tracerisk.pipeline.review.history import largest_rise
 
     rise = largest_rise(points)
-    if rise is None:
-        known = sum(history_point.failure_probability is not None for history_point in points)
-        return ["the figure never rose" if known > 1 else "nothing to compare with yet"]
-    point, factor = rise
-    return [f"largest rise: x{factor:.3g} by {_text(point)}", f"  {point.change}"]
+    apart = [history_point for history_point in points if not history_point.is_comparable]
+    known = [point for point in points if point.failure_probability is not None]
+    if rise is not None:
+        point, factor = rise
+        lines = [f"largest rise: x{factor:.3g} by {_text(point)}", f"  {point.change}"]
+    elif apart:
+        lines = ["the figure never rose between runs that can be compared"]
+    else:
+        lines = ["the figure never rose" if len(known) > 1 else "nothing to compare with yet"]
+    if apart:
+        number = f"{len(apart)} commit{'' if len(apart) == 1 else 's'}"
+        lines.append(f"not comparable with the one before: {number}, at last {_text(apart[-1])}")
+        lines.append(f"  {apart[-1].change}")
+    return lines
 
 
 def _text(point: HistoryPoint) -> str:

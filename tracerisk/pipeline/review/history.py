@@ -196,14 +196,17 @@ def _point(
 
 
 def largest_rise(points: Sequence[HistoryPoint]) -> tuple[HistoryPoint, float] | None:
-    """Return the commit after which the figure rose by the greatest factor, with the factor."""
+    """Return the commit after which the figure rose by the greatest factor, with the factor.
+
+    Only figures count that can be compared.
+    """
     best: tuple[HistoryPoint, float] | None = None
     last: float | None = None
     for point in points:
         figure = point.failure_probability
         if figure is None:
             continue
-        if last is not None and last > 0.0 and figure > last:
+        if last is not None and last > 0.0 and figure > last and point.is_comparable:
             factor = figure / last
             if best is None or factor > best[1]:
                 best = point, factor

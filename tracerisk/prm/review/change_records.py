@@ -419,8 +419,6 @@ class Review:
     """The later version as the user named it."""
     controllers: tuple[RiskDiff, ...]
     """Differences by controller, the greatest change first."""
-    others: tuple[RiskDiff, ...] = ()
-    """Controllers that the change leaves alone, by name; empty unless they were asked for."""
     notes: tuple[str, ...] = ()
     """Remarks on the comparison, one sentence each."""
     prefixes: tuple[str, str] = ("", "")
@@ -432,6 +430,8 @@ class Review:
     top."""
     statement: str = FIGURE_STATEMENT
     """What the figures are and are not, for every output."""
+    others: tuple[RiskDiff, ...] = ()
+    """Controllers that the change leaves alone, by name; empty unless they were asked for."""
 
     @property
     def renamed(self) -> dict[str, str]:

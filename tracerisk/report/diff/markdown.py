@@ -105,9 +105,7 @@ def _figures(diff: RiskDiff, links: Links) -> tuple[str, ...]:
     old, new = diff.before, diff.after
     ratio = cycles = ""
     if old is not None and new is not None:
-        ratio = sentences.ratio(old.failure_probability, new.failure_probability)
-        ratio = ratio if diff.is_comparable else "not comparable"
-        ratio = "not assessed" if diff.stale else ratio
+        ratio = sentences.compared(diff, old.failure_probability, new.failure_probability)
         earlier, later = old.cycle_failure_probability, new.cycle_failure_probability
         cycles = f"{sentences.probability(earlier)} → {sentences.probability(later)}"
     name = sentences.name_of(diff)

@@ -168,10 +168,10 @@ def _other_mission(diff: RiskDiff, outcome: OutcomeChanges) -> str:
     rest = f" (and {len(more)} more)" if more else ""
     old, new = figures[0].failure_probability, figures[-1].failure_probability
     what = "does something else" if outcome.result else "does less"
-    return (
-        f"{diff.name} {what}: {first}{rest}; mission failure is {probability(new)} now and was "
-        f"{probability(old)}, of different missions"
-    )
+    failure = f"{probability(new)} now and was {probability(old)}, of different missions"
+    if diff.is_unchanged:
+        failure = f"{probability(new)} for both missions"
+    return f"{diff.name} {what}: {first}{rest}; mission failure is {failure}"
 
 
 def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool) -> str:
@@ -379,6 +379,18 @@ def ratio(before: float, after: float) -> str:
         return "unchanged"
     value = ratio_of(before, after)
     return "from 0" if value is None else f"x{value:.3g}"
+
+
+def compared(diff: RiskDiff, before: float | None, after: float | None) -> str:
+    """Return how two figures of a controller compare, or that they do not: the same everywhere.
+
+    Empty where a version has no figure.
+    """
+    if before is None or after is None:
+        return ""
+    if diff.stale:
+        return "not assessed"
+    return ratio(before, after) if diff.is_comparable else "not comparable"
 
 
 def count(value: float) -> str:

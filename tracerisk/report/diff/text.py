@@ -46,13 +46,7 @@ def render_diff(review: Review, *, width: int = 80) -> str:
 def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
     for title, entries in sentences.of_missions(diff):
         yield from _list(title, entries, room)
-    yield from _row(sentences.name_of(diff), ("before", "after", "ratio"), room)
-    missions = diff.before, diff.after
-    whole = [None if mission is None else mission.failure_probability for mission in missions]
-    cycle = [None if mission is None else mission.cycle_failure_probability for mission in missions]
-    yield from _row("  mission failure", _cells(*whole, comparable=diff.is_comparable), room)
-    yield from _row("  per cycle", _cells(*cycle, comparable=diff.is_comparable), room)
-    yield ""
+    yield from _missions(diff, room)
     if diff.changes and diff.is_comparable:
         yield "  What changed, by what each alone does to mission failure"
         small = sentences.small_changes(diff)
@@ -85,6 +79,21 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         values = "value changes" if diff.within_noise == 1 else "values change"
         yield f"  {diff.within_noise} {values} by less than 1 %: reported as unchanged"
         yield ""
+
+
+def _missions(diff: RiskDiff, room: int) -> Iterator[str]:
+    missions = diff.before, diff.after
+    whole = [None if mission is None else mission.failure_probability for mission in missions]
+    cycle = [None if mission is None else mission.cycle_failure_probability for mission in missions]
+    rows = [
+        ("  mission failure", (*_cells(*whole)[:2], sentences.compared(diff, *whole))),
+        ("  per cycle", (*_cells(*cycle)[:2], sentences.compared(diff, *cycle))),
+    ]
+    widths = (*_FIGURES[:2], max(_FIGURES[2], *(len(cells[2]) for _, cells in rows)))
+    yield from _row(sentences.name_of(diff), ("before", "after", "ratio"), room, widths)
+    for label, cells in rows:
+        yield from _row(label, cells, room, widths)
+    yield ""
 
 
 def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
@@ -131,20 +140,19 @@ def _visits(function: FunctionChange) -> str:
     return f"{text} visit" if text == "1" else f"{text} visits"
 
 
-def _cells(
-    before: float | None, after: float | None, *, comparable: bool = True
-) -> tuple[str, str, str]:
-    ratio = "" if before is None or after is None else sentences.ratio(before, after)
+def _cells(before: float | None, after: float | None) -> tuple[str, str, str]:
     return (
         "-" if before is None else sentences.probability(before),
         "-" if after is None else sentences.probability(after),
-        ratio if comparable else "",
+        "" if before is None or after is None else sentences.ratio(before, after),
     )
 
 
-def _row(label: str, cells: Sequence[str], room: int) -> Iterator[str]:
+def _row(
+    label: str, cells: Sequence[str], room: int, widths: Sequence[int] = _FIGURES
+) -> Iterator[str]:
     """Yield a label with its cells at the right; a label too long has lines of its own."""
-    right = "".join(f"{cell:>{size + 1}}" for cell, size in zip(cells, _FIGURES, strict=True))
+    right = "".join(f"{cell:>{size + 1}}" for cell, size in zip(cells, widths, strict=True))
     left = room - len(right)
     if len(label) > left:
         yield from _wrapped(label, room, hanging=6)

@@ -71,9 +71,10 @@ def _both_runs(report: ReportInput, review: Review) -> tuple[Markup | str, tuple
 def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
     name = f"difference-{index + 1}"
     tables = [_missions(name, review, diff)]
-    if diff.changes:
+    if diff.changes and diff.is_comparable:
         tables.append(_changes(name, review, diff))
-    if any(function.status != "unchanged" for function in diff.functions):
+    is_other = any(function.status != "unchanged" for function in diff.functions)
+    if is_other and diff.is_comparable:
         tables.append(_functions(name, diff))
     lines = [
         f"{point.component} is a single point of failure now, in {sentences.some(point.functions)}"
@@ -101,9 +102,8 @@ def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
     }
     rows = []
     for label, kind in kinds.items():
-        ratio = ""
-        if old is not None and new is not None:
-            ratio = sentences.ratio(getattr(old, kind), getattr(new, kind))
+        figures = (None if figure is None else getattr(figure, kind) for figure in (old, new))
+        ratio = sentences.compared(diff, *figures)
         rows.append(row_of(label, _figure(old, kind), _figure(new, kind), ratio))
     columns = (Column("figure"), *numbers(review.before, review.after, "ratio"))
     return Table(f"{name}-mission", "The mission", columns, tuple(rows))

@@ -10,7 +10,7 @@ from xml.sax.saxutils import escape
 from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.common.verdict import Verdict, kind_of
 from tracerisk.prm.review.change_records import WORKING_TREE
-from tracerisk.report.diff.sentences import sentence
+from tracerisk.report.diff.sentences import compared, sentence
 from tracerisk.report.series.sweep import SweepPoint, plot_svg
 from tracerisk.report.tables import render_parts, table_of
 
@@ -69,6 +69,11 @@ class HistoryPoint:
         return "result" if outcome.result else "way"
 
     @property
+    def is_comparable(self) -> bool:
+        """Whether its figure may be held against the one before, as `diff` holds them."""
+        return self.diff is None or self.diff.is_comparable
+
+    @property
     def change(self) -> str:
         """What the commit did to the risk, in words."""
         return self.error if self.diff is None else sentence(self.diff)
@@ -90,11 +95,7 @@ def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER
     last: float | None = None
     for row in rows:
         figure = row.failure_probability
-        change = ""
-        # Figures of different missions have no ratio.
-        is_same = row.diff is None or row.diff.is_same_mission
-        if figure is not None and last and is_same:
-            change = f"x{figure / last:.3g}"
+        change = "" if row.diff is None else compared(row.diff, last, figure)
         table.add_row(
             row.name,
             row.date,
