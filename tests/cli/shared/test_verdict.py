@@ -63,7 +63,12 @@ def test_a_change_that_accepts_its_own_fault_is_reported_first_and_can_fail(
     assert repository.run("run", "c.py", "-q", "--discard-edits").code == 0
     outcome = repository.run("diff")
     assert outcome.code == 0
-    assert "newly accepted: error-logged of 'lamp # is out' in act" in " ".join(outcome.out.split())
+    out = " ".join(outcome.out.split())
+    assert out.startswith("newly accepted: error-logged of 'lamp # is out' in act: ")
+    assert "; what happened: it logged ERROR: lamp 4 is out (c.py:" in out
+    assert "setting accept has a new entry with code 'error-logged', function 'act', object" in out
+    page = repository.run("diff", "--format", "markdown").out
+    assert page.splitlines()[1].startswith("newly accepted: error-logged")
     strict = repository.run("diff", "--no-new-accepts")
     assert strict.code == 1
     assert "newly accepted, and --no-new-accepts: error-logged" in strict.err

@@ -203,7 +203,7 @@ def test_every_kind_of_redundancy_is_reported(review_of, annotated_source):
 
 
 def run_of(kind, *codes):
-    reasons = tuple(Reason(code, "partial", f"{code} happened") for code in codes)
+    reasons = tuple(Reason(code, kind, f"{code} happened") for code in codes)
     return Verdict(kind, reasons, Coverage(1, 1))
 
 

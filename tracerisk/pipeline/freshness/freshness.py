@@ -264,13 +264,24 @@ def _settings_reasons(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iter
     for name in sorted({*before, *now}):
         if before.get(name) != now.get(name):
             text = "version of tracerisk" if name == "tracerisk" else f"setting {name}"
-            yield f"{text} was {_shown(before.get(name))}, is {_shown(now.get(name))}"
+            yield from value_changes(text, before.get(name), now.get(name))
 
 
-def _shown(value: Any) -> str:
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        return f"{len(value)} of them"
-    return "the default" if value is None else str(value)
+def value_changes(what: str, before: Any, now: Any) -> Iterable[str]:
+    """Yield in words how the value of a setting changed; of a list of tables, entry by entry."""
+    old, new = ([] if value is None else value for value in (before, now))
+    values = [*old, *new] if isinstance(old, list) and isinstance(new, list) else []
+    if not values or not all(isinstance(value, dict) for value in values):
+        was, is_now = ("the default" if value is None else value for value in (before, now))
+        yield f"{what} was {was}, is {is_now}"
+        return
+    gone = [f"{what} has no entry any more with {_entry(one)}" for one in old if one not in new]
+    added = [f"{what} has a new entry with {_entry(one)}" for one in new if one not in old]
+    yield from [*gone, *added] or [f"{what} has its entries in another order"]
+
+
+def _entry(table: Mapping[str, Any]) -> str:
+    return ", ".join(f"{key} {value!r}" for key, value in table.items() if value not in ("", None))
 
 
 def _changed(recorded: Mapping[str, str], now: Callable[[str], str]) -> Iterable[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from tracerisk.pipeline.freshness.freshness import GONE, RunInputs
+from tracerisk.pipeline.freshness.freshness import GONE, RunInputs, value_changes
 
 
 def changed_inputs(
@@ -20,9 +20,8 @@ def changed_inputs(
     for name in sorted({*old.settings, *new.settings}):
         values = old.settings.get(name), new.settings.get(name)
         if values[0] != values[1]:
-            was, now = ("the default" if value is None else str(value) for value in values)
             what = "the version of tracerisk" if name == "tracerisk" else f"setting {name}"
-            yield f"{what} was {was}, is {now}"
+            yield from value_changes(what, *values)
 
 
 def _changed_files(

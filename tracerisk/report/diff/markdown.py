@@ -37,8 +37,7 @@ def render_diff_markdown(review: Review, *, link_base: str | None = None) -> str
     shown = review.controllers[:MOST_CONTROLLERS]
     head = [TAG]
     verdicts = sentences.verdict_lines(review, only_wrong=True)[:MOST_CONTROLLERS]
-    accepted = [line for risk_diff in shown for line in sentences.acceptances(risk_diff)]
-    for line in (*verdicts, *accepted):
+    for line in (*sentences.acceptances(shown), *verdicts):
         head += [links.text(line), ""]
     headline = sentences.headline(review, below_verdicts=bool(verdicts), one_in_n=True)
     head += [f"**{links.text(headline)}**", ""]

@@ -105,7 +105,7 @@ def _is_wrong(diff: RiskDiff) -> bool:
     if verdicts is None or not verdicts.in_after:
         return False
     is_whole = verdicts.after is not None and verdicts.after.kind in ("complete", "partial")
-    return not is_whole or verdicts.does_less or bool(verdicts.new_acceptances)
+    return not is_whole or verdicts.does_less
 
 
 def later_run(diff: RiskDiff) -> str:
@@ -122,10 +122,22 @@ def _short(verdict: Verdict | None) -> str:
     return f"{verdict.kind}, {verdict.coverage.ran} of {verdict.coverage.all}"
 
 
-def acceptances(diff: RiskDiff) -> list[str]:
-    """Return what a change accepts of its own run, a line each."""
-    new_acceptances = () if diff.verdicts is None else diff.verdicts.new_acceptances
-    return [f"newly accepted: {acceptance}" for acceptance in new_acceptances]
+def acceptances(diffs: Sequence[RiskDiff]) -> list[str]:
+    """Return what a change accepts of its own runs and what happened there, a line each."""
+    lines = []
+    for diff in diffs:
+        if diff.verdicts is None or diff.verdicts.after is None:
+            continue
+        name = "" if len(diffs) == 1 else f"{diff.name}: "
+        for acceptance in diff.verdicts.new_acceptances:
+            accepted = [
+                str(reason)
+                for reason in diff.verdicts.after.reasons
+                if reason.accepted and reason.key == acceptance.key
+            ]
+            what = f"what happened: {some(accepted)}" if accepted else "it did not occur"
+            lines.append(f"{name}newly accepted: {acceptance}; {what}")
+    return lines
 
 
 def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:

@@ -25,11 +25,8 @@ def render_diff(review: Review, *, width: int = 80) -> str:
     """
     room = max(width, 60)
     lines = []
-    for line in sentences.verdict_lines(review):
+    for line in (*sentences.acceptances(review.controllers), *sentences.verdict_lines(review)):
         lines += _wrapped(line, room, hanging=2)
-    for controller in review.controllers:
-        for line in sentences.acceptances(controller):
-            lines += _wrapped(line, room, hanging=2)
     lines += [*_wrapped(sentences.headline(review, below_verdicts=True), room), ""]
     if review.controllers:
         lines += [*_wrapped(f"before: {review.before}; after: {review.after}", room), ""]
