@@ -194,17 +194,15 @@ def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
 
 def _bad_run(diff: RiskDiff) -> str | None:
     """Return why no limit can be held against the newer figure; `None` where one can."""
-    if diff.stale:
-        return not_assessed(diff)
-    verdicts = diff.verdicts
-    if verdicts is None or not verdicts.in_after:
-        return None
-    if verdicts.after is None:
-        if verdicts.before is None:
-            return None
+    verdicts = diff.verdicts if diff.verdicts is not None and diff.verdicts.in_after else None
+    if verdicts is not None and verdicts.after is None and verdicts.before is not None:
         refresh = f"`tracerisk refresh {diff.name}` gives it one"
         return f"the verdict of its run is unknown and was known before; {refresh}"
-    return f"its run is {verdict_line(verdicts.after)}" if verdicts.after.is_bad else None
+    if diff.stale:
+        return not_assessed(diff)
+    if verdicts is None or verdicts.after is None or not verdicts.after.is_bad:
+        return None
+    return f"its run is {verdict_line(verdicts.after)}"
 
 
 def _rise(diff: RiskDiff, most: float | None) -> list[str]:

@@ -272,7 +272,8 @@ def _stale(diff: RiskDiff) -> str:
 
 def not_assessed(diff: RiskDiff) -> str:
     """Return why the blocks of a controller are not those of a run of it as it is."""
-    is_run = diff.verdicts is not None and diff.verdicts.in_after
+    verdicts = diff.verdicts
+    is_run = verdicts is not None and verdicts.in_after and verdicts.after is not None
     since = "since its last run " if is_run else ""
     return f"is not assessed as it is now: {since}{some(diff.stale)}"
 
