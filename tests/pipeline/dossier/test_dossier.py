@@ -341,3 +341,59 @@ def test_a_file_above_the_root_stays_within_the_archive(of_blocks, tmp_path):
     (tmp_path / "pyproject.toml").write_text('[tool.tracerisk]\nhardware = "../own.yaml"\n')
     folder = of_blocks(SHARED)
     assert (folder / "files" / "outside" / "own.yaml").is_file()
+
+
+HARDWARE = "components:\n  power: {probability: {value: 1e-6, per: minute}, active: always}\n"
+
+
+@pytest.fixture(scope="module")
+def with_own_hardware(example_in, quick, tmp_path_factory):
+    """A folder in which a controller was run with a hardware description beside it."""
+    example = example_in(tmp_path_factory.mktemp("own"))
+    example.write("pyproject.toml", '[tool.tracerisk]\nhardware = "cell.yaml"\n')
+    example.write("cell.yaml", HARDWARE)
+    example.write("controller.py", quick())
+    outcome = example.run("run", "controller.py", "--quiet")
+    assert outcome.code == 0, outcome.err
+    return example.folder
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "code", "why"),
+    [
+        ("cell.yaml", "1e-6", "2e-6", 1, "stale: cell.yaml has changed since the last run"),
+        ("controller.py", "\ndef ", "\nprint(1)\n\n\ndef ", 1, "controller.py has changed"),
+        ("controller.py", "probability = ", "probability = 9", 3, "edited: "),
+        ("pyproject.toml", "[tool.tracerisk]", "[tool.tracerisk]\nseed = 9", 1, "setting seed"),
+    ],
+)
+def test_no_dossier_of_a_figure_that_its_files_do_not_give(
+    with_own_hardware, example_in, tmp_path, file, old, new, code, why
+):
+    example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
+    fine = example.run("report", "controller.py", "--dossier", "fine.zip")
+    assert (fine.code, (example.folder / "fine.zip").is_file()) == (0, True), fine.err
+    path = example.folder / file
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new, 1))
+    outcome = example.run("report", "controller.py", "--dossier", "out.zip", "-o", "out.html")
+    assert outcome.code == code, outcome.err
+    assert why in outcome.err
+    assert "`tracerisk refresh controller.py`" in outcome.err
+    assert "out.zip: not written: the figure does not follow from the files in it" in outcome.err
+    assert not list(example.folder.glob("out.*"))
+    data = example.run("report", "controller.py", "--dossier", "out.zip", "--json").json
+    assert [finding["kind"] for finding in data["findings"]] == ["edited" if code == 3 else "stale"]
+
+
+def test_no_dossier_with_hardware_that_its_blocks_were_not_computed_with(
+    with_own_hardware, example_in, tmp_path
+):
+    example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
+    example.write("other.yaml", HARDWARE)
+    words = ("report", "controller.py", "--dossier", "out.zip")
+    outcome = example.run(*words, "--hardware", "other.yaml")
+    assert outcome.code == 2
+    assert "its blocks were not computed with this --hardware; leave it out" in outcome.err
+    outcome = example.run(*words, "--hardware", "cell.yaml")
+    assert outcome.code == 0, outcome.err

@@ -30,18 +30,20 @@ from tracerisk.cli.reporting.report_pictures import (
     write_report_pictures,
 )
 from tracerisk.cli.shared import options as shared
-from tracerisk.cli.shared.output import note, print_json, write_file
+from tracerisk.cli.shared.output import note, print_json, show, write_file
 from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict, verdict_details
 from tracerisk.common import trace_json
+from tracerisk.common.text.plain_data import picked
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import ExitCode, InputError, Location, SourceError
 from tracerisk.instrument.source.language import is_c_like
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from tracerisk.pipeline.check.cached_run import KeptRun
+    from tracerisk.pipeline.check.finding import CheckFinding
     from tracerisk.prm.review.change_records import Review
     from tracerisk.report.html.report_input import ReportInput, SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
@@ -49,7 +51,8 @@ if TYPE_CHECKING:
 
 _MADE = ("output", "dossier", "gif", "mp4")
 """The options that name a file to write."""
-_HOW = "`tracerisk refresh FILE` brings it up to date, `--trace` names another."
+_OF_VALUES = ("hardware", "active")
+"""The options with which blocks are computed."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -97,6 +100,9 @@ def run(options: argparse.Namespace) -> int:
     if options.history and options.output is None:
         raise InputError("--history is a part of the page; give -o/--output OUT.html as well")
     kept = _kept(options.files[0])
+    outrun = () if options.dossier is None else _outrun(options, kept)
+    if outrun:
+        return _refused(options, outrun)
     trace = _given_trace(options.trace)
     recorded = _recorded(options, kept, trace)
     files = list(options.files)
@@ -190,6 +196,56 @@ def _write_page(
         "assessment": assessment_to_json(assessment),
         "record": report_record(page),
     }
+
+
+def _outrun(options: argparse.Namespace, kept: KeptRun | None) -> tuple[CheckFinding, ...]:
+    """Return why the figure does not follow from the files that a dossier would hold beside it.
+
+    Blocks that no lock knows are the word of their author, and follow from nothing else.
+    Raises InputError for options with which the blocks were not computed, and as a check does.
+    """
+    from tracerisk.pipeline.check.check import check_controllers
+    from tracerisk.pipeline.check.finding import Checked
+    from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
+    from tracerisk.pipeline.freshness.freshness import settings_data
+    from tracerisk.pipeline.freshness.known_controllers import controllers_of
+    from tracerisk.pipeline.workspace.project import Projects
+
+    if kept is not None:
+        root = kept.controller.root.resolve()
+        asked = settings_data(_settings(kept, options), root)
+        of_run = settings_data(kept.settings, root)
+        names = [f"--{name}" for name in _OF_VALUES if asked.get(name) != of_run.get(name)]
+        if names:
+            message = f"its blocks were not computed with this {' and '.join(names)}"
+            remedy = "leave it out, or write it to [tool.tracerisk], and refresh the blocks"
+            raise InputError(f"{message}; {remedy}", Location(options.files[0]))
+    projects = Projects()
+    findings: list[CheckFinding] = []
+    for checked in check_controllers(controllers_of(options.files, projects), projects):
+        if not isinstance(checked, Checked):
+            raise checked
+        findings += checked.findings
+    kinds = MENDED_BY_REFRESH - {"unknown"}
+    return tuple(finding for finding in findings if finding.kind in kinds)
+
+
+def _refused(options: argparse.Namespace, findings: Sequence[CheckFinding]) -> int:
+    """Print why there is no dossier, and return the exit code, which is that of a check."""
+    code = max(finding.exit_code for finding in findings)
+    if options.json:
+        print_json(
+            "report",
+            exit_code=int(code),
+            findings=[
+                picked(finding, "kind", "message", "remedy")
+                | picked(finding.location, "file", "line")
+                for finding in findings
+            ],
+        )
+    show(*map(str, findings), to_errors=True)
+    note(f"{options.dossier}: not written: the figure does not follow from the files in it")
+    return int(code)
 
 
 def _write_dossier(
