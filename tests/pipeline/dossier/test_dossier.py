@@ -333,6 +333,12 @@ def test_the_same_report_gives_the_same_bytes(of_blocks, tmp_path):
     assert (tmp_path / "out.zip").read_bytes() == first
 
 
+def test_components_with_a_common_cause_are_counted_once(of_blocks, capsys):
+    of_blocks(SHARED)
+    assert main(["build", "cell.py", "-o", "model.json"]) == 0
+    assert "2 functions, 2 fault trees, 3 components" in capsys.readouterr().err
+
+
 def test_a_file_above_the_root_stays_within_the_archive(of_blocks, tmp_path):
     (tmp_path.parent / "own.yaml").write_text(
         "components:\n  power: {probability: {value: 1e-6, per: minute}, active: always}\n"

@@ -13,9 +13,11 @@ from hypothesis import strategies as st
 from markupsafe import Markup
 
 from tracerisk.adder.blocks.override import Override
+from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.common.verdict import UNKNOWN_VERDICT, VERDICTS
 from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel, solve
+from tracerisk.prm.trees.events import BasicEvent, Share
 from tracerisk.report.html import figures
 from tracerisk.report.html.notes import drift as drift_of_pin
 from tracerisk.report.html.page import _with_code, page, rendered
@@ -52,6 +54,34 @@ def test_the_one_sentence_is_the_heading_of_the_page(document, arm):
     sentence = "Probability that a hardware failure ends a mission of arm.py:"
     assert heading.text_content() == f"{sentence} {figure}, one in 141,000 missions"
     assert "not harm" in document.text_content()
+
+
+def test_a_component_with_a_common_cause_is_used_and_counted_once(report_of, parsed):
+    tree = FaultTree.of(
+        "pick fails",
+        {"pick fails": ("or", "power", "all power"), "power": ("and", "power[1]", "power[2]")},
+        {
+            **{
+                f"power[{number}]": BasicEvent(
+                    f"power[{number}]", "power {own}", component="power", share=Share.OWN
+                )
+                for number in (1, 2)
+            },
+            "all power": BasicEvent(
+                "all power", "power {common cause}", component="power", share=Share.COMMON_CAUSE
+            ),
+        },
+    )
+    values = {"power {own}": 1e-4, "power {common cause}": 1e-5}
+    model = HybridModel.of("arm.py", {"pick": tree}, {"pick": "done"}, values=values)
+    figure = FailureFigure("probability", 1e-6, Basis.MINUTE)
+    described = tuple(Component(name, (figure,), 2) for name in ("power", "brake"))
+    hardware = Hardware("cell.yaml", described, "panda")
+    page = parsed(render_report(report_of(model, hardware=hardware)))
+    cells = [[*texts(row.xpath("./*"))] for row in rows(page, "hardware")]
+    assert [(row[0], row[-1]) for row in cells] == [("power", "used"), ("brake", "not used")]
+    (count,) = page.xpath("//ul[@class='counts']//a[@href='#importance']")
+    assert " ".join(count.text_content().split()) == "1 component"
 
 
 def test_headings_are_in_order_and_sections_named_by_theirs(document):

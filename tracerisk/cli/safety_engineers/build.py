@@ -52,10 +52,11 @@ def run(options: argparse.Namespace) -> int:
         print_json("build", **data, model=model_json.model_data(model))
     elif options.output is None:
         print(text, end="")
+    components = {parameter.component for parameter in model.parameters}
     trees = sum(1 for state in model.states if state.tree.events)
     note(
         f"{model.name}: {counted(len(model.states), 'function')}, {counted(trees, 'fault tree')}, "
-        f"{counted(len(model.parameters), 'component')}",
+        f"{counted(len(components), 'component')}",
         quiet=options.quiet,
     )
     return 0

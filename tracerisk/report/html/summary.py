@@ -152,9 +152,11 @@ def _readings(report: ReportInput) -> tuple[tuple[tuple[str, str, str], ...], st
 
 def _counts(report: ReportInput) -> tuple[tuple[str, int, str], ...]:
     """Return how many of each thing there are, and where to read on; those of none left out."""
+    # A component with a common cause has two parameters: that of its units, and that of the cause.
+    components = {parameter.component for parameter in report.assessment.components}
     row = (
         ("function", len(report.assessment.states), "#functions"),
-        ("component", len(report.assessment.components), "#importance"),
+        ("component", len(components), "#importance"),
         ("value set by hand", len(report.pins), "#pins"),
         ("finding", len(report.findings) + len(report.assessment.findings), "#findings"),
         (

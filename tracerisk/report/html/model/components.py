@@ -64,7 +64,7 @@ def hardware_section(report: ReportInput) -> Section | None:
     hardware = report.hardware
     if hardware is None:
         return None
-    used = {component.name for component in report.assessment.components}
+    used = {parameter.component for parameter in report.assessment.components}
     html = rendered(
         "hardware.html.j2",
         table=_described(hardware, used),
