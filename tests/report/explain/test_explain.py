@@ -403,6 +403,39 @@ def test_the_setting_is_reported_where_only_moving_counts(hardware):
     assert column(tables(brake)[0], "T [s]") == {"j1": 8.0, "j2": 7.0, "j3": 1.0}
 
 
+def test_an_idle_unit_and_an_error_factor_are_explained(hardware):
+    components = tuple(
+        replace(
+            component,
+            modes=(),
+            figures=tuple(
+                replace(figure, error_factor=3.0, value_is="mean") for figure in component.figures
+            ),
+        )
+        for component in hardware.components
+        if component.name in ("motor", "brake", "fan")
+    )
+    cell = replace(hardware, components=components)
+    text = render_derivation(derive_function(TRACE, cell, REST, active="moving+holding"))
+    brake = part(text, "brake")
+    assert column(tables(brake)[0], "T [s]")["j3"] == 0.0
+    idle = "0 s: idle in these visits, without motion and with at most 2 % of the torque's limit"
+    assert idle in " ".join(brake.split())
+    assert "idle in these visits" not in part(text, "fan")
+    assert "    error factor 3 (p95 / p50); the value is the mean\n" in brake
+
+
+def test_the_fraction_of_a_mode_is_named_where_there_are_modes(hardware):
+    head = "hazard h = rate x {}what counts; hazards add up; p = 1 - exp(-h)\n"
+    text = render_derivation(derive_function(TRACE, hardware, CARRY, active="moving+holding"))
+    assert head.format("fraction x ") in text
+    assert "failure mode lost_torque: fraction 0.6, counts the time T moving or holding\n" in text
+    assert "share 0.6" not in text
+    cell = replace(hardware, components=hardware.components[-1:])
+    text = render_derivation(derive_function(TRACE, cell, CARRY, active="moving+holding"))
+    assert head.format("") in text
+
+
 def test_visits_that_a_mission_has_more_often_weigh_more(hardware):
     # The second visit of each function is the cycle, which a mission has five times.
     trace = replace(TRACE, cycle=Cycle(2, 2, 5))

@@ -33,6 +33,10 @@ from tracerisk.report.explain.words import (
 
 _WIDTH = 80
 _LONGEST_NAME = 20
+_IDLE = (
+    "0 s: idle in these visits, without motion and with at most 2 % of the torque's limit, and so "
+    "not needed (`tracerisk docs theory#activity`)"
+)
 
 
 def render_derivation(derivation: FunctionDerivation) -> str:
@@ -58,9 +62,11 @@ def _head(derivation: FunctionDerivation) -> list[str]:
     lasted = f", {number(math.fsum(known))} s" if len(known) == len(visits) else ""
     seen = plural(len(visits), "visit")
     mission = "" if derivation.times == len(visits) else f" seen, {derivation.times} in a mission"
+    has_modes = any(term.mode for one in derivation.components for term in one.terms)
+    fraction = "fraction x " if has_modes else ""
     lines = [
         f"{derivation.function} ({derivation.file}): {seen}{mission}{lasted}",
-        "hazard h = rate x share x what counts; hazards add up; p = 1 - exp(-h)",
+        f"hazard h = rate x {fraction}what counts; hazards add up; p = 1 - exp(-h)",
     ]
     if any(visit.weight != 1 for visit in visits):
         lines.append("comes: how often a mission has a visit; the sum over visits counts it so")
@@ -168,7 +174,16 @@ def _term_table(
         ]
         total = [*[""] * len(headings), number(math.fsum(hazards))]
     hazard = "hazard" if component.group.quantity == 1 else "hazard of each"
-    return aligned_table([*headings, hazard], names, rows, total)
+    lines = aligned_table([*headings, hazard], names, rows, total)
+    if _has_idle(term):
+        lines.append(f"    {_IDLE}")
+    return lines
+
+
+def _has_idle(term: TermDerivation) -> bool:
+    """Return whether a term counts all time in use, of which a unit of several has none."""
+    counts_use = term.counts == "time in use" and term.states is None
+    return counts_use and len(term.units) > 1 and any(not any(u.amounts) for u in term.units)
 
 
 def _ending_share(unit: TermOfUnit) -> float:

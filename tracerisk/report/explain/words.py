@@ -49,6 +49,11 @@ def figure_lines(term: TermDerivation, component: ComponentDerivation) -> list[s
     """Return the lines on a term: its figure and rate, its source, what of it counts."""
     figure = term.figure
     lines = [f"  {_figure(figure, term)}"]
+    if figure.error_factor is not None:
+        lines.append(
+            f"    error factor {figure.error_factor:.8g} (p95 / p50); the value is the "
+            f"{figure.value_is}"
+        )
     if figure.kind == "weibull":
         lines.append(
             f"    age a = {component.age_s / 3600.0:.8g} hours; U: time in use over the mission, "
@@ -62,7 +67,7 @@ def counted_line(term: TermDerivation) -> str:
     """Return the line on what of a figure counts, and the share of it that a mode is."""
     if term.mode is None:
         return f"    counts {_counted(term)}"
-    return f"    failure mode {term.mode}: share {term.share:.6g}, counts {_counted(term)}"
+    return f"    failure mode {term.mode}: fraction {term.share:.6g}, counts {_counted(term)}"
 
 
 def group_lines(group: GroupDerivation) -> list[str]:
