@@ -392,6 +392,61 @@ def test_no_dossier_of_a_figure_that_its_files_do_not_give(
     assert [finding["kind"] for finding in data["findings"]] == ["edited" if code == 3 else "stale"]
 
 
+def test_the_commands_make_the_same_archive_from_the_files_in_it(
+    with_own_hardware, example_in, tmp_path
+):
+    example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
+    words = ("report", "controller.py", "--dossier", "dossier.zip")
+    outcome = example.run(*words)
+    assert outcome.code == 0, outcome.err
+    data = example.read("dossier.zip")
+    digest = hashlib.sha256(data).hexdigest()
+    assert f"dossier.zip: the dossier of controller.py, SHA-256 {digest}" in outcome.err
+    assert example.run(*words, "--json").json["dossier_sha256"] == digest
+    folder = unzipped(example.folder / "dossier.zip", tmp_path / "unpacked")
+    text = (folder / "README.md").read_text().partition("## Make it again")[2]
+    (commands,) = re.findall(r"^```sh\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+    assert "they are copied from this dossier first" in text
+    install, *copies, run, report = commands.splitlines()
+    assert install.startswith("pip install --constraint DOSSIER/constraints.txt 'tracerisk[sim]==")
+    assert "mujoco==" in (folder / "constraints.txt").read_text()
+    elsewhere = example_in(tmp_path / "elsewhere")
+    elsewhere.folder.mkdir()
+    for command in copies:
+        subprocess.run(
+            ["/bin/sh", "-ec", command.replace("DOSSIER", str(folder))],
+            cwd=elsewhere.folder,
+            check=True,
+        )
+    for command in (run, report):
+        outcome = elsewhere.run(*command.split()[1:], "--quiet")
+        assert outcome.code == 0, outcome.err
+    assert elsewhere.read("dossier.zip") == data
+
+
+def test_the_guide_has_band_duration_rate_and_versions(with_own_hardware, example_in, tmp_path):
+    example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
+    example.write("cell.yaml", HARDWARE.replace("minute}", "minute, error_factor: 3}"))
+    outcome = example.run("refresh", "controller.py", "--quiet")
+    assert outcome.code == 0, outcome.err
+    assert example.run("report", "controller.py", "--dossier", "out.zip").code == 0
+    folder = unzipped(example.folder / "out.zip", tmp_path / "unpacked")
+    text = (folder / "README.md").read_text()
+    record = json.loads((folder / "record.json").read_text())
+    facts = dict(re.findall(r"^\| ([^|]+) \| (.+) \|$", text, re.MULTILINE))
+    assert facts["band"] == record["band"]
+    assert record["band"].startswith("By the error factors of power, 90 % of it lies between ")
+    seconds = float(facts["duration of the mission T"].removesuffix(" s"))
+    trace = json.loads((folder / "trace.json").read_text())
+    assert seconds == pytest.approx(trace["end"]["simulated_s"], rel=DIGITS)
+    rate = float(facts["mean rate"].partition(" ")[0])
+    risk = record["failure_probability"]
+    assert rate == pytest.approx(-math.log1p(-risk) / (seconds / 3600.0), rel=1e-3)
+    assert record["environment"]["packages"]["mujoco"] in facts["made with"]
+    assert "figures of this dossier" not in text
+    assert "error factor 3" in (folder / "calculation.md").read_text()
+
+
 def test_no_dossier_with_hardware_that_its_blocks_were_not_computed_with(
     with_own_hardware, example_in, tmp_path
 ):

@@ -150,6 +150,22 @@ def visits_of_mission(trace: Trace) -> tuple[float, ...]:
     return tuple(map(float, times_in_mission(trace)))
 
 
+def mission_duration_s(trace: Trace) -> float | None:
+    """Return how long a mission lasts [s]: as run, or with as many cycles as one is declared to have.
+
+    `None` where the trace does not say.
+    """
+    if trace.cycle is None:
+        return trace.end.simulated_s
+    times = visits_of_mission(trace)
+    durations = [visit.duration_s for visit in trace.visits]
+    if any(duration is None for duration in durations):
+        return None
+    return math.fsum(
+        often * duration for often, duration in zip(times, durations, strict=True) if duration
+    )
+
+
 def visits_by_function(trace: Trace) -> dict[FunctionRef, FunctionVisits]:
     """Return the visits of each function, in the order of the functions."""
     table: dict[FunctionRef, list[int]] = {function.ref: [] for function in trace.functions}

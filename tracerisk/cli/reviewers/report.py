@@ -34,6 +34,7 @@ from tracerisk.cli.shared.output import note, print_json, show, write_file
 from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict, verdict_details
 from tracerisk.common import trace_json
+from tracerisk.common.text.digests import sha256
 from tracerisk.common.text.plain_data import picked
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import ExitCode, InputError, Location, SourceError
@@ -182,16 +183,17 @@ def _write_page(
             made=[file for name in _MADE if (file := getattr(options, name)) is not None],
         ),
     )
-    html, quiet = render_report(page), options.quiet or options.json
+    html, quiet, digest = render_report(page), options.quiet or options.json, None
     if options.output is not None:
         write_file(options.output, html)
         note(f"{options.output}: the report of {model.name}", quiet=quiet)
     if options.dossier is not None:
-        _write_dossier(options, page, html, kept if trace is None else None)
-        note(f"{options.dossier}: the dossier of {model.name}", quiet=quiet)
+        digest = _write_dossier(options, page, html, kept if trace is None else None)
+        note(f"{options.dossier}: the dossier of {model.name}, SHA-256 {digest}", quiet=quiet)
     return {
         "report": options.output,
         "dossier": options.dossier,
+        "dossier_sha256": digest,
         **verdicts.data(),
         "assessment": assessment_to_json(assessment),
         "record": report_record(page),
@@ -250,8 +252,11 @@ def _refused(options: argparse.Namespace, findings: Sequence[CheckFinding]) -> i
 
 def _write_dossier(
     options: argparse.Namespace, page: ReportInput, html: str, kept: KeptRun | None
-) -> None:
-    """Write the dossier of a report; `kept` is the run that it shows, if that is the kept one."""
+) -> str:
+    """Write the dossier of a report, and return its digest.
+
+    `kept` is the run that it shows, if that is the kept one.
+    """
     from tracerisk.pipeline.dossier.dossier import dossier
     from tracerisk.pipeline.freshness.used_evidence import used_evidence
 
@@ -262,6 +267,7 @@ def _write_dossier(
     root = controller_root(Path(options.files[0]))
     data = dossier(page, html, root, active=settings.active, evidence=evidence)
     write_file(options.dossier, data)
+    return sha256(data)
 
 
 def _kept(file: str) -> KeptRun | None:

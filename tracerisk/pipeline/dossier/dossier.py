@@ -6,7 +6,8 @@ import io
 import json
 import zipfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path, PurePosixPath
+from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.figures.derive import derive_function
@@ -17,7 +18,8 @@ from tracerisk.common.text.digests import sha256
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.dossier.calculation import hand_calculation
-from tracerisk.pipeline.dossier.guide import guide
+from tracerisk.pipeline.dossier.environment import environment
+from tracerisk.pipeline.dossier.guide import CONSTRAINTS, guide, packed_name, warning_of
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.hybrid.mission_tree import MissionTree, mission_tree
 from tracerisk.prm.other_models.formats.conversion import logic_of_functions, logic_of_tree
@@ -35,8 +37,6 @@ if TYPE_CHECKING:
 FUNCTIONS, MISSION, MODEL = "model/functions.xml", "model/mission.xml", "model/model.json"
 CALCULATION, ASSUMPTIONS, GUIDE = "calculation.md", "assumptions.md", "README.md"
 REPORT, RECORD, TRACE, DIGESTS = "report.html", "record.json", "trace.json", "SHA256SUMS"
-FILES = "files"
-_OUTSIDE = "outside"  # in place of `..` and the top of the file system
 _DATE = (1980, 1, 1, 0, 0, 0)  # the first that an archive can hold
 _MODE = 0o100644 << 16
 
@@ -57,13 +57,14 @@ def dossier(
     without a component.
     """
     assert report.record is not None, "a dossier is of a report with its record"
-    mission = mission_tree(report.model)
+    here, mission = environment(), mission_tree(report.model)
     calculation = hand_calculation(
         report.model, report.assessment, mission, _derivations(report, root, active, evidence)
     )
     contents: dict[str, bytes] = {
         REPORT: page.encode(),
-        RECORD: _json(report_record(report)),
+        RECORD: _json({**report_record(report), "environment": asdict(here)}),
+        CONSTRAINTS: here.constraints.encode(),
         CALCULATION: calculation.encode(),
         ASSUMPTIONS: _assumptions(report).encode(),
         MODEL: model_json.dumps(report.model).encode(),
@@ -72,7 +73,7 @@ def dossier(
     }
     if report.trace is not None:
         contents[TRACE] = trace_json.dumps(report.trace).encode()
-    contents[GUIDE] = guide(report, mission, [*contents, GUIDE, DIGESTS]).encode()
+    contents[GUIDE] = guide(report, mission, [*contents, GUIDE, DIGESTS], here).encode()
     lines = [f"{sha256(data)}  {name}\n" for name, data in sorted(contents.items())]
     contents[DIGESTS] = "".join(lines).encode()
     return _archive(contents)
@@ -129,8 +130,10 @@ def _assumptions(report: ReportInput) -> str:
         f"{pin.reason or 'no reason is given'}\n"
         for pin in report.pins
     )
+    warning = "".join(f"{paragraph}\n" for paragraph in warning_of(report))
     return (
-        f"# Assumptions of {report.model.name}\n\nThe figures hold if these do.\n\n{listed}\n"
+        f"# Assumptions of {report.model.name}\n\n{warning}"
+        f"The figures hold if these do.\n\n{listed}\n"
         f"## Findings\n\n{findings}\n"
         f"## Values set by hand\n\n{pins or 'None: every value is computed.'}"
     ).rstrip("\n") + "\n"
@@ -141,7 +144,7 @@ def _files(report: ReportInput, root: Path) -> dict[str, bytes]:
     assert report.record is not None
     files: dict[str, bytes] = {}
     for file in report.record.files:
-        name = base = f"{FILES}/{_inside(file.path)}"
+        name = base = packed_name(file.path)
         number = 1
         while name in files:
             number += 1
@@ -164,12 +167,6 @@ def _bytes_of(file: RecordedFile, report: ReportInput, root: Path) -> bytes:
             "has changed while the dossier was made; make it again", Location(str(path))
         )
     return data
-
-
-def _inside(path: str) -> str:
-    """Return a path that stays within the archive's folder."""
-    parts = PurePosixPath(path).parts
-    return "/".join(_OUTSIDE if part in ("..", "/") else part for part in parts)
 
 
 def _json(value: object) -> bytes:

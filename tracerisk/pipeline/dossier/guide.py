@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import re
+import shlex
+from collections.abc import Iterator, Sequence
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
+from tracerisk.adder.quantify.component_activity import mission_duration_s
+from tracerisk.common.verdict import UNKNOWN_VERDICT
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.report.explain.words import number
 
 if TYPE_CHECKING:
     from tracerisk.common.record import Record
+    from tracerisk.pipeline.dossier.environment import Environment
     from tracerisk.prm.hybrid.mission_tree import MissionTree
     from tracerisk.report.html.report_input import ReportInput
 
 TESTED_SCRAM = "0.16.2"
 """The version of SCRAM that tests solve dossiers with."""
+
+CONSTRAINTS = "constraints.txt"
+"""The name of the file with the versions of the packages."""
+FILES = "files"
+"""The folder of the files that the figure was made from."""
+_OUTSIDE = "outside"  # in place of `..` and the top of the file system
+_OF_NO_MISSION = ("faulted", "stuck", UNKNOWN_VERDICT)
 
 _CONTENTS = (
     ("report.html", "the report, with its replay where the run was recorded"),
@@ -25,34 +39,52 @@ _CONTENTS = (
     ("model/functions.xml", "Open-PSA: the fault tree of one visit of each function"),
     ("model/mission.xml", "Open-PSA: the mission as executed, as one fault tree"),
     ("model/model.json", "the whole model: the chain of functions and their fault trees"),
+    (CONSTRAINTS, "the versions of the packages that it was made with, for pip"),
     ("files/", "sources with their risk blocks, lock, hardware description, other inputs"),
     ("SHA256SUMS", "the SHA-256 digest of each file"),
 )
 
 
-def guide(report: ReportInput, mission: MissionTree | None, names: Sequence[str]) -> str:
+_FOUR_DIGITS = (
+    "The blocks hold probabilities of four digits, and the mission is computed from these. More "
+    "digits are printed only so that each step can be retraced: they are no precision."
+)
+_TO_AN_HOUR = (
+    "the rate may stand for the figure only where missions follow each other without a break, each "
+    "begins with all units working and lasts as long, rates are constant, and demands are as "
+    'frequent: "From a mission to an hour" in the safety manual (`tracerisk docs safety`)'
+)
+
+
+def guide(
+    report: ReportInput,
+    mission: MissionTree | None,
+    names: Sequence[str],
+    environment: Environment,
+) -> str:
     """Return the guide as Markdown; `names` are the files of the dossier."""
     assert report.record is not None, "a dossier is of a report with its record"
-    figures = report.assessment.mission
     rows = [
         f"| `{name}` | {what} |"
         for name, what in _CONTENTS
         if name in names or (name.endswith("/") and any(item.startswith(name) for item in names))
     ]
-    verdict = report.verdict[0] if report.verdict else "not known"
     parts = [
         f"# Dossier of {report.model.name}\n",
+        *warning_of(report),
         f"{report.assessment.statement}\n",
         "| | |",
         "|---|---|",
-        f"| figure | {number(figures.failure_probability)} a mission ({figures.reading}) |",
-        f"| verdict of the run | {verdict} |",
-        f"| tracerisk | {report.record.version} |",
-        f"| commit | {_commit(report.record)} |\n",
+        *(f"| {name} | {text} |" for name, text in _facts(report, environment)),
+        "",
+        f"{_FOUR_DIGITS}\n",
         "## What is in it\n",
         "\n".join(("| file | contents |", "|---|---|", *rows, "")),
-        "## Check that nothing was changed\n",
+        "## Check that nothing was damaged\n",
         "```sh\nsha256sum --check SHA256SUMS\n```\n",
+        "Whoever changes a file can change `SHA256SUMS` too. The command that wrote the archive "
+        "printed the SHA-256 digest of the archive itself: keep that elsewhere, or sign the "
+        "archive.\n",
         _scram(report, mission),
         "## Recompute it by hand\n",
         "`calculation.md` goes from the rates of the hardware description to the mission. Its "
@@ -61,6 +93,49 @@ def guide(report: ReportInput, mission: MissionTree | None, names: Sequence[str]
         _again(report.record),
     ]
     return "\n".join(parts)
+
+
+def warning_of(report: ReportInput) -> list[str]:
+    """Return why the figure is not to be used, as paragraphs of Markdown; none where it may be."""
+    if not any(map(_is_of_no_mission, report.verdict)):
+        return []
+    listed = "\n".join(f"- {line}" for line in report.verdict)
+    return [
+        "**Do not use the figures of this dossier**: the run did not carry out the mission, or "
+        "nobody knows whether it did.\n",
+        f"{listed}\n",
+    ]
+
+
+def _is_of_no_mission(line: str) -> bool:
+    """Return whether a line of the verdict says so, with or without a controller's name."""
+    begins = re.match(rf"(?!accepted: )(?:\S+: )?(?:{'|'.join(_OF_NO_MISSION)})\b", line)
+    return begins is not None
+
+
+def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str, str]]:
+    """Yield what stands at the head of the guide, as names and texts."""
+    assert report.record is not None, "a dossier is of a report with its record"
+    figures = report.assessment.mission
+    risk = figures.failure_probability
+    yield "figure", f"{number(risk)} a mission ({figures.reading})"
+    if report.band:
+        yield "band", report.band
+    elif report.trace is not None:
+        yield "band", "none: no figure behind it has an error factor"
+    duration_s = None if report.trace is None else mission_duration_s(report.trace)
+    if duration_s:
+        yield "duration of the mission T", f"{number(duration_s)} s"
+        if risk < 1.0:
+            rate = -math.log1p(-risk) / (duration_s / 3600.0)
+            text = f"{rate:.4g} per hour = -ln(1 - figure) / (T / 3600); {_TO_AN_HOUR}"
+            yield "mean rate", text
+    yield "verdict of the run", "; ".join(report.verdict) or "not known"
+    if report.no_trace:
+        yield "run", f"not in this dossier: {report.no_trace}"
+    yield "tracerisk", report.record.version
+    yield "made with", environment.words
+    yield "commit", _commit(report.record)
 
 
 def _commit(record: Record) -> str:
@@ -109,11 +184,31 @@ def _top(value: float) -> str:
 
 
 def _again(record: Record) -> str:
-    checkout = "" if record.commit is None else f"git checkout {record.commit.id}\n"
-    source = next((file.path for file in record.files if file.role == "source"), "FILE")
+    """Return the commands that give the figure again, files that the commit lacks included."""
+    lines = [f"pip install --constraint DOSSIER/{CONSTRAINTS} 'tracerisk[sim]=={record.version}'"]
+    if record.commit is not None:
+        lines.append(f"git checkout {record.commit.id}")
+    copied = [file for file in record.files if file.state not in ("as committed", "with tracerisk")]
+    for file in copied:
+        folder = PurePosixPath(file.path).parent
+        lines += [f"mkdir -p {shlex.quote(str(folder))}"] if str(folder) != "." else []
+        packed = shlex.quote(f"DOSSIER/{packed_name(file.path)}")
+        lines.append(f"cp {packed} {shlex.quote(file.path)}")
+    source = shlex.quote(next((f.path for f in record.files if f.role == "source"), "FILE"))
+    lines += [f"tracerisk run {source}", f"tracerisk report {source} --dossier dossier.zip"]
+    commands = "\n".join(lines)
+    why = ""
+    if copied:
+        why = "No commit has the files as they were: they are copied from this dossier first. "
     return (
-        f"```sh\npip install 'tracerisk[sim]=={record.version}'\n{checkout}"
-        f"tracerisk run {source}\ntracerisk report {source} --dossier dossier.zip\n```\n\n"
-        "Give `run` again what `tracerisk.lock` has under `given`, if anything. The same files, "
-        "commit, version and kind of processor give the same bytes.\n"
+        "In the folder of the controller's project, with `DOSSIER` for the folder of this file:\n\n"
+        f"```sh\n{commands}\n```\n\n{why}Give `run` again what `tracerisk.lock` has under "
+        "`given`, if anything. The same files, commit, versions and kind of processor give the "
+        "same bytes.\n"
     )
+
+
+def packed_name(path: str) -> str:
+    """Return the name in the archive of a file, which stays within the archive's folder."""
+    parts = PurePosixPath(path).parts
+    return "/".join((FILES, *(_OUTSIDE if part in ("..", "/") else part for part in parts)))

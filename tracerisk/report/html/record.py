@@ -39,6 +39,7 @@ def report_record(report: ReportInput) -> dict[str, Any]:
         **record_data(report.record),
         "model": report.model.name,
         "failure_probability": assessment.mission.failure_probability,
+        "band": report.band or None,
         "reading": assessment.mission.reading,
         "statement": assessment.statement,
         "verdict": list(report.verdict),
