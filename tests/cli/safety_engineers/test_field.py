@@ -327,6 +327,7 @@ def test_a_malformed_table_of_figures_is_named_and_nothing_is_written(field, row
         ("component,failures,hours\nbox,1,5\n", "brings one figure up to date"),
         ("component,failures,missions\nmotor,1,5\n", "need --field"),
         ("part,failures\nmotor,1\n", "unknown column 'part'"),
+        ("component,mtbf\nmotor,1\n", "of 886000 hours, give the rate 1 / 886000: failure_rate:"),
         ("component,failures,hours\n", "has no row"),
     ],
 )

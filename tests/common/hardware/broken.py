@@ -21,6 +21,31 @@ def _one(*lines: str) -> str:
 
 BROKEN = (
     Broken(
+        _one("mtbf: 886000"),
+        "h.yaml:3:5: unknown key 'mtbf' in components.a; of 886000 hours, give the rate 1 / 886000: failure_rate: {value: 1.12867e-06, per: hour}",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {MTTFd: 75000}"),
+        "h.yaml:3:20: unknown key 'MTTFd' in components.a.failure_rate; of 75000 hours, which counts dangerous failures alone, give the rate 1 / 75000: failure_rate: {value: 1.33333e-05, per: hour}",
+        True,
+    ),
+    Broken(
+        _one("mtbf_h: {value: 886000, per: hour}"),
+        "h.yaml:3:5: unknown key 'mtbf_h' in components.a; of 886000 hours, give the rate 1 / 886000: failure_rate: {value: 1.12867e-06, per: hour}",
+        True,
+    ),
+    Broken(
+        _one("B10d: 2000000"),
+        "h.yaml:3:5: unknown key 'B10d' in components.a; of a B10d, give probability: {value: 0.1 / B10d, per: demand}, dangerous ones alone",
+        True,
+    ),
+    Broken(
+        _one("failure_rate: {value: 1e-6, unit: hour}"),
+        "h.yaml:3:33: components.a.failure_rate.unit: 'hour' is not allowed; allowed: FIT, or write per: hour instead",
+        True,
+    ),
+    Broken(
         _one("failure_rate: 5e-6"),
         "h.yaml:3:5: components.a.failure_rate: the number 5e-06 has no unit; write {value: 5.7e-6, per: hour} or {value: 5700, unit: FIT}",
         True,

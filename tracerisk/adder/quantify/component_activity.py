@@ -151,7 +151,7 @@ def visits_of_mission(trace: Trace) -> tuple[float, ...]:
 
 
 def mission_duration_s(trace: Trace) -> float | None:
-    """Return how long a mission lasts [s]: as run, or with as many cycles as one is declared to have.
+    """Return how long a mission lasts [s], with as many cycles as it is declared to have.
 
     `None` where the trace does not say.
     """

@@ -6,7 +6,7 @@ YAML 1.2 as `ruamel.yaml` reads it: `1e-7` is a number, `yes` a string.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar, cast
 
@@ -94,13 +94,20 @@ class YamlMap:
     def __contains__(self, key: str) -> bool:
         return key in self._node
 
-    def forbid_unknown(self, allowed: Collection[str]) -> None:
-        """Raise at the first key that is not allowed, with the nearest allowed name."""
+    def forbid_unknown(
+        self, allowed: Collection[str], hint: Callable[[str, Any], str] | None = None
+    ) -> None:
+        """Raise at the first key that is not allowed, with the nearest allowed name.
+
+        `hint` may say of a key and its value what to write instead.
+        """
         for key in self._node:
             if key not in allowed:
                 what = f"unknown key '{key}'"
                 where = f" in {self._path}" if self._path else ""
-                raise self._error(f"{what}{where}; {one_of(allowed, key)}", self.key_location(key))
+                advice = hint(key, self._node[key]) if hint is not None else ""
+                text = f"{what}{where}; {advice or one_of(allowed, key)}"
+                raise self._error(text, self.key_location(key))
 
     def get(self, key: str) -> Any:
         """Return the raw value of `key`, `None` where it is absent."""

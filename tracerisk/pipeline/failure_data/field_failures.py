@@ -14,6 +14,7 @@ from typing import Any
 from tracerisk.adder.quantify.posterior import Posterior, beta_posterior, gamma_posterior
 from tracerisk.common.field.profile import FieldProfile
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
+from tracerisk.common.hardware.units import mean_time_hint
 from tracerisk.errors import HardwareError, InputError, Location, one_of
 
 _COLUMNS = ("component", "failures", "hours", "demands", "missions")
@@ -111,7 +112,9 @@ def rows_of(
     unknown = [name for name in names if name not in columns]
     if unknown or not set(needed) <= set(names):
         wrong = f"unknown column '{unknown[0]}'" if unknown else "a column is missing"
-        raise InputError(f"{wrong}; expected {', '.join(columns)}", Location(str(path), 1))
+        advice = next(filter(None, map(mean_time_hint, unknown)), "")
+        message = f"{wrong}; expected {', '.join(columns)}{advice and f'; {advice}'}"
+        raise InputError(message, Location(str(path), 1))
     row = None
     for row in reader:
         given = {key: (row.get(key) or "").strip() for key in columns}

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any, TypeVar, get_args
 
 from tracerisk.common.hardware.model import Basis, Demand, FailureFigure, Statistic
-from tracerisk.common.hardware.units import SECONDS_PER, rate_from_fit
+from tracerisk.common.hardware.units import SECONDS_PER, mean_time_hint, rate_from_fit
 from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import one_of
 
@@ -78,7 +78,7 @@ def _unit_map(entry: YamlMap, key: str, example: str) -> YamlMap:
 
 
 def _probability(figure: YamlMap) -> FailureFigure:
-    figure.forbid_unknown(_ALWAYS_KEYS | {"value", "of"})
+    figure.forbid_unknown(_ALWAYS_KEYS | {"value", "of"}, mean_time_hint)
     value = figure.number("value", minimum=0.0, maximum=1.0)
     per = _basis(figure, tuple(Basis))
     demand = word_of(figure, "of", words(Demand)) if "of" in figure else None
@@ -88,13 +88,16 @@ def _probability(figure: YamlMap) -> FailureFigure:
 
 
 def _rate(figure: YamlMap, *, standby: bool) -> FailureFigure:
-    figure.forbid_unknown(_ALWAYS_KEYS | {"value", "unit"})
+    figure.forbid_unknown(_ALWAYS_KEYS | {"value", "unit"}, mean_time_hint)
     value = figure.number("value", minimum=0.0)
     per = Basis.HOUR
     if "unit" in figure:
         unit = figure.string("unit")
         if unit != "FIT":
-            figure.fail("unit", f"'{unit}' is not allowed; {one_of(['FIT'], unit)}, or give 'per'")
+            span = unit.lower().removesuffix("s")
+            instead = f"per: {span}" if span in ("hour", "minute") else "per: hour or per: minute"
+            allowed = f"{one_of(['FIT'], unit)}, or write {instead} instead"
+            figure.fail("unit", f"'{unit}' is not allowed; {allowed}")
         if "per" in figure:
             figure.fail("per", "FIT means failures per 1e9 hours; remove 'per'")
         value = rate_from_fit(value)
