@@ -436,6 +436,19 @@ def test_the_fraction_of_a_mode_is_named_where_there_are_modes(hardware):
     assert head.format("") in text
 
 
+def test_the_time_before_the_first_command_is_explained(hardware):
+    first, *others = TRACE.visits
+    late = replace(TRACE, visits=(replace(first, start_s=0.9), *others))
+    line = "    start: the first command; visit 1 also lasts for the time before its own\n"
+    for trace, function, is_said in (
+        (late, REST, True),
+        (late, CARRY, False),
+        (TRACE, REST, False),
+    ):
+        derived = derive_function(trace, hardware, function, active="moving+holding")
+        assert (line in render_derivation(derived)) == is_said
+
+
 def test_visits_that_a_mission_has_more_often_weigh_more(hardware):
     # The second visit of each function is the cycle, which a mission has five times.
     trace = replace(TRACE, cycle=Cycle(2, 2, 5))

@@ -210,7 +210,11 @@ def _visit_table(component: ComponentDerivation, derivation: FunctionDerivation)
         rows.append([*row, number(renewed[index])] if renewed else row)
     names = [f"visit {visit.number}" for visit in derivation.visits]
     total = [*[""] * (2 + is_weighted), number(component.group.hazard), *[""] * bool(renewed)]
-    return aligned_table(headings, names, rows, total)
+    lines = aligned_table(headings, names, rows, total)
+    first = derivation.visits[0]
+    if first.number == 1 and first.start_s > 0.0 and first.duration_s is not None:
+        lines.append("    start: the first command; visit 1 also lasts for the time before its own")
+    return lines
 
 
 def aligned_table(
