@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.pipeline.dossier.sheet import STEPS
+
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "docs" / "safety.md").read_text(encoding="utf-8")
 
@@ -35,6 +37,17 @@ def sample_of_docs(example, pick_and_place):
     data = example.run("run", "pick_and_place.py", "--json").json
     mission = data["assessment"]["mission"]
     return mission["failure_probability"], data["trace"]["end"]["simulated_s"]
+
+
+def test_the_sheet_of_a_dossier_has_the_steps_of_this_page():
+    rows = re.findall(
+        r"^\| (\d+) \| ([^|]*) \|", TEXT.partition("## Before you rely")[2], re.MULTILINE
+    )
+    steps = [
+        re.sub(r" \(\[how\]\([^)]*\)\)|\[([^\]]*)\]\([^)]*\)", r"\1", step) for _, step in rows
+    ]
+    assert [int(number) for number, _ in rows] == list(range(1, len(STEPS) + 1))
+    assert steps == list(STEPS)
 
 
 def test_every_test_that_it_names_exists():

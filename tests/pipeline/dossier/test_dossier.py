@@ -445,6 +445,11 @@ def test_the_guide_has_band_duration_rate_and_versions(with_own_hardware, exampl
     assert record["environment"]["packages"]["mujoco"] in facts["made with"]
     assert "figures of this dossier" not in text
     assert "error factor 3" in (folder / "calculation.md").read_text()
+    steps = tables(
+        (folder / "sheet.md").read_text(),
+        *("no.", "step", "done or why not", "result, and where it is kept", "by, on"),
+    )
+    assert [row[0] for row in steps] == [str(number) for number in range(1, 13)]
 
 
 def test_no_dossier_with_hardware_that_its_blocks_were_not_computed_with(

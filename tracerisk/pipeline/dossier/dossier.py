@@ -20,6 +20,7 @@ from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.dossier.calculation import hand_calculation
 from tracerisk.pipeline.dossier.environment import environment
 from tracerisk.pipeline.dossier.guide import CONSTRAINTS, guide, packed_name, warning_of
+from tracerisk.pipeline.dossier.sheet import sheet
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.hybrid.mission_tree import MissionTree, mission_tree
 from tracerisk.prm.other_models.formats.conversion import logic_of_functions, logic_of_tree
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 
 FUNCTIONS, MISSION, MODEL = "model/functions.xml", "model/mission.xml", "model/model.json"
 CALCULATION, ASSUMPTIONS, GUIDE = "calculation.md", "assumptions.md", "README.md"
+SHEET = "sheet.md"
 REPORT, RECORD, TRACE, DIGESTS = "report.html", "record.json", "trace.json", "SHA256SUMS"
 _DATE = (1980, 1, 1, 0, 0, 0)  # the first that an archive can hold
 _MODE = 0o100644 << 16
@@ -66,6 +68,7 @@ def dossier(
         RECORD: _json({**report_record(report), "environment": asdict(here)}),
         CONSTRAINTS: here.constraints.encode(),
         CALCULATION: calculation.encode(),
+        SHEET: sheet(report).encode(),
         ASSUMPTIONS: _assumptions(report).encode(),
         MODEL: model_json.dumps(report.model).encode(),
         **_open_psa(report, mission),

@@ -35,6 +35,7 @@ _CONTENTS = (
     ("record.json", "versions, commit, digests, robot, assumptions, verdict and outcome"),
     ("calculation.md", "every figure from the failure rate to the mission, with its steps"),
     ("assumptions.md", "what must hold, what stood out, and what was set by hand"),
+    ("sheet.md", "the steps before you rely on the figure, to fill in and sign"),
     ("trace.json", "the run: visits, exposures, findings, verdict"),
     ("model/functions.xml", "Open-PSA: the fault tree of one visit of each function"),
     ("model/mission.xml", "Open-PSA: the mission as executed, as one fault tree"),
