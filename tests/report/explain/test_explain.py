@@ -308,6 +308,50 @@ def test_a_hidden_group_is_recomputed_from_the_trace(text, data):
     assert value == pytest.approx(1 - (1 - like) ** (share / 2), rel=1e-6)
 
 
+@pytest.mark.parametrize("tested", ["mission_start", "{test_interval: 8, per: hour}"])
+@pytest.mark.parametrize("beta", ["", "    common_cause: {beta: 0.1}\n"])
+def test_a_hidden_group_is_recomputed_from_what_is_printed(tmp_path, tested, beta):
+    path = tmp_path / "cell.yaml"
+    path.write_text(
+        "components:\n  pump:\n    failure_rate: {value: 1e-3, per: hour}\n    required: 1\n"
+        f"    detected: {tested}\n{beta}    twin: {{joints: [j1, j2]}}\n"
+    )
+    cell = read_hardware(path, shown="cell.yaml")
+    shown = " ".join(
+        part(
+            render_derivation(derive_function(TRACE, cell, CARRY, active="moving+holding")), "pump"
+        ).split()
+    )
+    value = r"([\d.e-]+)"
+    first, second = (
+        float(p) for p in re.findall(rf"the units fail with {value}, {value}", shown)[0]
+    )
+    like = printed(shown, rf"if each fails with {value}")
+    missions = 1.0
+    if "interval" in tested:
+        missions = printed(shown, rf"a test after {value} missions")
+        assert missions == close(8 * 3600 / 21.5)
+    if "interval" not in tested and not beta:
+        # What is printed is enough: the group, and the like units of the same mission.
+        assert "H =" not in shown
+        assert like**2 == close(first * second)
+        return
+    share = 0.1 if beta else 0.0
+    own = [-math.expm1(-(missions * h)) for h in (
+        -(1 - share) * math.log1p(-p) / missions for p in (first, second)
+    )]  # fmt: skip
+    apart = printed(shown, rf"the group then fails with {value}")
+    assert apart == pytest.approx(math.prod(own), rel=1e-4)
+    common = printed(shown, rf"the common cause has the hazard {value} in") if beta else 0.0
+    mean = -(math.log1p(-first) + math.log1p(-second)) / 2 / missions
+    assert common == pytest.approx(share * mean, rel=1e-4)
+    hazard = printed(shown, rf"H = .*? = {value}")
+    assert hazard == close(-math.log1p(-apart) / missions + common)
+    x = -math.log1p(-like)
+    equal = -math.log1p(-(math.expm1(-(1 - share) * x) ** 2)) + share * x
+    assert equal == pytest.approx(hazard, rel=1e-4 if beta else 2e-7)
+
+
 def test_a_renewed_group_is_recomputed_from_the_trace(text, data):
     shown = part(text, "power")
     _, by_visit = tables(shown)

@@ -125,6 +125,15 @@ class HiddenGroup:
     """The number of visits of the function in a mission."""
     missions: float = 1.0
     """The number of missions between two tests."""
+    beta: float = 0.0
+    """The fraction of a unit's failures that hit all at once."""
+    apart: float | None = None
+    """The failure probability of the group between two tests by its units' own failures, those
+    beside a common cause; `None` where spares are in it."""
+    common: float = 0.0
+    """The hazard of the common cause over one mission [1]."""
+    hazard: float = 0.0
+    """The hazard of the group in the mean mission [1]: -ln(1 - apart) / missions + common."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,6 +34,7 @@ from tracerisk.adder.quantify.component_activity import (
 )
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 from tracerisk.adder.quantify.function_use import FunctionUse, mission_probability
+from tracerisk.adder.quantify.hidden_groups import hidden_hazards, over_mission
 from tracerisk.adder.quantify.outcome import Outcome, at_least
 from tracerisk.adder.quantify.probability import Term, failure_probability, hazard_of, survival_log
 from tracerisk.common.function_ref import FunctionRef
@@ -176,13 +177,26 @@ def _hidden(
     hazards = {ref: -uses[ref].times * survival_log(value) for ref, value in values.items()}
     whole = math.fsum(hazards.values())
     group = used.component.redundancy
+    own, common = over_mission([hidden_hazards(use, group) for use in uses.values()])
+    missions = used.missions_between_tests
+    beta = group.common_cause or 0.0
+    apart: float | None = None
+    hazard = float(common)
+    if not group.has_spares:
+        between_tests = [failure_probability(missions * float(unit.hazard)) for unit in own]
+        apart = _p_group_fails(between_tests, used)
+        hazard += -survival_log(apart) / missions
     return HiddenGroup(
         units=units,
         group=None if group.common_cause or group.has_spares else _p_group_fails(units, used),
         like=failure_probability(whole),
         share=hazards[function] / whole if whole else 0.0,
         times=round(uses[function].times),
-        missions=used.missions_between_tests,
+        missions=missions,
+        beta=beta,
+        apart=apart,
+        common=float(common),
+        hazard=hazard,
     )
 
 

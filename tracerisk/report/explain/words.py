@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from tracerisk.adder.figures.derivation import ComponentDerivation, GroupDerivation, TermDerivation
+from tracerisk.adder.figures.derivation import (
+    ComponentDerivation,
+    GroupDerivation,
+    HiddenGroup,
+    TermDerivation,
+)
 from tracerisk.common.hardware.model import Basis, FailureFigure, LoadLaw
 
 _SPANS = {Basis.MINUTE: "60 s", Basis.HOUR: "3600 s"}
@@ -96,6 +101,7 @@ def group_lines(group: GroupDerivation) -> list[str]:
         return [
             f"  failures stay hidden until {until} the units{always} fail with",
             f"    {', '.join(map(number, hidden.units))}{fails}",
+            *_hazard_of_group(hidden),
             f"{alike} {like}",
             f"  of -ln(1 - {like}) the share of this function is {number(hidden.share)}, "
             f"in {plural(hidden.times, 'visit')} of a mission:",
@@ -105,6 +111,34 @@ def group_lines(group: GroupDerivation) -> list[str]:
     return [
         f"  whole again at each visit; like units that fail over {visits} as these do:",
         f"    p of one unit in a visit = {value} (`tracerisk docs theory#groups`)",
+    ]
+
+
+def _hazard_of_group(hidden: HiddenGroup) -> list[str]:
+    """Return the lines on the hazard of a group in the mean mission, and what gives `like` of it.
+
+    None for a group of which the lines before say all, or that is no plain K-out-of-N group.
+    """
+    if hidden.apart is None or (hidden.missions == 1.0 and not hidden.beta):
+        return []
+    per_mission = "" if hidden.missions == 1.0 else f" / {number(hidden.missions)}"
+    terms = f"-ln(1 - {number(hidden.apart)}){per_mission}"
+    own, by_itself, common = "x", "", ""
+    if hidden.beta:
+        terms += f" + {number(hidden.common)}"
+        own, by_itself = f"(1 - {hidden.beta:g}) x", f" by (1 - {hidden.beta:g}) of its failures"
+        common = (
+            f"; the common cause has the hazard {number(hidden.common)} in a mission, "
+            f"{hidden.beta:g} of the units' mean"
+        )
+    equation = f"-ln(1 - G) + {hidden.beta:g} x" if hidden.beta else "-ln(1 - G)"
+    return [
+        f"  each unit{by_itself}, the group then fails with {number(hidden.apart)}{common}; "
+        "the hazard of the mean mission is",
+        f"    H = {terms} = {number(hidden.hazard)}",
+        f"  like units have it with the x for which {equation} = H, G that of a group whose units "
+        f"fail with 1 - exp(-{own}); each then fails with 1 - exp(-x) "
+        "(`tracerisk docs theory#groups`, which has the share of a function too)",
     ]
 
 
