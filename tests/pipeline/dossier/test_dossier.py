@@ -379,6 +379,8 @@ def test_no_dossier_of_a_figure_that_its_files_do_not_give(
     example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
     fine = example.run("report", "controller.py", "--dossier", "fine.zip")
     assert (fine.code, (example.folder / "fine.zip").is_file()) == (0, True), fine.err
+    assert example.run("report", "controller.py", "-o", "page.html", "--quiet").code == 0
+    fine_page = example.read("page.html").decode()
     path = example.folder / file
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new, 1))
@@ -388,6 +390,11 @@ def test_no_dossier_of_a_figure_that_its_files_do_not_give(
     assert "`tracerisk refresh controller.py`" in outcome.err
     assert "out.zip: not written: the figure does not follow from the files in it" in outcome.err
     assert not list(example.folder.glob("out.*"))
+    page = example.run("report", "controller.py", "-o", "page.html", "--quiet")
+    assert page.code == 0, page.err
+    kind = why.partition(":")[0] if ":" in why else "stale"
+    assert f'<p class="aside">{kind}: ' in example.read("page.html").decode()
+    assert '<p class="aside">stale: ' not in fine_page
     data = example.run("report", "controller.py", "--dossier", "out.zip", "--json").json
     assert [finding["kind"] for finding in data["findings"]] == ["edited" if code == 3 else "stale"]
 

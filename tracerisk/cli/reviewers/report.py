@@ -37,7 +37,7 @@ from tracerisk.common import trace_json
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.text.plain_data import picked
 from tracerisk.config import Settings, controller_root
-from tracerisk.errors import ExitCode, InputError, Location, SourceError
+from tracerisk.errors import ExitCode, InputError, Location, SourceError, TraceRiskError
 from tracerisk.instrument.source.language import is_c_like
 
 if TYPE_CHECKING:
@@ -101,9 +101,11 @@ def run(options: argparse.Namespace) -> int:
     if options.history and options.output is None:
         raise InputError("--history is a part of the page; give -o/--output OUT.html as well")
     kept = _kept(options.files[0])
-    outrun = () if options.dossier is None else _outrun(options, kept)
-    if outrun:
-        return _refused(options, outrun)
+    outrun = _outrun(options)
+    if options.dossier is not None:
+        _check_values(options, kept)
+        if outrun:
+            return _refused(options, outrun)
     trace = _given_trace(options.trace)
     recorded = _recorded(options, kept, trace)
     files = list(options.files)
@@ -121,7 +123,7 @@ def run(options: argparse.Namespace) -> int:
     )
     shown: dict[str, Any] = {}
     if options.output is not None or options.dossier is not None:
-        shown = _write_page(options, kept, trace, recorded, sources, review, both)
+        shown = _write_page(options, kept, trace, recorded, sources, review, both, outrun)
     if wants_pictures(options):
         settings = _settings(kept, options)
         code, pictures = write_report_pictures(
@@ -149,8 +151,12 @@ def _write_page(
     sources: Mapping[str, bytes],
     review: Review | None,
     both: SideBySide | str,
+    outrun: Sequence[CheckFinding],
 ) -> dict[str, Any]:
-    """Write the page; return what `--json` prints of it."""
+    """Write the page; return what `--json` prints of it.
+
+    It says why the figure does not follow from the files of now, if it is `outrun` by them.
+    """
     from tracerisk.prm.formats.assessment_json import assessment_to_json
     from tracerisk.report.html.record import report_record
     from tracerisk.report.html.report import render_report
@@ -163,6 +169,7 @@ def _write_page(
     lines = list(verdicts.lines)
     for verdict in verdicts.by_controller.values():
         lines += verdict_details(verdict)
+    lines += [f"{finding.kind}: {finding.text}" for finding in outrun]
     more = history_shown(options.files[0]) if options.history else ()
     run = _run_of(kept, trace, recorded, options)
     page = report_input(
@@ -200,36 +207,48 @@ def _write_page(
     }
 
 
-def _outrun(options: argparse.Namespace, kept: KeptRun | None) -> tuple[CheckFinding, ...]:
-    """Return why the figure does not follow from the files that a dossier would hold beside it.
+def _outrun(options: argparse.Namespace) -> tuple[CheckFinding, ...]:
+    """Return why the figure does not follow from the files that are here now.
 
     Blocks that no lock knows are the word of their author, and follow from nothing else.
-    Raises InputError for options with which the blocks were not computed, and as a check does.
+    Raises what a check raises where a dossier is asked for; a page shows what can be read.
     """
     from tracerisk.pipeline.check.check import check_controllers
     from tracerisk.pipeline.check.finding import Checked
     from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
-    from tracerisk.pipeline.freshness.freshness import settings_data
     from tracerisk.pipeline.freshness.known_controllers import controllers_of
     from tracerisk.pipeline.workspace.project import Projects
 
-    if kept is not None:
-        root = kept.controller.root.resolve()
-        asked = settings_data(_settings(kept, options), root)
-        of_run = settings_data(kept.settings, root)
-        names = [f"--{name}" for name in _OF_VALUES if asked.get(name) != of_run.get(name)]
-        if names:
-            message = f"its blocks were not computed with this {' and '.join(names)}"
-            remedy = "leave it out, or write it to [tool.tracerisk], and refresh the blocks"
-            raise InputError(f"{message}; {remedy}", Location(options.files[0]))
+    if options.output is None and options.dossier is None:
+        return ()
     projects = Projects()
     findings: list[CheckFinding] = []
-    for checked in check_controllers(controllers_of(options.files, projects), projects):
-        if not isinstance(checked, Checked):
-            raise checked
-        findings += checked.findings
+    try:
+        for checked in check_controllers(controllers_of(options.files, projects), projects):
+            if not isinstance(checked, Checked):
+                raise checked
+            findings += checked.findings
+    except TraceRiskError:
+        if options.dossier is not None:
+            raise
     kinds = MENDED_BY_REFRESH - {"unknown"}
     return tuple(finding for finding in findings if finding.kind in kinds)
+
+
+def _check_values(options: argparse.Namespace, kept: KeptRun | None) -> None:
+    """Raise InputError for options with which the blocks were not computed."""
+    from tracerisk.pipeline.freshness.freshness import settings_data
+
+    if kept is None:
+        return
+    root = kept.controller.root.resolve()
+    asked = settings_data(_settings(kept, options), root)
+    of_run = settings_data(kept.settings, root)
+    names = [f"--{name}" for name in _OF_VALUES if asked.get(name) != of_run.get(name)]
+    if names:
+        message = f"its blocks were not computed with this {' and '.join(names)}"
+        remedy = "leave it out, or write it to [tool.tracerisk], and refresh the blocks"
+        raise InputError(f"{message}; {remedy}", Location(options.files[0]))
 
 
 def _refused(options: argparse.Namespace, findings: Sequence[CheckFinding]) -> int:
