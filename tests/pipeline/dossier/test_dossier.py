@@ -413,7 +413,7 @@ def test_the_commands_make_the_same_archive_from_the_files_in_it(
     folder = unzipped(example.folder / "dossier.zip", tmp_path / "unpacked")
     text = (folder / "README.md").read_text().partition("## Make it again")[2]
     (commands,) = re.findall(r"^```sh\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
-    assert "they are copied from this dossier first" in text
+    assert "files are copied from here first" in text
     install, *copies, run, report = commands.splitlines()
     assert install.startswith("pip install --constraint DOSSIER/constraints.txt 'tracerisk[sim]==")
     assert "mujoco==" in (folder / "constraints.txt").read_text()

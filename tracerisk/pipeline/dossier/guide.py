@@ -200,7 +200,7 @@ def _again(record: Record) -> str:
     commands = "\n".join(lines)
     why = ""
     if copied:
-        why = "No commit has the files as they were: they are copied from this dossier first. "
+        why = "What the commit lacks or has otherwise: these files are copied from here first. "
     return (
         "In the folder of the controller's project, with `DOSSIER` for the folder of this file:\n\n"
         f"```sh\n{commands}\n```\n\n{why}Give `run` again what `tracerisk.lock` has under "
