@@ -17,7 +17,8 @@ from ruamel.yaml import YAML
 from tracerisk.adder.lock.lock import ControllerLock, Lock, written_block
 from tracerisk.adder.sources.read import read_blocks
 
-TEMPLATE = Path(__file__).parents[1] / "action" / "tracerisk.gitlab-ci.yml"
+ROOT = Path(__file__).parents[1]
+TEMPLATE = ROOT / "tracerisk" / "pipeline" / "start" / "templates" / "gitlab.yaml"
 NOTES = "/api/v4/projects/3/merge_requests/7/notes"
 
 pytestmark = pytest.mark.skipif(
@@ -159,13 +160,27 @@ def test_no_token_writes_no_note(repository, annotated_source, server, job):
 
 
 @pytest.mark.parametrize(
-    ("variables", "limits"),
+    ("variables", "check", "diff"),
     [
-        ({}, ["--no-new-accepts"]),
-        ({"TRACERISK_NO_OUTCOME_CHANGE": "true"}, ["--no-new-accepts", "--no-outcome-change"]),
+        ({}, "", "--no-new-accepts --silent-below=0.01"),
+        (
+            {"TRACERISK_NO_OUTCOME_CHANGE": "true", "TRACERISK_SILENT_BELOW": ""},
+            "",
+            "--no-new-accepts --no-outcome-change",
+        ),
+        (
+            {
+                "TRACERISK_MAX_INCREASE": "0.1",
+                "TRACERISK_MAX_FAILURE_PROBABILITY": "1e-3",
+                "TRACERISK_MIN_COVERAGE": "0.8",
+                "TRACERISK_NO_NEW_ACCEPTS": "false",
+            },
+            " --min-coverage=0.8",
+            "--max-increase=0.1 --max-failure-probability=1e-3 --silent-below=0.01",
+        ),
     ],
 )
-def test_the_limits_are_handed_on(repository, job, tmp_path, variables, limits):
+def test_the_limits_are_handed_on(repository, job, tmp_path, variables, check, diff):
     told = tmp_path / "told"
     python = tmp_path / "bin" / "python"
     python.parent.mkdir()
@@ -177,9 +192,20 @@ echo "$@" >>"{told}"
     python.chmod(0o700)
     path = f"{python.parent}{os.pathsep}{os.environ['PATH']}"
     assert job("base", token="", PATH=path, **variables) == 1
-    (diff,) = (line for line in told.read_text().splitlines() if line.startswith("diff"))
-    given = re.sub(r" --code-quality \S+/diff\.json", "", diff)
-    assert given == f"diff --format markdown {' '.join(limits)} --silent-below 0.01 base..HEAD"
+    checked, compared, *_ = told.read_text().splitlines()
+    files = r"--sarif \S+ --code-quality \S+ --metrics \S+"
+    assert re.fullmatch(f"check --base base {files}{re.escape(check)}", checked)
+    assert re.sub(r"--code-quality \S+/diff\.json ", "", compared) == (
+        f"diff --format markdown {diff} base..HEAD"
+    )
+
+
+def test_the_job_runs_in_merge_requests_and_on_the_default_branch():
+    read = YAML(typ="safe").load(TEMPLATE)["tracerisk"]
+    assert read["rules"] == [
+        {"if": '$CI_PIPELINE_SOURCE == "merge_request_event"'},
+        {"if": "$CI_COMMIT_BRANCH == $CI_DEFAULT_BRANCH"},
+    ]
 
 
 def test_each_controller_has_its_report_with_the_replay_of_the_cache(repository, job, quick):

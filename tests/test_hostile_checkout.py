@@ -14,9 +14,8 @@ import pytest
 
 from tests.slow import slow_but, slow_but_every
 from tests.test_action import ACTION, ROOT, Runner
-from tests.test_gitlab_template import job, server  # noqa: F401 - fixtures
+from tests.test_gitlab_template import TEMPLATE, job, server  # noqa: F401 - fixtures
 
-TEMPLATE = ROOT / "action" / "tracerisk.gitlab-ci.yml"
 SECRET = "t0ken-of-the-checkout"
 
 pytestmark = pytest.mark.skipif(

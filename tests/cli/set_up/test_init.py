@@ -7,13 +7,14 @@ import shutil
 import subprocess
 import sys
 from argparse import Namespace
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
 
 from tracerisk.cli.set_up import init
-from tracerisk.pipeline.start.project_start import _action
+from tracerisk.pipeline.start.ci_files import ci_files, template
 
 SAMPLES = Path(__file__).parents[3] / "sample_controllers"
 
@@ -51,7 +52,7 @@ def test_it_shows_what_it_would_write_and_writes_nothing_unasked(cell):
 def test_what_it_writes_is_enough_for_a_first_figure(cell, ci):
     assert cell.run("init", "--yes", "--ci", ci).code == 0
     written = files(cell)
-    place = {"github": ".github/workflows/risk.yml", "gitlab": ".gitlab-ci.yml"}[ci]
+    place = {"github": ".github/workflows/risk.yml", "gitlab": "tracerisk.gitlab-ci.yml"}[ci]
     for name in (".pre-commit-config.yaml", place):
         assert "tracerisk check" in written[name].decode()
     if ci == "github":
@@ -77,45 +78,71 @@ def test_what_it_writes_is_enough_for_a_first_figure(cell, ci):
     }
 
 
-@pytest.mark.parametrize("ends", [0, 1, 2, 5, 137])
-def test_the_job_of_gitlab_says_where_no_change_could_be_determined(cell, ends):
+def test_the_job_of_gitlab_is_written_whole_and_included(cell):
     assert cell.run("init", "--yes", "--ci", "gitlab").code == 0
-    _, line = YAML(typ="safe").load(cell.read(".gitlab-ci.yml"))["risk"]["script"]
-    cell.write("tools/tracerisk", f"#!/bin/sh\nexit {ends}\n").chmod(0o700)
-    done = subprocess.run(
-        ["/bin/sh", "-ec", line],
-        env={
-            "PATH": f"{cell.folder / 'tools'}:{os.environ['PATH']}",
-            "CI_MERGE_REQUEST_DIFF_BASE_SHA": "main",
-        },
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    said = "The change of risk could not be determined.\n" if ends > 1 else ""
-    assert (done.returncode, done.stdout) == (ends, said)
+    own = YAML(typ="safe").load(cell.read(".gitlab-ci.yml"))
+    assert own == {"include": {"local": "tracerisk.gitlab-ci.yml"}}
+    job = YAML(typ="safe").load(cell.read("tracerisk.gitlab-ci.yml"))["tracerisk"]
+    assert {"if": '$CI_PIPELINE_SOURCE == "merge_request_event"'} in job["rules"]
+    shipped = YAML(typ="safe").load(template("gitlab.yaml"))["tracerisk"]
+    assert job["variables"].keys() == shipped["variables"].keys()
+    assert job["script"] == shipped["script"]
+
+
+def test_jobs_of_gitlab_that_are_there_stay_and_are_told_to_include_ours(cell):
+    mine = "build: {script: [make]}\n"
+    cell.write(".gitlab-ci.yml", mine)
+    outcome = cell.run("init", "--yes", "--ci", "gitlab")
+    assert "add to .gitlab-ci.yml: include: {local: tracerisk.gitlab-ci.yml}" in outcome.out
+    assert cell.read(".gitlab-ci.yml").decode() == mine
+    assert cell.read("tracerisk.gitlab-ci.yml")
 
 
 @pytest.mark.parametrize(
-    ("urls", "version", "action"),
+    ("urls", "version", "action", "package"),
     [
-        (["Source, https://github.com/cell/tracerisk"], "0.3.0", "cell/tracerisk@v0.3.0"),
-        (["Source, https://github.com/cell/risk.git"], "0.3.1.dev2", "cell/risk@main"),
-        (["Issues, https://github.com/a/b/issues"], "0.3.0", "OWNER/tracerisk@v1"),
-        (["Source, https://git.example/a/b"], "0.3.0", "OWNER/tracerisk@v1"),
-        (None, "0.3.0", "OWNER/tracerisk@v1"),
+        (
+            ["Source, https://github.com/cell/tracerisk"],
+            "0.3.0",
+            "cell/tracerisk@v0.3.0",
+            "tracerisk[large]==0.3.0",
+        ),
+        (
+            ["Source, https://github.com/cell/risk.git"],
+            "0.3.1.dev2",
+            "cell/risk@main",
+            "tracerisk[large] @ git+https://github.com/cell/risk@main",
+        ),
+        (
+            ["Issues, https://github.com/a/b/issues"],
+            "0.3.0",
+            "OWNER/tracerisk@v0.1.0",
+            "tracerisk[large]==0.3.0",
+        ),
+        (
+            ["Source, https://git.example/a/b"],
+            "0.3.1.dev2",
+            "OWNER/tracerisk@v0.1.0",
+            "tracerisk[large]",
+        ),
+        (None, "0.3.0", "OWNER/tracerisk@v0.1.0", "tracerisk[large]==0.3.0"),
     ],
 )
-def test_a_workflow_names_the_action_of_the_installed_package(monkeypatch, urls, version, action):
-    from importlib import metadata
-
-    class Found:
+def test_ci_files_name_where_the_installed_package_came_from(
+    monkeypatch, cell, urls, version, action, package
+):
+    class Metadata:
         def get_all(self, name):
             return urls
 
-    monkeypatch.setattr(metadata, "metadata", lambda name: Found())
+    monkeypatch.setattr(metadata, "metadata", lambda name: Metadata())
     monkeypatch.setattr(metadata, "version", lambda name: version)
-    assert _action() == action
+    (workflow,) = ci_files(cell.folder, "github")
+    assert f"uses: {action}\n" in workflow.content.decode()
+    job, _ = ci_files(cell.folder, "gitlab")
+    variables = YAML(typ="safe").load(job.content)["tracerisk"]["variables"]
+    assert variables["TRACERISK_PACKAGE"] == package
+    assert ("set TRACERISK_PACKAGE" in job.why) is (package == "tracerisk[large]")
 
 
 @pytest.mark.parametrize(

@@ -5,12 +5,9 @@ from __future__ import annotations
 import ast
 import json
 import os
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
-from typing import Literal
 
 from tracerisk.common.dependencies import missing_extras
 from tracerisk.common.hardware.shipped import hardware_of
@@ -20,6 +17,7 @@ from tracerisk.config import BlockForm, controller_root, is_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import imports_in, last_name
 from tracerisk.instrument.source.python_source import parsed
+from tracerisk.pipeline.start.ci_files import Ci, StartFile, ci_files, template
 from tracerisk.pipeline.start.schemas import SchemaName, schema_text
 from tracerisk.pipeline.workspace.controller import from_root, load_controller
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
@@ -28,8 +26,6 @@ from tracerisk.pipeline.workspace.workspace import searched
 from tracerisk.ros.vendors.driver_search import shipped_drivers
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.robots.robot import load_robot as load_named
-
-Ci = Literal["github", "gitlab", "none"]
 
 SETTINGS_SCHEMA = "pyproject.schema.json"
 """The file at the top of the repository that new settings refer to."""
@@ -49,27 +45,11 @@ _LEFT_OUT = frozenset(
     {"build", "install", "log", "dist", "site-packages", "node_modules", "test", "tests"}
 )
 _MOST_BYTES = 1_000_000
-_ANY_ACTION = "OWNER/tracerisk@v1"
-_ON_GITHUB = re.compile(r"Source, https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?")
 _MOST_READ = 30
 """How many controllers are asked for their robot, and for what they need."""
 _OF_A_CELL = frozenset({"topic", "service", "action", "frame", "call", "goal", "input"})
 _OF_ROBOTS = frozenset({"control_msgs", "moveit_msgs", "trajectory_msgs", "franka_gripper"})
 """Packages whose messages go to an arm, which the twin answers."""
-
-
-@dataclass(frozen=True, slots=True)
-class StartFile:
-    """A file that is to be written."""
-
-    path: str
-    """The path from the root."""
-    content: bytes
-    """The whole new content."""
-    why: str
-    """What the file is for, in words."""
-    is_new: bool = True
-    """Whether the file does not exist yet; false where lines are added to it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,24 +113,11 @@ def project_start(
         files.append(
             StartFile(
                 ".pre-commit-config.yaml",
-                _template("pre-commit.yaml"),
+                template("pre-commit.yaml"),
                 "the hook: refuses commits with stale risk blocks",
             )
         )
-    places = {
-        "github": ".github/workflows/risk.yml",
-        "gitlab": ".gitlab-ci.yml",
-    }
-    if ci != "none" and not (root / places[ci]).exists():
-        why_ci = "CI: checks the blocks, and says what a change does to the risk"
-        content = _template(f"{ci}.yaml")
-        if ci == "github":
-            action = _action()
-            content = content.replace(b"ACTION", action.encode())
-            why_ci += ", in a comment on the pull request"
-            if action == _ANY_ACTION:
-                why_ci += "; replace OWNER in it by who keeps tracerisk"
-        files.append(StartFile(places[ci], content, why_ci))
+    files += ci_files(root, ci)
     asked = _asked(root, controllers)
     return ProjectStart(root, controllers, robots, why, tuple(lacking), asked, tuple(files))
 
@@ -327,23 +294,3 @@ def _settings_of(
     inside = Path(shown).parent.as_posix()
     words = "settings of all controllers" + ("" if inside == "." else f" of {inside}")
     return StartFile(shown, before + text.encode(), words, is_new=not before)
-
-
-def _action() -> str:
-    """Return how a workflow of GitHub names our Action: where the installed package came from."""
-    from importlib import metadata
-
-    try:
-        urls = metadata.metadata("tracerisk").get_all("Project-URL") or []
-    except metadata.PackageNotFoundError:
-        urls = []
-    fullmatches = (_ON_GITHUB.fullmatch(url) for url in urls)
-    owner = next((hit[1] for hit in fullmatches if hit is not None), None)
-    if owner is None:
-        return _ANY_ACTION
-    is_release = re.fullmatch(r"[0-9.]+", metadata.version("tracerisk")) is not None
-    return f"{owner}@{'v' + metadata.version('tracerisk') if is_release else 'main'}"
-
-
-def _template(name: str) -> bytes:
-    return resources.files("tracerisk.pipeline.start").joinpath(f"templates/{name}").read_bytes()
