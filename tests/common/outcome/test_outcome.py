@@ -385,3 +385,34 @@ def test_grippers_are_compared_each_with_itself():
     changes = outcome_changes(before, after)
     assert changes.lost == ("right_hand no longer opens",)
     assert changes.added == ("left_hand newly closes on nothing",)
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({}, "cup_2 is new in the scene and is moved by 300 mm, ends on table"),
+        ({"rests_on": ""}, "cup_2 is new in the scene and is moved by 300 mm, ends on nothing"),
+        ({"held_in": "hand"}, "cup_2 is new in the scene and ends held in hand"),
+        ({"end": (0.4, 0.1, 0.05)}, "cup_2 is new in the scene and is not moved"),
+    ],
+)
+def test_of_a_new_object_it_is_said_what_the_mission_does_with_it(more, words):
+    after = replace(WHOLE, objects=(thing(), thing("cup_2", **more)))
+    assert outcome_changes(WHOLE, after).result == (words,)
+
+
+def test_of_an_object_that_is_gone_it_is_said_what_the_mission_did_with_it():
+    changes = outcome_changes(replace(WHOLE, objects=(thing(), thing("cup_2"))), WHOLE)
+    assert changes.result == ("cup_2 is no longer in the scene, before: it was moved by 300 mm",)
+
+
+def test_a_use_of_a_gripper_that_both_runs_have_comes_more_or_less_often():
+    again = (rest(0.5), grip(0.2, "cup_2"), rest(-0.5), grip(1.0))
+    after = outcome(*MISSION, *again, HOME, objects=[thing()])
+    place = "at (-0.500, 0.000, 0.300) m"
+    more = outcome_changes(WHOLE, after).added
+    assert f"hand opens one time more, {place}" in more
+    assert "hand newly grips cup_2" in more
+    less = outcome_changes(after, WHOLE).lost
+    assert f"hand opens one time less, {place}" in less
+    assert "hand no longer grips cup_2" in less

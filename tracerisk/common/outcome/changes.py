@@ -328,22 +328,40 @@ class _Comparison:
         of = "" if self._old.left_out else f" of {total}"
         return f"rest {self._number(rest)}{of} at {_place(rest.tool_m)}"
 
+    def _grip_changes(
+        self, gone: Sequence[Step], come: Sequence[Step], added: list[str]
+    ) -> Iterator[str]:
+        """Yield which uses of a gripper are lost or other ones, and add those that are new."""
+        old = [step for step in gone if isinstance(step, GripperUse)]
+        new = [step for step in come if isinstance(step, GripperUse)]
+        for gripper in sorted({use.gripper for use in (*old, *new)}):
+            before = [use for use in old if use.gripper == gripper]
+            after = [use for use in new if use.gripper == gripper]
+            for was, now in zip(before, after, strict=False):
+                yield f"{gripper} {_grip(now)}, before: {_grip(was)}"
+            for was in before[len(after) :]:
+                less = _oftener(was, self._old, self._new, "less")
+                yield less or f"{gripper} no longer {_grip(was)}"
+            for now in after[len(before) :]:
+                more = _oftener(now, self._new, self._old, "more")
+                added.append(more or f"{gripper} newly {_grip(now)}")
+
     def _number(self, rest: Rest) -> int:
         rests = [result for result in self._old.rests if result.arm == rest.arm]
         return 1 + sum(result.order < rest.order for result in rests)
 
 
-def _grip_changes(gone: Sequence[Step], come: Sequence[Step], added: list[str]) -> Iterator[str]:
-    old = [step for step in gone if isinstance(step, GripperUse)]
-    new = [step for step in come if isinstance(step, GripperUse)]
-    for gripper in sorted({use.gripper for use in (*old, *new)}):
-        before = [use for use in old if use.gripper == gripper]
-        after = [use for use in new if use.gripper == gripper]
-        for was, now in zip(before, after, strict=False):
-            yield f"{gripper} {_grip(now)}, before: {_grip(was)}"
-        for was in before[len(after) :]:
-            yield f"{gripper} no longer {_grip(was)}"
-        added += [f"{gripper} newly {_grip(now)}" for now in after[len(before) :]]
+def _oftener(use: GripperUse, here: Outcome, other: Outcome, word: str) -> str:
+    """Return that a run has a use of a gripper more often than another, which has it as well.
+
+    And where the arm rested then, if there is one arm. Empty where the other never has it.
+    """
+    what = use.gripper, _grip(use)
+    if all((known.gripper, _grip(known)) != what for known in other.grips):
+        return ""
+    rests = [rest for rest in here.rests if rest.order < use.order]
+    place = f", at {_place(rests[-1].tool_m)}" if rests and len(here.arms) == 1 else ""
+    return f"{use.gripper} {_grip(use)} one time {word}{place}"
 
 
 def _grip(use: GripperUse) -> str:

@@ -19,12 +19,36 @@ def object_changes(old: Outcome, new: Outcome, limits: Tolerances) -> list[str]:
     lines: list[str] = []
     for name in sorted({*before, *after}):
         if name not in after:
-            lines.append(f"{name} is no longer in the scene")
+            lines.append(f"{name} is no longer in the scene{_was_moved(before[name], limits)}")
         elif name not in before:
-            lines.append(f"{name} is new in the scene")
+            lines.append(f"{name} is new in the scene{_is_moved(after[name], limits)}")
         else:
             lines += _object(before[name], after[name], limits)
     return lines
+
+
+def _moved_m(found: ObjectOutcome, limits: Tolerances) -> float:
+    """Return how far an object ends from where it began [m]; 0 where it was not moved."""
+    off = math.dist(found.begin_m, found.end_m)
+    return off if off > limits.place_m else 0.0
+
+
+def _is_moved(found: ObjectOutcome, limits: Tolerances) -> str:
+    """Return what a run did with an object that the earlier one did not have."""
+    off = _moved_m(found, limits)
+    if found.held_in:
+        return f" and ends held in {found.held_in}"
+    if not off:
+        return " and is not moved"
+    return f" and is moved by {millimetres(off)}, ends on {found.rests_on or 'nothing'}"
+
+
+def _was_moved(found: ObjectOutcome, limits: Tolerances) -> str:
+    """Return what the earlier run did with an object that the later one does not have."""
+    off = _moved_m(found, limits)
+    if found.held_in:
+        return f", before: it ended held in {found.held_in}"
+    return f", before: it was moved by {millimetres(off)}" if off else ""
 
 
 def _object(old: ObjectOutcome, new: ObjectOutcome, limits: Tolerances) -> Iterator[str]:
@@ -35,16 +59,12 @@ def _object(old: ObjectOutcome, new: ObjectOutcome, limits: Tolerances) -> Itera
     off = math.dist(old.end_m, new.end_m)
     tipped = abs(old.tilt_deg - new.tilt_deg)
     if off > limits.place_m * ROUNDING:
-        was_moved = math.dist(old.begin_m, old.end_m) > limits.place_m
-        is_moved = math.dist(new.begin_m, new.end_m) > limits.place_m
+        was_moved, is_moved = _moved_m(old, limits), _moved_m(new, limits)
         if was_moved and not is_moved:
             yield f"{name} is no longer moved"
             return
         elif is_moved and not was_moved:
-            yield (
-                f"{name} is moved by {millimetres(math.dist(new.begin_m, new.end_m))}, before: not "
-                "moved"
-            )
+            yield f"{name} is moved by {millimetres(is_moved)}, before: not moved"
         else:
             yield f"{name} ends {millimetres(off)} from where it ended"
     if tipped > limits.angle_deg * ROUNDING:

@@ -13,7 +13,7 @@ Ci = Literal["github", "gitlab", "none"]
 
 _ON_GITHUB = re.compile(r"Source, (https://github\.com/([\w.-]+/[\w.-]+?))(?:\.git)?/?")
 _FROM_INDEX = "tracerisk[large]"
-"""What the job of GitLab installs unless told otherwise."""
+"""What the job of GitLab installs by default."""
 _GITLAB_JOB = "tracerisk.gitlab-ci.yml"
 _INCLUDE = f"include: {{local: {_GITLAB_JOB}}}"
 _WHY = "CI: checks the blocks, and says what a change does to the risk, in "
