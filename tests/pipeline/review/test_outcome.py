@@ -11,7 +11,7 @@ from tracerisk.common.outcome.kept import outcome_summary
 from tracerisk.common.outcome.outcome import ObjectOutcome, Outcome, rest_of
 from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.common.text.plain_data import plain_data
-from tracerisk.common.verdict import Coverage, Verdict
+from tracerisk.common.verdict import Coverage, Reason, Verdict
 from tracerisk.pipeline.review.review import review
 
 ARM = Arm(
@@ -258,3 +258,55 @@ def test_history_marks_the_commit_that_changed_the_result(both):
         "",
         "result",
     ]
+
+
+def faulted(repository):
+    """Make the run of the working tree one that dropped its cup."""
+    dropped = Reason("object-dropped", "faulted", "'cup' fell 170 mm", "place", "cup", 3.0)
+    lock = json.loads((repository.folder / "tracerisk.lock").read_text())
+    (entry,) = lock["controllers"].values()
+    entry["trace"]["verdict"] = plain_data(Verdict("faulted", (dropped,), Coverage(1, 1)))
+    repository.write("tracerisk.lock", json.dumps(lock))
+    return repository
+
+
+def test_a_fault_is_an_alert_of_the_change_and_one_with_that_of_a_check(both):
+    repository = faulted(both(WHOLE, WHOLE))
+    quality = ("--code-quality", "quality.json")
+
+    def faults(*words):
+        assert repository.run(*words, *quality, "--quiet").code in (0, 1)
+        found = json.loads(repository.read("quality.json"))
+        return {
+            alert["fingerprint"]: alert["severity"]
+            for alert in found
+            if alert["check_name"] == "faulted-run"
+        }
+
+    of_change = faults("diff", "HEAD", "pick.py")
+    assert list(of_change.values()) == ["major"]
+    assert of_change == faults("check", "pick.py")
+
+
+def test_history_ends_with_what_went_wrong_and_the_last_other_result(both):
+    repository = both(WHOLE, HALF)
+    repository.commit()
+    out = repository.run("history", "pick.py").out
+    assert "never rose" not in out
+    assert "another result since " in out
+    assert "cup is no longer moved" in out
+    faulted(repository)
+    repository.commit()
+    repository.write("notes.txt", "well")
+    last = repository.run("history", "pick.py").out.split("faulted since ")[1]
+    assert "'cup' fell 170 mm" in last.splitlines()[1]
+
+
+def test_a_run_of_the_same_verdict_and_figure_is_no_row_of_a_history(both):
+    repository = both(WHOLE, WHOLE, figures=("2e-07", "2e-07"))
+    lock = json.loads((repository.folder / "tracerisk.lock").read_text())
+    (entry,) = lock["controllers"].values()
+    entry["trace"]["verdict"] = plain_data(Verdict("complete", (), Coverage(2, 2)))
+    repository.write("tracerisk.lock", json.dumps(lock))
+    repository.commit()
+    assert "x1" not in repository.run("history", "pick.py").out

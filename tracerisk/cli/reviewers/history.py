@@ -17,6 +17,7 @@ from tracerisk.cli.shared.output import (
 )
 from tracerisk.cli.shared.values import count, probability
 from tracerisk.common.text.plain_data import picked
+from tracerisk.common.verdict import kind_of
 from tracerisk.errors import ExitCode, InputError
 from tracerisk.pipeline.freshness.known_controllers import all_controllers
 from tracerisk.pipeline.workspace.project import Projects
@@ -103,19 +104,27 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _answers(points: list[HistoryPoint]) -> list[str]:
-    from tracerisk.pipeline.review.history import largest_rise
+    """Return what stands below the table: what went wrong, another result, the largest rise."""
+    from tracerisk.pipeline.review.history import largest_rise, last_other_result, wrong_since
 
+    wrong, other = wrong_since(points), last_other_result(points)
+    lines = []
+    if wrong is not None:
+        lines += [f"{kind_of(wrong.verdict)} since {_text(wrong)}", f"  {wrong.change}"]
+    if other is not None and other is not wrong:
+        lines += [f"another result since {_text(other)}", f"  {other.change}"]
     rise = largest_rise(points)
     apart = [history_point for history_point in points if not history_point.is_comparable]
-    known = [point for point in points if point.failure_probability is not None]
+    known = sum(history_point.failure_probability is not None for history_point in points)
     if rise is not None:
         point, factor = rise
-        lines = [f"largest rise: x{factor:.3g} by {_text(point)}", f"  {point.change}"]
+        lines.append(f"largest rise: x{factor:.3g} by {_text(point)}")
+        lines += [] if point in (wrong, other) else [f"  {point.change}"]
     elif apart:
-        lines = ["the figure never rose between runs that can be compared"]
-    else:
-        lines = ["the figure never rose" if len(known) > 1 else "nothing to compare with yet"]
-    if apart:
+        lines.append("the figure never rose between runs that can be compared")
+    elif not lines:
+        lines.append("the figure never rose" if known > 1 else "nothing to compare with yet")
+    if apart and apart[-1] not in (wrong, other):
         number = f"{len(apart)} commit{'' if len(apart) == 1 else 's'}"
         lines.append(f"not comparable with the one before: {number}, at last {_text(apart[-1])}")
         lines.append(f"  {apart[-1].change}")

@@ -31,7 +31,7 @@ from tracerisk.pipeline.trace.last_run import (
 )
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
-from tracerisk.prm.review.change_records import Review
+from tracerisk.prm.review.change_records import Review, RiskDiff
 from tracerisk.prm.review.model_parts import single_points
 from tracerisk.report.ci.sarif import Alert, alert_at
 from tracerisk.report.diff.sentences import some
@@ -106,13 +106,15 @@ def check_alerts(
 
 
 def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
-    """Return the alerts of a change: what the mission brings about otherwise, redundancy that it
-    took, single points that it made, and components that it leaves out by hand.
+    """Return the alerts of a change: a run that went wrong, what the mission brings about
+    otherwise, redundancy that it took, single points that it made, and components that it leaves
+    out by hand.
 
     `folder` is where the places of the review stand, the root of the repository.
     """
     alerts = []
     for diff in review.controllers:
+        alerts += _faults(diff, folder)
         if diff.outcome is not None:
             first_line = Location(diff.name, 1)
             alerts += [
@@ -137,6 +139,18 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
                 if mark in change.marks:
                     alerts.append(_alert(rule, change.summary, place, folder, **names))
     return tuple(alerts)
+
+
+def _faults(diff: RiskDiff, folder: Path) -> Iterator[Alert]:
+    """Yield why the later run went wrong, at their places or else at the first line."""
+    verdict = diff.verdicts.after if diff.verdicts is not None and diff.verdicts.in_after else None
+    if verdict is None or verdict.kind not in ("faulted", "stuck"):
+        return
+    for reason in verdict.open_reasons:
+        if reason.verdict in ("faulted", "stuck"):
+            place = reason.location or Location(diff.name, 1)
+            # Known by the same as that of a check: both may be handed to one report.
+            yield _alert("faulted-run", reason.message, place, folder, function=reason.function)
 
 
 def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:

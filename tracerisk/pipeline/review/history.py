@@ -214,6 +214,20 @@ def largest_rise(points: Sequence[HistoryPoint]) -> tuple[HistoryPoint, float] |
     return best
 
 
+def wrong_since(points: Sequence[HistoryPoint]) -> HistoryPoint | None:
+    """Return the commit since which runs go wrong or never end; `None` if the last is well."""
+    since: HistoryPoint | None = None
+    for point in points:
+        is_wrong = point.verdict is not None and point.verdict.kind in ("faulted", "stuck")
+        since = (since or point) if is_wrong else None
+    return since
+
+
+def last_other_result(points: Sequence[HistoryPoint]) -> HistoryPoint | None:
+    """Return the newest commit that changed what the mission brings about, if any did."""
+    return next((point for point in reversed(points) if point.outcome_mark == "result"), None)
+
+
 def first_above(points: Sequence[HistoryPoint], limit: float) -> HistoryPoint | None:
     """Return the commit since which the figure is above a limit; `None` where it is not above."""
     since: HistoryPoint | None = None

@@ -55,7 +55,10 @@ class HistoryPoint:
         if self.diff is None:
             return bool(self.error)
         verdicts = self.diff.verdicts
-        is_judged = verdicts is not None and verdicts.before != verdicts.after
+        is_judged = verdicts is not None and (
+            kind_of(verdicts.before) != kind_of(verdicts.after)
+            or bool(verdicts.broke or verdicts.repaired or verdicts.new_acceptances)
+        )
         outcome = self.diff.outcome
         is_other = outcome is not None and bool(outcome.of_mission)
         return not self.diff.is_unchanged or is_judged or is_other
