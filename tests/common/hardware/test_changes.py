@@ -34,9 +34,30 @@ components:
             "failure_rate: {value: 2.1e-7, per: hour, source: IEC 61709}",
             "probability: {value: 1e-6, per: demand}",
             [
-                "motor: probability not given -> 1e-06 per demand (no source)",
-                "motor: failure_rate 2.1e-07/h (IEC 61709) -> not given",
+                "motor: failure_rate 2.1e-07/h (IEC 61709) -> probability 1e-06 per demand "
+                "(no source)",
             ],
+        ),
+        (
+            "failure_rate: {value: 2.1e-7, per: hour, source: IEC 61709}",
+            "probability: {value: 9.5e-08, per: minute, source: DS-114}",
+            [
+                "motor: failure_rate 2.1e-07/h = 3.5e-09/min (IEC 61709) -> probability "
+                "9.5e-08/min (DS-114)",
+            ],
+        ),
+        (
+            "{value: 2.1e-7, per: hour, source: IEC 61709}",
+            "{value: 9.5e-08, per: minute, error_factor: 3, source: DS-114}",
+            [
+                "motor: failure_rate 2.1e-07/h = 3.5e-09/min (IEC 61709) -> 9.5e-08/min, "
+                "error factor 3 (DS-114)",
+            ],
+        ),
+        (
+            "    quantity: 7",
+            "    standby_rate: {value: 1e-9, per: hour}\n    quantity: 7",
+            ["motor: standby_rate not given -> 1e-09/h (no source)"],
         ),
         ("quantity: 7", "quantity: 6", ["motor: quantity 7 -> 6"]),
         (
@@ -62,3 +83,20 @@ def test_each_value_that_differs_is_said_with_its_sources(tmp_path: Path, before
         path.write_text(text)
     old, new = map(read_description, paths)
     assert list(description_changes(old, new)) == expected
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [
+        ("[a, b, c]", "[a, c]", ["motor: twin.joints no longer b"]),
+        ("[a, b]", "[a, c]", ["motor: twin.joints no longer b and now also c"]),
+        ('"*"', "[a, c]", ["motor: twin.joints * -> a, c"]),
+    ],
+)
+def test_of_joints_those_that_differ_are_said(tmp_path: Path, before, after, expected):
+    paths = tmp_path / "before.yaml", tmp_path / "after.yaml"
+    for path, joints in zip(paths, (before, after), strict=True):
+        path.write_text(MOTOR.replace("    quantity: 7\n", "").replace('"*"', joints))
+    old, new = (read_description(path) for path in paths)
+    changes = description_changes(old, new)
+    assert [line for line in changes if ": quantity " not in line] == expected

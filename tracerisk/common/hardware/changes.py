@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Any
 
 from tracerisk.common.hardware.description_data import component_data
 from tracerisk.common.hardware.model import Component, FailureFigure, Hardware
 
 _PER = {"minute": "/min", "hour": "/h"}
+_Sourced = tuple[FailureFigure, str]
+"""A figure with the source that counts for it."""
+_Value = str | tuple[str, ...]
+"""Another value of a component as text, or the names of a list."""
 _FIGURES = ("probability", "failure_rate", "weibull", "standby_rate")
 
 
 def description_changes(before: Hardware, after: Hardware) -> tuple[str, ...]:
     """Return what differs between two descriptions, a line for each value, by component.
 
-    A figure has its source: its own, else that of its component or description.
+    A figure has its source: its own, else that of its component or description. One that became
+    another kind of figure, or one per another unit of time, is one line with one unit.
     """
     old = {component.name: component for component in before.components}
     new = {component.name: component for component in after.components}
@@ -26,31 +33,94 @@ def description_changes(before: Hardware, after: Hardware) -> tuple[str, ...]:
         elif name not in new:
             lines.append(f"{name} is gone: {_all_figures(old[name], before)}")
         else:
-            values = _values(old[name], before), _values(new[name], after)
-            lines += [f"{name}: {line}" for line in _changed(*values)]
+            changes = [
+                *_changed_figures((old[name], before), (new[name], after)),
+                *_changed_values(_values(old[name]), _values(new[name])),
+            ]
+            lines += [f"{name}: {line}" for line in changes]
     return tuple(lines)
 
 
-def _changed(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
-    for key in dict.fromkeys([*new, *old]):
-        if old.get(key) != new.get(key):
-            yield f"{key} {old.get(key, 'not given')} -> {new.get(key, 'not given')}"
+def _changed_figures(
+    before: tuple[Component, Hardware], after: tuple[Component, Hardware]
+) -> Iterator[str]:
+    gone, come = _figures(*before), _figures(*after)
+    for key in [key for key in come if key in gone]:
+        old, new = gone.pop(key), come.pop(key)
+        if _texts(old) != _texts(new):
+            yield f"{key} {_texts(old, new)} -> {_texts(new)}"
+    if gone and come:
+        old, new = (list(chain.from_iterable(kinds.values())) for kinds in (gone, come))
+        yield f"{', '.join(gone)} {_texts(old, new)} -> {', '.join(come)} {_texts(new)}"
+        return
+    yield from (f"{key} not given -> {_texts(figures)}" for key, figures in come.items())
+    yield from (f"{key} {_texts(figures)} -> not given" for key, figures in gone.items())
 
 
-def _values(component: Component, hardware: Hardware) -> dict[str, str]:
-    """Return what is said of a component, each value as text by its dotted key."""
-    figures: dict[str, list[str]] = {}
+def _figures(component: Component, hardware: Hardware) -> dict[str, list[_Sourced]]:
+    figures: dict[str, list[_Sourced]] = {}
     for figure in component.figures:
-        figures.setdefault(_key(figure), []).append(_text(figure, component, hardware))
+        source = figure.source or component.source or hardware.source or "no source"
+        figures.setdefault(_key(figure), []).append((figure, source))
+    return figures
+
+
+def _texts(figures: Sequence[_Sourced], others: Sequence[_Sourced] = ()) -> str:
+    """Return figures with their sources; a single one also in the unit of a single other one."""
+    same = ""
+    if len(figures) == len(others) == 1:
+        same = _in_unit_of(figures[0][0], others[0][0])
+    return ", ".join(f"{_text(figure)}{same} ({source})" for figure, source in figures)
+
+
+def _in_unit_of(figure: FailureFigure, other: FailureFigure) -> str:
+    """Return a figure per time as one per the time of another; empty where they need no words."""
+    spans = figure.per.seconds, other.per.seconds
+    if spans[0] is None or spans[1] is None or spans[0] == spans[1]:
+        return ""
+    if "weibull" in (figure.kind, other.kind) or figure.value >= 1.0:
+        return ""
+    # A probability in a time is that of a constant rate; far below 1 both are the same figure.
+    rate = -math.log1p(-figure.value) if figure.kind == "probability" else figure.value
+    value = rate * spans[1] / spans[0]
+    if other.kind == "probability":
+        value = -math.expm1(-value)
+    return f" = {value:.4g}{_PER[other.per.value]}"
+
+
+def _changed_values(old: Mapping[str, _Value], new: Mapping[str, _Value]) -> Iterator[str]:
+    for key in dict.fromkeys([*new, *old]):
+        was, now = old.get(key, "not given"), new.get(key, "not given")
+        if was == now:
+            continue
+        if isinstance(was, tuple) and isinstance(now, tuple):
+            less = [name for name in was if name not in now]
+            more = [name for name in now if name not in was]
+            parts = [f"no longer {', '.join(less)}"] if less else []
+            parts += [f"now also {', '.join(more)}"] if more else []
+            yield f"{key} {' and '.join(parts) or 'in another order'}"
+        else:
+            yield f"{key} {_value_text(was)} -> {_value_text(now)}"
+
+
+def _value_text(value: _Value) -> str:
+    return value if isinstance(value, str) else ", ".join(value)
+
+
+def _values(component: Component) -> dict[str, _Value]:
+    """Return what is said of a component beside its figures, by its dotted key."""
     usual = {"quantity": "*" if component.quantity is None else component.quantity}
     if not component.redundancy:
         usual["redundancy"] = "false"
     data = {**usual, **component_data(component)}
     others = {key: value for key, value in data.items() if key not in (*_FIGURES, "source")}
-    return {key: ", ".join(texts) for key, texts in figures.items()} | dict(_flat(others, ""))
+    return dict(_flat(others, ""))
 
 
-def _flat(value: Any, path: str) -> Iterator[tuple[str, str]]:
+def _flat(value: Any, path: str) -> Iterator[tuple[str, _Value]]:
+    if isinstance(value, (list, tuple)) and not any(isinstance(part, dict) for part in value):
+        yield path, tuple(map(str, value))
+        return
     if not isinstance(value, dict):
         yield path, str(value).lower() if isinstance(value, bool) else str(value)
         return
@@ -59,22 +129,20 @@ def _flat(value: Any, path: str) -> Iterator[tuple[str, str]]:
 
 
 def _all_figures(component: Component, hardware: Hardware) -> str:
-    return ", ".join(
-        f"{_key(figure)} {_text(figure, component, hardware)}" for figure in component.figures
-    )
+    figures = _figures(component, hardware)
+    return ", ".join(f"{key} {_texts(given)}" for key, given in figures.items())
 
 
 def _key(figure: FailureFigure) -> str:
     return "standby_rate" if figure.standby else figure.kind
 
 
-def _text(figure: FailureFigure, component: Component, hardware: Hardware) -> str:
-    """Return a figure with its unit, its uncertainty and its source: `2e-07/h (IEC 61709)`."""
+def _text(figure: FailureFigure) -> str:
+    """Return a figure with its unit and its uncertainty: `2e-07/h, error factor 3`."""
     per = _PER.get(figure.per.value, f" per {figure.demand or figure.per.value}")
     text = f"{figure.value:.6g}{per}"
     if figure.kind == "weibull":
         text = f"shape {figure.shape:.6g}, scale {figure.value:.6g} {figure.per.value}s"
     if figure.error_factor is not None:
         text += f", error factor {figure.error_factor:.6g}"
-    source = figure.source or component.source or hardware.source or "no source"
-    return f"{text} ({source})"
+    return text

@@ -112,7 +112,7 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
 
     `folder` is where the places of the review stand, the root of the repository.
     """
-    alerts = []
+    alerts: list[Alert] = []
     for diff in review.controllers:
         alerts += _faults(diff, folder)
         if diff.outcome is not None:
