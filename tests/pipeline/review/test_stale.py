@@ -198,7 +198,7 @@ def test_check_finds_blocks_that_no_run_wrote(cell):
 
 def test_a_changed_description_is_said_with_old_and_new_figures_and_sources(cell):
     cell.write("hw.yaml", hardware("3e-7", "data sheet"))
-    said = "motor: failure_rate 1e-07/h (IEC 61709) -> 3e-07/h (data sheet)"
+    said = "motor (hw.yaml:2): failure_rate 1e-07/h (IEC 61709) -> 3e-07/h (data sheet)"
     assert only(review([], cell.folder)).hardware == (said,)
     assert said in " ".join(cell.run("diff").out.split())
     lock = (cell.folder / "tracerisk.lock").read_text()
@@ -208,3 +208,9 @@ def test_a_changed_description_is_said_with_old_and_new_figures_and_sources(cell
     cell.write("pick.py", source.replace("1e-7", "3e-7"))
     refreshed = only(review([], cell.folder))
     assert (refreshed.hardware, refreshed.stale) == ((said,), ())
+    # A reviewer is led to the line of the description.
+    before = cell.git("rev-parse", "HEAD").strip()
+    commit = cell.commit()
+    base = ("--format", "markdown", "--link-base", "https://git.example/cell/blob")
+    markdown = cell.run("diff", *base, f"{before}..HEAD").out
+    assert f"[hw.yaml:2](https://git.example/cell/blob/{commit}/hw.yaml#L2)" in markdown

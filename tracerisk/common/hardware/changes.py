@@ -22,14 +22,15 @@ def description_changes(before: Hardware, after: Hardware) -> tuple[str, ...]:
     """Return what differs between two descriptions, a line for each value, by component.
 
     A figure has its source: its own, else that of its component or description. One that became
-    another kind of figure, or one per another unit of time, is one line with one unit.
+    another kind of figure, or one per another unit of time, is one line with one unit. Places are
+    those of the later description.
     """
     old = {component.name: component for component in before.components}
     new = {component.name: component for component in after.components}
     lines = []
     for name in dict.fromkeys([*new, *old]):
         if name not in old:
-            lines.append(f"{name} is new: {_all_figures(new[name], after)}")
+            lines.append(f"{_placed(new[name])} is new: {_all_figures(new[name], after)}")
         elif name not in new:
             lines.append(f"{name} is gone: {_all_figures(old[name], before)}")
         else:
@@ -37,8 +38,14 @@ def description_changes(before: Hardware, after: Hardware) -> tuple[str, ...]:
                 *_changed_figures((old[name], before), (new[name], after)),
                 *_changed_values(_values(old[name]), _values(new[name])),
             ]
-            lines += [f"{name}: {line}" for line in changes]
+            lines += [f"{_placed(new[name])}: {line}" for line in changes]
     return tuple(lines)
+
+
+def _placed(component: Component) -> str:
+    """Return the name of a component with its place in the description, if it has one."""
+    place = component.location
+    return component.name + ("" if place is None else f" ({place.file}:{place.line})")
 
 
 def _changed_figures(

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path, PurePath
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.adder.lock.kept import as_computed
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
@@ -42,6 +42,9 @@ from tracerisk.pipeline.trace.last_run import kept_uncovered
 from tracerisk.prm.review.change_records import Review, RiskDiff, RunVerdicts
 from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import compare
+
+if TYPE_CHECKING:
+    from tracerisk.common.hardware.model import Hardware
 
 
 def review(
@@ -133,7 +136,24 @@ class _Shown:
 
     def version(self, version: ControllerVersion) -> ControllerVersion:
         sources = {self.name(file): source for file, source in version.sources.items()}
-        return version._replace(sources=sources, folder=self.name(version.folder))
+        return version._replace(
+            sources=sources,
+            folder=self.name(version.folder),
+            hardware=None if version.hardware is None else self._hardware(version.hardware),
+        )
+
+    def _hardware(self, hardware: Hardware) -> Hardware:
+        """Return a description with places as they are shown."""
+        components = (
+            component
+            if component.location is None
+            else replace(
+                component,
+                location=replace(component.location, file=self.name(component.location.file)),
+            )
+            for component in hardware.components
+        )
+        return replace(hardware, file=self.name(hardware.file), components=tuple(components))
 
 
 def _reviews(
@@ -203,6 +223,7 @@ def difference(
         of_run=(*changes_of_run, *(_of_outcomes(controller) if old and new else ())),
         verdicts=verdicts,
         hardware=_hardware_changes(controller),
+        hardware_file=controller.after.hardware.file if controller.after.hardware else "",
         stale=_stale(controller, diff),
         outcome=_outcome_changes(controller, before is not None and after is not None),
     )

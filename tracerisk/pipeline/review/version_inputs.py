@@ -112,7 +112,10 @@ def description_of(run: RunOfVersion, inputs: RunInputs) -> Hardware | None:
 
     name = inputs.settings.get("hardware")
     if name is None:
-        return hardware_of(str(run.entry.trace.get("robot", "")))
+        shipped = hardware_of(str(run.entry.trace.get("robot", "")))
+        # No file of the version has these places.
+        unplaced = (replace(component, location=None) for component in shipped.components)
+        return replace(shipped, components=tuple(unplaced))
     path = run.path_of(str(name))
     if path is None:
         return None

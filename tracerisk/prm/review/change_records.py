@@ -335,6 +335,8 @@ class RiskDiff:
     """Inputs of the runs behind the blocks that differ, one sentence each."""
     hardware: tuple[str, ...] = ()
     """What differs in the hardware description, a line a value, with both values and sources."""
+    hardware_file: str = ""
+    """The description of the later version, where the two differ; empty for none."""
     of_run: tuple[str, ...] = ()
     """What only the later run showed, such as unexpected contacts and motions without risk
     data; one sentence each."""

@@ -106,7 +106,7 @@ def _kept(text: str) -> str:
 
 def _files(review: Review) -> Iterator[str]:
     for diff in review.controllers:
-        yield from (name for name in (diff.name, diff.was) if name)
+        yield from (name for name in (diff.name, diff.was, diff.hardware_file) if name)
         yield from (place.file for place in _locations(diff))
 
 
