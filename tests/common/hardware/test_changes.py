@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.common.hardware.changes import description_changes
+from tracerisk.common.hardware.changes import description_changes, moved_units
 from tracerisk.common.hardware.formats import read_description
 
 MOTOR = """\
@@ -104,3 +104,26 @@ def test_of_joints_those_that_differ_are_said(tmp_path: Path, before, after, exp
     for path, joints in zip(paths, (before, after), strict=True):
         path.write_text(MOTOR.replace("    quantity: 7\n", "").replace('"*"', joints))
     assert [line for line in changes(*paths) if ": quantity " not in line] == expected
+
+
+ARM = "components:\n  motor: {{probability: {{value: 1e-7, per: minute}}, twin: {{joints: {0}}}}}\n"
+ELBOW = "  {0}: {{probability: {{value: 4e-7, per: minute}}, twin: {{joints: [b]}}}}\n"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [
+        (ARM.format("[a, b]"), ARM.format("[a]") + ELBOW.format("elbow"), {"elbow": ("motor",)}),
+        (ARM.format('"*"'), ARM.format("[a]") + ELBOW.format("elbow"), {"elbow": ("motor",)}),
+        # The joint has a brake more: nothing was moved.
+        (ARM.format("[a, b]"), ARM.format("[a, b]") + ELBOW.format("brake"), {}),
+        (ARM.format("[a, b]"), ARM.format('"*"') + ELBOW.format("brake"), {}),
+        (ARM.format("[a]"), ARM.format("[a]") + ELBOW.format("elbow"), {}),
+        (ARM.format("[a]") + ELBOW.format("elbow"), ARM.format("[a, b]"), {}),
+    ],
+)
+def test_a_joint_that_another_component_gave_up_is_known(tmp_path, before, after, expected):
+    paths = tmp_path / "before.yaml", tmp_path / "after.yaml"
+    for path, text in zip(paths, (before, after), strict=True):
+        path.write_text(text)
+    assert moved_units(*(read_description(path) for path in paths)) == expected

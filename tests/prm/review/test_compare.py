@@ -251,3 +251,27 @@ def test_weights_are_compared_as_fractions(version):
     one = version(a=([("x", 0.1)], {"a": Fraction(8, 10), "done": Fraction(2, 10)}))
     other = version(a=([("x", 0.1)], {"a": Fraction(4, 5), "done": Fraction(1, 5)}))
     assert difference(one, other).changes == ()
+
+
+def test_a_unit_that_moved_to_a_component_of_its_own_is_no_new_single_point(version):
+    before = version(pick=([("motor", 2e-7, 7)], {"done": 1}))
+    after = version(pick=([("motor", 2e-7, 6), ("elbow", 4e-7)], {"done": 1}))
+    (point,) = difference(before, after).single_points
+    assert point.component == "elbow"
+    moved = difference(before, after, moved={"elbow": ("motor",)})
+    assert moved.single_points == ()
+    (elbow,) = (change for change in moved.changes if change.component == "elbow")
+    assert (elbow.summary, elbow.marks) == ("elbow in pick: now counted apart from motor", ())
+    (cause,) = moved.causes
+    assert cause.summary == "elbow and motor in pick"
+    assert cause.contribution == pytest.approx(moved.increase)
+    back = difference(after, before, moved={"elbow": ("motor",)})
+    (elbow,) = (change for change in back.changes if change.component == "elbow")
+    assert elbow.summary == "elbow in pick: no longer counted apart, but within motor"
+
+
+def test_a_unit_that_was_redundant_where_it_was_is_a_new_single_point(version):
+    before = version(pick=([("motor", 2e-7, 2, True)], {"done": 1}))
+    after = version(pick=([("motor", 2e-7), ("elbow", 4e-7)], {"done": 1}))
+    points = difference(before, after, moved={"elbow": ("motor",)}).single_points
+    assert [point.component for point in points] == ["elbow", "motor"]

@@ -42,6 +42,50 @@ def description_changes(before: Hardware, after: Hardware) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def moved_units(before: Hardware, after: Hardware) -> dict[str, tuple[str, ...]]:
+    """Return the components of `after` alone whose units are no longer those of other components.
+
+    For each the components that had all of its units in `before`. A joint that is described apart
+    was counted before.
+    """
+    known = {component.name for component in before.components}
+    left = {component.name: _units(component) for component in after.components}
+    moved: dict[str, tuple[str, ...]] = {}
+    for component in after.components:
+        units = _units(component)
+        if component.name in known or not units:
+            continue
+        sources: dict[str, set[str]] = {}
+        for other in before.components:
+            had = _covered(units, _units(other))
+            given_up = had - _covered(units, left.get(other.name, set()))
+            if given_up:
+                sources[other.name] = given_up
+        if set().union(*sources.values()) == units:
+            moved[component.name] = tuple(sources)
+    return moved
+
+
+def _units(component: Component) -> set[str]:
+    """Return the elements of the twin that are units of a component; `joint *` is all joints."""
+    twin = component.twin
+    if twin is None:
+        return set()
+    sensors = (f"all {twin.sensors}",) if isinstance(twin.sensors, str) else twin.sensors
+    return {
+        *(f"joint {name}" for name in twin.joints),
+        *(f"actuator {name}" for name in twin.actuators),
+        *(f"sensor {name}" for name in sensors),
+        *(["gripper"] if twin.gripper else []),
+    }
+
+
+def _covered(units: set[str], other: set[str]) -> set[str]:
+    """Return which units another component has as well."""
+    is_all = "joint *" in other
+    return {unit for unit in units if unit in other or (is_all and unit.startswith("joint "))}
+
+
 def _placed(component: Component) -> str:
     """Return the name of a component with its place in the description, if it has one."""
     place = component.location

@@ -204,6 +204,7 @@ def difference(
         renamed=renamed,
         cause_of=cause_finder(controller.before, controller.after, functions),
         inputs=input_changes(controller.before, controller.after),
+        moved=_moved(controller),
     )
     verdicts = None
     names = {**_renamed_without_block(controller, renamed), **renamed}
@@ -239,6 +240,16 @@ def _hardware_changes(controller: ReviewedController) -> tuple[str, ...]:
     from tracerisk.common.hardware.changes import description_changes  # few changes touch it
 
     return description_changes(old, new)
+
+
+def _moved(controller: ReviewedController) -> dict[str, tuple[str, ...]]:
+    """Return the other components of the units of each component that only one version has."""
+    old, new = controller.before.hardware, controller.after.hardware
+    if old is None or new is None:
+        return {}
+    from tracerisk.common.hardware.changes import moved_units  # few changes touch it
+
+    return {**moved_units(new, old), **moved_units(old, new)}
 
 
 def _renamed_without_block(

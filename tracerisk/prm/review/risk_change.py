@@ -46,11 +46,13 @@ def compare(
     renamed: Mapping[str, str] | None = None,
     cause_of: CauseOf,
     inputs: tuple[str, ...] = (),
+    moved: Mapping[str, Sequence[str]] | None = None,
 ) -> RiskDiff:
     """Return the difference in risk between two versions of one controller.
 
     `renamed` gives the later name of functions by their earlier one; `name` and `was` are those
     of the controller. `inputs` lists what the runs behind the blocks depended on that differs.
+    `moved` gives the other components of the units of one that only one version has.
     A version is `None` where it has no blocks.
     The contribution of a change is F(before with only that change) - F(before), with F the
     mission's failure probability; `interaction` is what the contributions leave of
@@ -67,8 +69,9 @@ def compare(
         if earlier.figures.mission.reading != after.figures.mission.reading:
             # That cycles are counted now, or no longer, is no change of risk.
             earlier, after = earlier.read_as_geometric(), after.read_as_geometric()
-        points = _new_single_points(earlier, after)
-        changes, causes, noisy = _changes(earlier, after, points, cause_of)
+        points = _new_single_points(earlier, after, moved or {})
+        marks = _Marks(earlier, after, points, moved or {})
+        changes, causes, noisy = _changes(earlier, after, marks, cause_of)
         total = _mission(after) - _mission(earlier)
         interaction = total - math.fsum(change.contribution or 0.0 for change in changes)
     return RiskDiff(
@@ -99,7 +102,7 @@ class _Part(NamedTuple):
 
 
 def _changes(
-    before: RiskVersion, after: RiskVersion, points: Sequence[SinglePoint], cause_of: CauseOf
+    before: RiskVersion, after: RiskVersion, marks: _Marks, cause_of: CauseOf
 ) -> tuple[tuple[RiskChange, ...], tuple[CauseShare, ...], int]:
     def explained(field: ChangedField) -> ChangedField:
         """Return a change with its cause: a user's pin, else what the caller knows."""
@@ -114,7 +117,6 @@ def _changes(
     items, quiet = component_items(before, after)
     flows = [item._replace(field=explained(item.field)) for item in flows]
     items = [item._replace(fields=tuple(map(explained, item.fields))) for item in items]
-    marks = _Marks(before, after, points)
     parts = _solved([_component_part(group, marks) for group in alike(items)], before)
     of_flow = _solved([_flow_part(group, marks) for group in joined(flows)], before)
     if any(entry.change.contribution is None for entry in of_flow):
@@ -122,7 +124,7 @@ def _changes(
         of_flow = _solved([_flow_part(flows, marks)], before)
     parts += of_flow
     ordered = sorted((part.change for part in parts), key=_order)
-    return tuple(ordered), _causes(parts, before), quiet + quiet_flows
+    return tuple(ordered), _causes(parts, before, marks.moved), quiet + quiet_flows
 
 
 def _solved(parts: Sequence[_Part], before: RiskVersion) -> list[_Part]:
@@ -132,12 +134,18 @@ def _solved(parts: Sequence[_Part], before: RiskVersion) -> list[_Part]:
     ]
 
 
-def _causes(parts: Sequence[_Part], before: RiskVersion) -> tuple[CauseShare, ...]:
-    """Put changes together by component and kind of cause; each of the chain stays alone."""
+def _causes(
+    parts: Sequence[_Part], before: RiskVersion, moved: Mapping[str, Sequence[str]]
+) -> tuple[CauseShare, ...]:
+    """Put changes together by component and kind of cause; each of the chain stays alone.
+
+    A component whose units were another one's is one with that.
+    """
     groups: dict[tuple[object, ...], list[_Part]] = {}
     for number, part in enumerate(parts):
         change = part.change
-        key: object = number if change.component is None else change.component
+        name = change.component
+        key: object = number if name is None else next(iter(moved.get(name, ())), name)
         groups.setdefault((key, *_kinds(change)), []).append(part)
     cause_shares = []
     for group in groups.values():
@@ -148,7 +156,8 @@ def _causes(parts: Sequence[_Part], before: RiskVersion) -> tuple[CauseShare, ..
             edits = (edit for part in group for edit in part.edits)
             together = contribution(before, edits)
             where = functions[0] if len(functions) == 1 else f"{len(functions)} functions"
-            summary = f"{first.component} in {where}"
+            named = dict.fromkeys(str(part.change.component) for part in group)
+            summary = f"{' and '.join(sorted(named))} in {where}"
         cause_shares.append(
             CauseShare(first.component, _kinds(first), functions, summary, together)
         )
@@ -174,7 +183,7 @@ def _component_part(group: Sequence[ComponentItem], marks: _Marks) -> _Part:
     ordered = sorted(group, key=lambda item: item.field.path)
     change = RiskChange(
         kind=first.kind,
-        summary=_component_summary(ordered),
+        summary=_component_summary(ordered, marks.moved),
         component=first.field.component,
         functions=tuple(item.field.function for item in ordered),
         fields=tuple(field for item in ordered for field in item.fields),
@@ -183,16 +192,19 @@ def _component_part(group: Sequence[ComponentItem], marks: _Marks) -> _Part:
     return _Part(change, tuple(item.edit for item in group))
 
 
-def _component_summary(group: Sequence[ComponentItem]) -> str:
+def _component_summary(group: Sequence[ComponentItem], moved: Mapping[str, Sequence[str]]) -> str:
     first = group[0]
     one = first.field
     where = one.function if len(group) == 1 else f"{len(group)} functions"
     lead = f"{one.component} in {where}"
+    others = moved.get(str(one.component), ())
     match first.kind:
         case "component_added":
-            return f"{lead}: now counted"
+            apart = f" apart from {_listed(others)}" if others else ""
+            return f"{lead}: now counted{apart}"
         case "component_removed":
-            return f"{lead}: no longer counted"
+            within = f" apart, but within {_listed(others)}" if others else ""
+            return f"{lead}: no longer counted{within}"
         case "component_omitted":
             return f"{lead}: left out by hand"
         case "component_restored":
@@ -250,8 +262,13 @@ class _Marks:
     """What a reviewer should see of a change beside its figure."""
 
     def __init__(
-        self, before: RiskVersion, after: RiskVersion, points: Sequence[SinglePoint]
+        self,
+        before: RiskVersion,
+        after: RiskVersion,
+        points: Sequence[SinglePoint],
+        moved: Mapping[str, Sequence[str]],
     ) -> None:
+        self.moved = moved
         self._before = before.states
         self._after = after.states
         self._points = {point.component: point.functions for point in points}
@@ -283,12 +300,16 @@ class _Marks:
         return after.get(component, 0) < before.get(component, 0)
 
 
-def _new_single_points(before: RiskVersion, after: RiskVersion) -> tuple[SinglePoint, ...]:
+def _new_single_points(
+    before: RiskVersion, after: RiskVersion, moved: Mapping[str, Sequence[str]]
+) -> tuple[SinglePoint, ...]:
     old, new = single_points(before.model), single_points(after.model)
     known = {parameter.component for parameter in before.model.parameters}
+    # A unit that one component gave up to another fails the mission as it did.
+    apart = {name for name, others in moved.items() if others and set(others) <= set(old)}
     return tuple(
         SinglePoint(name, tuple(new[name]), name not in known)
-        for name in sorted(set(new) - set(old))
+        for name in sorted(set(new) - set(old) - apart)
     )
 
 
