@@ -59,7 +59,7 @@ def test_revisions_ranges_and_merge_bases(committed, two_steps):
     assert reported(committed, "..main") == {"pick.py": 1.59, "other.py": 0.36}
     assert reported(committed, "main...side") == {"other.py": 2.76}
     assert reported(committed, "main", "pick.py") == {"pick.py": 0.63}
-    assert review(["main...side"], committed.folder).before == "merge base of main and side"
+    assert review(["main...side"], committed.folder).before == "main (merge base)"
     commit = committed.git("rev-parse", "main").strip()
     assert review([f"{commit}..side"], committed.folder).before == commit[:10]
     committed.git("checkout", "--quiet", "--detach", "HEAD~1")

@@ -16,7 +16,7 @@ def test_a_comment_is_a_tag_a_sentence_a_table_and_folded_details(eventful, revi
     lines = text.splitlines()
     assert lines[0] == TAG == "<!-- tracerisk-diff -->"
     assert lines[1].startswith("**cell.py: mission failure rises from ")
-    assert lines[3] == "| controller | HEAD | working tree | ratio | per cycle |"
+    assert lines[3] == "| controller | HEAD | working tree | ratio |"
     assert lines[5].startswith("| cell.py | ")
     assert text.count("<details>") == text.count("</details>") == 1
     assert text.index("| alone | change | cause | where |") > text.index("<details>")
@@ -48,8 +48,8 @@ def test_a_review_without_controllers_has_no_table(review_of):
 def test_a_controller_that_is_new_or_gone_has_no_ratio(difference, review_of):
     step = {"reach": ("done 1", "motor = 1e-7")}
     text = render_diff_markdown(review_of(difference(None, step), difference(step, None)))
-    assert "| cell.py | none | 1.000e-07<br>one in 10,000,000 |  |  |" in text
-    assert "| cell.py | 1.000e-07<br>one in 10,000,000 | none |  |  |" in text
+    assert "| cell.py | none | 1.000e-07<br>one in 10,000,000 |  |" in text
+    assert "| cell.py | 1.000e-07<br>one in 10,000,000 | none |  |" in text
 
 
 def test_a_long_review_is_cut_to_what_a_comment_holds(difference, review_of):

@@ -33,7 +33,6 @@ before: HEAD; after: working tree
 
 cell.py                                              before      after     ratio
   mission failure                                 1.401e-07  2.028e-05      x145
-  per cycle                                       1.401e-07  2.028e-05      x145
 
   What changed, by what each alone does to mission failure
    +2.00e-05  power in place: redundancy true -> false
@@ -41,7 +40,6 @@ cell.py                                              before      after     ratio
               cell.py:28
    +1.40e-07  motor in pick: probability 2e-8 -> 4e-8 (x2)
               edited by hand; cell.py:10
-   -2.80e-12  what they do only together, and noise
 
   Functions, a visit                                 before      after     ratio
     pick                                          1.400e-07  2.800e-07        x2
@@ -74,7 +72,6 @@ def test_everything_that_changed_is_reported(eventful, review_of):
         "lost redundancy, single point of failure",
         "camera, in check",
         "pin place.gripper.probability := 2e-7 stays, computed 1e-7 -> 1.5e-7",
-        "what they do only together, and noise",
         FIGURE_STATEMENT,
     ):
         assert reported in text
@@ -307,3 +304,26 @@ def test_blocks_of_no_run_are_not_said_to_be_an_assessment(difference, review_of
         "cell.py is not assessed as it is now: tracerisk.lock knows no run of it; its blocks give "
         "4.000e-08; `tracerisk run cell.py` writes them again."
     )
+
+
+def test_the_figure_of_a_cycle_is_shown_only_where_it_is_another_one(difference, review_of):
+    once = {"pick": ("done 1", "motor = 2e-8")}
+    often = {"pick": ("pick 9/10, done 1/10", "motor = 2e-8")}
+    assert "per cycle" not in render_diff(review_of(difference(once, once)))
+    assert "per cycle" in render_diff(review_of(difference(often, often)))
+    assert "per cycle" in render_diff(review_of(difference(once, often)))
+    only_mission = render_diff_markdown(
+        review_of(difference(once, {"pick": ("done 1", "motor = 4e-8")}))
+    )
+    assert "| controller | HEAD | working tree | ratio |\n|---|---:|---:|---:|\n" in only_mission
+    both = render_diff_markdown(review_of(difference(once, often)))
+    assert "| ratio | per cycle |\n|---|---:|---:|---:|---:|\n" in both
+
+
+@pytest.mark.parametrize(("after", "is_shown"), [("1e-3 x2", True), ("2e-5 of2", False)])
+def test_what_changes_do_only_together_is_shown_where_it_is_no_noise(
+    difference, review_of, after, is_shown
+):
+    diff = difference(one_step("power = 1e-5 of2"), one_step(f"power = {after}"))
+    text = render_diff(review_of(diff))
+    assert ("what they do only together, and noise" in text) is is_shown

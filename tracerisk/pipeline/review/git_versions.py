@@ -140,7 +140,7 @@ def _versions(repository: Repository, spec: str | None) -> tuple[GitVersion, Git
                 f"{one} and {other} have no common ancestor{_shallow(repository)}; write "
                 f"{one}..{other} to compare them as they are"
             )
-        name = f"merge base of {one} and {other}"
+        name = f"{one} (merge base)"
         before = GitVersion(repository, name, f"{base[:10]}:", base)
     return before, after
 

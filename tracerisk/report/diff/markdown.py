@@ -93,27 +93,39 @@ def _open_lists(diff: RiskDiff) -> Iterator[tuple[str, Sequence[str]]]:
 
 
 def _summary(review: Review, shown: Sequence[RiskDiff], links: Links) -> Iterator[str]:
-    heads = ["controller", escaped(review.before), escaped(review.after), "ratio", "per cycle"]
-    rows = [[*_figures(risk_diff, links), sentences.later_run(risk_diff)] for risk_diff in shown]
-    if any(row[-1] for row in rows):
-        heads.append("run")
-    yield from _table(heads, [row[: len(heads)] for row in rows], right=(1, 2, 3, 4))
+    heads = ["controller", escaped(review.before), escaped(review.after), "ratio"]
+    rows = [list(_figures(risk_diff, links)) for risk_diff in shown]
+    more = {
+        "per cycle": [_cycles(risk_diff) for risk_diff in shown],
+        "run": [sentences.later_run(risk_diff) for risk_diff in shown],
+    }
+    for head, cells in more.items():
+        if any(cells):
+            heads.append(head)
+            rows = [[*row, cell] for row, cell in zip(rows, cells, strict=True)]
+    right = [i for i, head in enumerate(heads) if head not in ("controller", "run")]
+    yield from _table(heads, rows, right=right)
+
+
+def _cycles(diff: RiskDiff) -> str:
+    """Return the figures of a cycle; nothing where they are those of the mission."""
+    if diff.before is None or diff.after is None or not sentences.has_cycles(diff):
+        return ""
+    figures = (mission.cycle_failure_probability for mission in (diff.before, diff.after))
+    return " → ".join(map(sentences.probability, figures))
 
 
 def _figures(diff: RiskDiff, links: Links) -> tuple[str, ...]:
     old, new = diff.before, diff.after
-    ratio = cycles = ""
+    ratio = ""
     if old is not None and new is not None:
         ratio = sentences.compared(diff, old.failure_probability, new.failure_probability)
-        earlier, later = old.cycle_failure_probability, new.cycle_failure_probability
-        cycles = f"{sentences.probability(earlier)} → {sentences.probability(later)}"
     name = sentences.name_of(diff)
     return (
         escaped(name) if new is None else links.file(name, diff.name),
         _NONE if old is None else _figure(old.failure_probability),
         _NONE if new is None else _figure(new.failure_probability),
         ratio,
-        cycles,
     )
 
 

@@ -326,6 +326,15 @@ def _per_cycle(diff: RiskDiff) -> str:
     return f"; the first cycle alone: {ratio(*cycles)}, for {why}"
 
 
+def has_cycles(diff: RiskDiff) -> bool:
+    """Return whether a cycle's figure is another one than the mission's, in a version."""
+    missions = [mission for mission in (diff.before, diff.after) if mission is not None]
+    return any(
+        probability(mission.failure_probability) != probability(mission.cycle_failure_probability)
+        for mission in missions
+    )
+
+
 def _structural(diff: RiskDiff) -> str:
     """Return what a reviewer must see although the figure stays."""
     reported = []

@@ -53,7 +53,7 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         if small:
             text = " " * (_ALONE + 4) + sentences.small_line(small, diff)
             yield from _wrapped(text, room, hanging=_ALONE + 4)
-        if diff.interaction is not None:
+        if diff.interaction is not None and sentences.has_interaction(diff):
             rest = sentences.difference(diff.interaction)
             yield f"  {rest:>{_ALONE}}  what they do only together, and noise"
         yield ""
@@ -82,10 +82,9 @@ def _missions(diff: RiskDiff, room: int) -> Iterator[str]:
     missions = diff.before, diff.after
     whole = [None if mission is None else mission.failure_probability for mission in missions]
     cycle = [None if mission is None else mission.cycle_failure_probability for mission in missions]
-    rows = [
-        ("  mission failure", (*_cells(*whole)[:2], sentences.compared(diff, *whole))),
-        ("  per cycle", (*_cells(*cycle)[:2], sentences.compared(diff, *cycle))),
-    ]
+    rows = [("  mission failure", (*_cells(*whole)[:2], sentences.compared(diff, *whole)))]
+    if sentences.has_cycles(diff):
+        rows.append(("  per cycle", (*_cells(*cycle)[:2], sentences.compared(diff, *cycle))))
     widths = (*_FIGURES[:2], max(_FIGURES[2], *(len(cells[2]) for _, cells in rows)))
     yield from _row(sentences.name_of(diff), ("before", "after", "ratio"), room, widths)
     for label, cells in rows:
