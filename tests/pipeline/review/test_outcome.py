@@ -310,3 +310,19 @@ def test_a_run_of_the_same_verdict_and_figure_is_no_row_of_a_history(both):
     repository.write("tracerisk.lock", json.dumps(lock))
     repository.commit()
     assert "x1" not in repository.run("history", "pick.py").out
+
+
+def test_of_another_mission_it_is_said_how_often_functions_run(repository, annotated_source):
+    second = replace(CUP, name="second_cup")
+    for following, objects in (("done 1", (CUP,)), ("place 1/2, done 1/2", (CUP, second))):
+        source = {"pick.py": annotated_source(place=(following, "gripper = 2e-07"))}
+        outcome = replace(WHOLE, objects=objects)
+        trace = {"verdict": COMPLETE, **outcome_summary(outcome, Tolerances())}
+        write(repository, source, ("pick.py", replace(lock_of(source, "pick.py"), trace=trace)))
+        if following == "done 1":
+            repository.commit()
+    for form in ("text", "markdown"):
+        out = repository.run("diff", "HEAD", "pick.py", "--format", form).out
+        plain = " ".join(out.replace("\\", "").split())
+        assert "second_cup is new in the scene and is moved by 200 mm, ends on table" in plain
+        assert "place: 2 visits, before: 1" in plain

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 from tracerisk.common.outcome.changes import OutcomeChanges
@@ -28,6 +28,7 @@ OF_RUN = "What the run showed that it did not before"
 OF_OUTCOME = "What changed in what the mission does"
 MOST_OF_KIND = 6
 """How many sentences on the outcome of one kind are shown; --json has all."""
+OF_VISITS = "Functions that run more or less often"
 OF_PACE = "What takes another time"
 OF_HARDWARE = "What changed in the hardware description"
 BROKE, REPAIRED = "What broke", "What was repaired"
@@ -149,12 +150,24 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     if diff.outcome is not None:
         kinds = (diff.outcome.result, diff.outcome.lost, diff.outcome.added)
         pairs.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
+        if not diff.is_same_mission and _can_tell(diff):
+            pairs.append((OF_VISITS, list(_at_most(tuple(_visits(diff))))))
     if diff.verdicts is not None:
         pairs += [
             (BROKE, [str(reason) for reason in diff.verdicts.broke]),
             (REPAIRED, [str(reason) for reason in diff.verdicts.repaired]),
         ]
     return [(title, lines) for title, lines in pairs if lines]
+
+
+def _visits(diff: RiskDiff) -> Iterator[str]:
+    """Yield which functions another mission visits more or less often."""
+    for function in diff.functions:
+        old, new = function.before, function.after
+        if old is None or new is None or is_noise(old.expected_visits, new.expected_visits):
+            continue
+        now, was = count(new.expected_visits), count(old.expected_visits)
+        yield f"{function.name}: {now} visit{'s' * (now != '1')}, before: {was}"
 
 
 def of_hardware(diff: RiskDiff) -> tuple[str, ...]:
