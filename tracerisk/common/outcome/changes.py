@@ -173,7 +173,7 @@ class _Comparison:
             lost.append(f"{self._rest_name(old)} is now {self._apart(old, new)} there")
         lost += self._lost_rests(rests[len(others) :])
         added += [f"a rest at {_place(new.tool_m)} is new" for new in others[len(rests) :]]
-        lost += _grip_changes(gone, come, added)
+        lost += self._grip_changes(gone, come, added)
 
     def in_step(self) -> Iterator[AlignedSteps]:
         """Yield the steps that are the same, and those between them, in order."""
