@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Generic, NamedTuple, TypeVar
 
+from tracerisk.adder.blocks.failures import FailureModes
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.config import BlockForm
 from tracerisk.errors import Location
@@ -68,6 +69,9 @@ class ComponentEntry:
     """The file and line; `None` for a component that is not read from a file."""
     reason: str | None = None
     """The user's reason for adding or omitting it; `None` where not given."""
+    failures: Field[FailureModes] = field(default=Field((), ""))
+    """What follows its failures, one field over all `mode` lines; left out where nothing is
+    said."""
 
 
 @dataclass(frozen=True, slots=True)

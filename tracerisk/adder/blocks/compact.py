@@ -18,6 +18,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.failures import is_mode, renamed_text
 from tracerisk.adder.blocks.lines import (
     BlockLine,
     ValueText,
@@ -30,6 +31,7 @@ from tracerisk.adder.blocks.lines import (
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
+    FAILURE,
     NEXT,
     FieldKind,
     component_fields,
@@ -94,6 +96,8 @@ def with_names(text: str, names: Mapping[str, str]) -> str:
                 body[matched.start("next") :],
             )
         body = _printed_name(names.get(name, name), _BARE_FUNCTION) + head
+    elif body.startswith("->") and is_mode(body.removeprefix("->")):
+        return lead + renamed_text(body, names) + mark + comment
     elif body.startswith("->"):
         body, steps = "->", body.removeprefix("->")
     else:
@@ -163,11 +167,14 @@ class _Reader:
                 last.append(of_field["comment"] or "")
             else:
                 words, mark, comment = text.partition("!")
-                if text.startswith("->") and len(read) == 1:
-                    read[0] = _with_more_next(read[0], words)
+                if text.startswith("->") and len(read) > 1:
+                    read[-1], last = self._with_mode(read[-1], words.rstrip(), line.number)
                 else:
-                    read.append(self._line(line.number, words.rstrip(), is_first=not read))
-                last = self._own_comment(read[-1])
+                    if text.startswith("->") and read:
+                        read[0] = _with_more_next(read[0], words)
+                    else:
+                        read.append(self._line(line.number, words.rstrip(), is_first=not read))
+                    last = self._own_comment(read[-1])
                 if last is None and mark:
                     raise self._error(
                         line.number,
@@ -202,6 +209,24 @@ class _Reader:
                 number, f"cannot read `{words}` as a component; allowed: {_COMPONENT_ALLOWED}"
             )
         return dict.fromkeys((kind.key for kind in COMPONENT_KINDS), UNSTATED)
+
+    def _with_mode(self, line: _Line, words: str, number: int) -> tuple[_Line, list[str] | None]:
+        """Return the line of a component with one more mode, and where a reason of it goes."""
+        before = line.parts.get(FAILURE.key)
+        pin, _, text = words.removeprefix("->").strip().rpartition(":= ")
+        mode = " ".join(text.split())
+        pinned = bool(pin) or words.removeprefix("->").strip().startswith(":=")
+        if before is not None and pinned != bool(line.parts.get(f"{FAILURE.key}_pin")):
+            raise self._error(
+                number, "the modes of a component are one value: write `:=` before all, or none"
+            )
+        parts = {
+            **line.parts,
+            FAILURE.key: mode if before is None else f"{before} | {mode}",
+            f"{FAILURE.key}_pin": ":=" if pinned else None,
+        }
+        comment = line.comments.setdefault(FAILURE.key, []) if pinned else None
+        return line._replace(parts=parts), comment
 
     def _own_comment(self, line: _Line) -> list[str] | None:
         """Return the comment on the line itself: that of what a user set first in it."""
@@ -257,6 +282,7 @@ class _Reader:
             else:
                 fields.append(self._field(line, kind, text))
         probability, quantity, redundancy = fields
+        modes = parts.get(FAILURE.key)
         return ComponentEntry(
             name=name,
             probability=probability,
@@ -266,6 +292,7 @@ class _Reader:
             omitted=omitted,
             location=Location(self._file, line.number),
             reason=joined_comment(line.comments.get("", [])),
+            failures=Field((), "") if modes is None else self._field(line, FAILURE, modes),
         )
 
     def _field(self, line: _Line, kind: FieldKind, text: str) -> Field[Any]:
@@ -344,7 +371,7 @@ def _print_function(block: RiskBlock, width: int) -> list[str]:
 
 
 def _print_component(name: str, entry: ComponentEntry, width: int) -> list[str]:
-    fields = component_fields(entry)
+    fields = component_fields(entry)[:-1]
     mark = ":= add" if entry.added else ":= omit" if entry.omitted else ""
     values = [
         f"{_marked(entry.probability):{_PROBABILITY_WIDTH}}",
@@ -355,7 +382,17 @@ def _print_component(name: str, entry: ComponentEntry, width: int) -> list[str]:
     elif mark:
         values = [mark, *values]
     is_by_hand = entry.added or entry.omitted
-    return _with_comments("  ".join((name, *values)), is_by_hand, entry.reason, fields, width)
+    lines = _with_comments("  ".join((name, *values)), is_by_hand, entry.reason, fields, width)
+    return lines + _print_modes(entry.failures, width)
+
+
+def _print_modes(failures: Field[Any], width: int) -> list[str]:
+    if not failures.is_stated:
+        return []
+    mark = ":= " if failures.pinned else ""
+    lines = [f"  -> {mark}{mode}" for mode in failures.text.split(" | ")]
+    comment = comment_text(failures.computed, failures.reason)
+    return lines[:-1] + with_comment(lines[-1], comment, width)
 
 
 def _marked(field: Field[Any]) -> str:

@@ -21,6 +21,7 @@ from tracerisk.adder.blocks.lines import (
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
+    FAILURE,
     NEXT,
     FieldKind,
     component_fields,
@@ -34,6 +35,9 @@ _SECTION = re.compile(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<re
 _ASSIGNMENT = re.compile(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
 _FUNCTION_KEYS = ("name", "callSequence", "next")
 _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
+_FAILURE_KEYS = ("component", "mode")
+_KEYS = {"Function": _FUNCTION_KEYS, "Component": _COMPONENT_KEYS, "Failure": _FAILURE_KEYS}
+_REPEATED = {"next": NEXT, "mode": FAILURE}
 
 
 class _Assignment(NamedTuple):
@@ -52,10 +56,10 @@ class _Assignment(NamedTuple):
 
 
 class _Section(NamedTuple):
-    """One `@Function { ... }` or `@Component { ... }` before its values are read."""
+    """One `@Function { ... }`, `@Component` or `@Failure`, before its values are read."""
 
     kind: str
-    """`Function` or `Component`."""
+    """`Function`, `Component` or `Failure`."""
     by_hand: bool
     """Whether the mark is `:=`."""
     omitted: bool
@@ -95,9 +99,16 @@ class _Parser:
             raise self._error(
                 functions[1].line, "a risk block has one `@Function`; this is a second"
             )
+        failures = self._failures(sections)
         components = tuple(
-            self._component(section) for section in sections if section.kind == "Component"
+            self._component(section, failures)
+            for section in sections
+            if section.kind == "Component"
         )
+        for name, (section, _) in failures.items():
+            raise self._error(
+                section.line, f"`@Failure` of {name}, which is no component of this block"
+            )
         return self._function(functions[0], components, start)
 
     def _sections(self, lines: Iterable[BlockLine]) -> list[_Section]:
@@ -122,7 +133,7 @@ class _Parser:
             elif not is_open:
                 raise self._error(
                     line.number,
-                    f"unexpected `{text}`; allowed here: @Function {{, @Component {{, "
+                    f"unexpected `{text}`; allowed here: @Function {{, @Component {{, @Failure {{, "
                     "or the end of the comment",
                 )
             elif text == "}":
@@ -138,13 +149,18 @@ class _Parser:
     def _section_header(self, line: int, text: str) -> _Section:
         match = _SECTION.fullmatch(text)
         kind = match["kind"] if match else ""
-        allowed = "@Function {, @Function := {, @Component {, @Component := {, @Component := omit {"
-        if match is None or kind not in ("Function", "Component"):
+        allowed = (
+            "@Function {, @Function := {, @Component {, @Component := {, @Component := omit {, "
+            "@Failure {"
+        )
+        if match is None or kind not in _KEYS:
             raise self._error(line, f"cannot read `{text}`; allowed: {allowed}")
         mark = match["mark"] or ""
         omitted = mark.endswith("omit")
         if omitted and kind == "Function":
             raise self._error(line, f"a function cannot be omitted; allowed: {allowed}")
+        if mark and kind == "Failure":
+            raise self._error(line, "write `@Failure {`, and `mode :=` for what a user set")
         rest = match["rest"]
         if rest and not rest.startswith("!"):
             raise self._error(line, f"unexpected `{rest}` after the brace; allowed: `! a reason`")
@@ -165,7 +181,7 @@ class _Parser:
         )
 
     def _assignment(self, section: _Section, line: int, text: str) -> _Assignment:
-        allowed = _FUNCTION_KEYS if section.kind == "Function" else _COMPONENT_KEYS
+        allowed = _KEYS[section.kind]
         match = _ASSIGNMENT.fullmatch(text)
         if match is None:
             raise self._error(
@@ -176,7 +192,7 @@ class _Parser:
             raise self._error(
                 line, f"unknown key {key} in `@{section.kind}`; {one_of(allowed, key)}"
             )
-        if key != "next":
+        if key not in _REPEATED:
             for earlier in section.assignments:
                 if earlier.key == key:
                     raise self._error(
@@ -184,8 +200,8 @@ class _Parser:
                     )
         pinned = match["operator"] == ":="
         value, mark, comment = match["rest"].partition("!")
-        if key == "name" and pinned:
-            raise self._error(line, "a name cannot be set by hand; write `name = `")
+        if key in ("name", "component") and pinned:
+            raise self._error(line, f"a name cannot be set by hand; write `{key} = `")
         if mark and not pinned:
             raise self._error(
                 line, f"a reason is allowed only for a value set by hand; write `{key} := `"
@@ -207,14 +223,35 @@ class _Parser:
         return RiskBlock(
             name=name.value,
             call_sequence=call_sequence,
-            next=self._next(section),
+            next=self._lines(section, "next", ", "),
             components=components,
             added=section.by_hand,
             location=Location(self._file, start),
             reason=joined_comment(section.comment),
         )
 
-    def _component(self, section: _Section) -> ComponentEntry:
+    def _failures(self, sections: list[_Section]) -> dict[str, tuple[_Section, Field[Any]]]:
+        """Return what follows the failures of components, by name."""
+        found: dict[str, tuple[_Section, Field[Any]]] = {}
+        for section in sections:
+            if section.kind != "Failure":
+                continue
+            name = self._name(section, "component").value
+            if name in found:
+                raise self._error(
+                    section.line,
+                    f"a second `@Failure` of {name}, first at line {found[name][0].line}; write "
+                    "one with a `mode` line for each mode",
+                )
+            field = self._lines(section, "mode", " | ")
+            if field is None:
+                raise self._error(section.line, "this `@Failure` has no `mode = ` line")
+            found[name] = section, field
+        return found
+
+    def _component(
+        self, section: _Section, failures: dict[str, tuple[_Section, Field[Any]]]
+    ) -> ComponentEntry:
         name = self._name(section)
         if not is_component_name(name.value):
             raise self._error(name.line, f"`{name.value}` cannot be the name of a component")
@@ -225,6 +262,7 @@ class _Parser:
                 raise self._missing(section, kind)
             fields.append(Field(default, "") if field is None else field)
         probability, quantity, redundancy = fields
+        _, of_failures = failures.pop(name.value, (section, Field((), "")))
         return ComponentEntry(
             name=name.value,
             probability=probability,
@@ -234,13 +272,14 @@ class _Parser:
             omitted=section.omitted,
             location=Location(self._file, section.line),
             reason=joined_comment(section.comment),
+            failures=of_failures,
         )
 
-    def _name(self, section: _Section) -> _Assignment:
+    def _name(self, section: _Section, key: str = "name") -> _Assignment:
         for assignment in section.assignments:
-            if assignment.key == "name":
+            if assignment.key == key:
                 return assignment
-        raise self._error(section.line, f"this `@{section.kind}` has no `name = ` line")
+        raise self._error(section.line, f"this `@{section.kind}` has no `{key} = ` line")
 
     def _missing(self, section: _Section, kind: FieldKind) -> BlockError:
         return self._error(section.line, f"this `@{section.kind}` has no `{kind.key} = ` line")
@@ -251,8 +290,9 @@ class _Parser:
                 return read_field(kind, self._stated(assignment, assignment.value))
         return None
 
-    def _next(self, section: _Section) -> Field[Any] | None:
-        lines = [assignment for assignment in section.assignments if assignment.key == "next"]
+    def _lines(self, section: _Section, key: str, mark: str) -> Field[Any] | None:
+        """Return the field that all lines of one key make, joined by a mark."""
+        lines = [assignment for assignment in section.assignments if assignment.key == key]
         if not lines:
             return None
         first = lines[0]
@@ -260,22 +300,24 @@ class _Parser:
             if other.pinned != first.pinned:
                 raise self._error(
                     other.line,
-                    "the `next` lines of a block are one value: write `=` on all, or `:=` on all",
+                    f"the `{key}` lines of a section are one value: write `=` on all, or `:=` "
+                    "on all",
                 )
         commented = [line.comment for line in lines if line.comment]
         if len(commented) > 1:
             raise self._error(
-                lines[-1].line, "the `next` lines of a block are one value with one reason"
+                lines[-1].line, f"the `{key}` lines of a section are one value with one reason"
             )
         texts = []
         for line in lines:
-            if "," in line.value:
+            if mark.strip() in line.value:
+                each = "target" if key == "next" else "mode"
                 raise self._error(
-                    line.line, f"next = {line.value}: one `next` line for each target"
+                    line.line, f"{key} = {line.value}: one `{key}` line for each {each}"
                 )
             texts.append(" ".join(line.value.split()))
         first = first._replace(comment=commented[0] if commented else [])
-        return read_field(NEXT, self._stated(first, ", ".join(texts)))
+        return read_field(_REPEATED[key], self._stated(first, mark.join(texts)))
 
     def _stated(self, at: _Assignment, text: str) -> ValueText:
         return ValueText(text, at.pinned, at.comment, Location(self._file, at.line))
@@ -303,9 +345,13 @@ def print_sections(block: RiskBlock, width: int) -> list[str]:
         )
         lines.append(f"  name = {component.name}")
         for kind, value in component_fields(component):
-            if value.is_stated:
+            if value.is_stated and kind is not FAILURE:
                 lines += _print_field(kind, value, width)
         lines.append("}")
+        if component.failures.is_stated:
+            lines += ["@Failure {", f"  component = {component.name}"]
+            lines += _print_field(FAILURE, component.failures, width)
+            lines.append("}")
     return lines
 
 
@@ -318,7 +364,7 @@ def _print_header(
 
 def _print_field(kind: FieldKind, field: Field[Any], width: int) -> list[str]:
     operator = ":=" if field.pinned else "="
-    values = field.text.split(", ") if kind is NEXT else [field.text]
-    lines = [f"  {kind.key} {operator} {value}" for value in values]
+    key, mark = {NEXT: (kind.key, ", "), FAILURE: ("mode", " | ")}.get(kind, (kind.key, "\n"))
+    lines = [f"  {key} {operator} {value}" for value in field.text.split(mark)]
     comment = comment_text(field.computed, field.reason)
     return lines[:-1] + with_comment(lines[-1], comment, width)

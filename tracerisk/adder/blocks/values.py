@@ -14,6 +14,8 @@ from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.blocks.failures import read_failures
+from tracerisk.adder.blocks.names import TARGET, WEIGHT, read_share
 from tracerisk.common.hardware.redundancy import Detection, Redundancy
 
 NOTHING_COMPUTED = "none"
@@ -35,8 +37,8 @@ _REDUNDANCY = (
     r"(?:, detected (?P<detected>\w+))?"
 )
 _WHOLE = re.compile(r"\d+", re.ASCII)
-_WEIGHT = re.compile(r"\d+/\d+|\d+(\.\d*)?|\.\d+", re.ASCII)
-_TARGET = re.compile(r"[^\s!{},;/]+(?: \([^\s!{}(),;:=/]+(?: [^\s!{}(),;:=/]+)*\))?")
+_WEIGHT = re.compile(WEIGHT)
+_TARGET = re.compile(TARGET)
 _COMPONENT_NAME = re.compile(r"[^\s!{}]+( [^\s!{}]+)*")
 
 
@@ -122,12 +124,9 @@ def read_transition(text: str) -> Transition:
     target, _, weight = text.rpartition(" ")
     target = target.rstrip()
     if _TARGET.fullmatch(target) and _WEIGHT.fullmatch(weight):
-        try:
-            fraction = Fraction(weight)
-        except ZeroDivisionError:
-            fraction = Fraction(0)
-        if 0 < fraction <= 1:
-            return Transition(target, fraction)
+        share = read_share(weight)
+        if share is not None:
+            return Transition(target, share)
     raise ValueError("a function (or done) and its share, above 0 and up to 1, such as init 9/10")
 
 
@@ -171,17 +170,19 @@ NEXT = FieldKind("next", read_transitions)
 PROBABILITY = FieldKind("probability", read_probability, is_noisy=True)
 QUANTITY = FieldKind("quantity", read_count)
 REDUNDANCY = FieldKind("redundancy", read_redundancy)
+FAILURE = FieldKind("failure", read_failures)
 
 COMPONENT_KINDS = (PROBABILITY, QUANTITY, REDUNDANCY)
-"""The fields of a component, in the order in which they are written."""
+"""The fields that each component states, in the order in which they are written."""
 
 
 def component_fields(component: ComponentEntry) -> tuple[tuple[FieldKind, Field[Any]], ...]:
-    """Return the fields of a component with their kinds, in the order of `COMPONENT_KINDS`."""
+    """Return the fields of a component with their kinds, what follows its failures last."""
     return (
         (PROBABILITY, component.probability),
         (QUANTITY, component.quantity),
         (REDUNDANCY, component.redundancy),
+        (FAILURE, component.failures),
     )
 
 

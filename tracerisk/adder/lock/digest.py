@@ -16,9 +16,11 @@ from typing import Any
 from zlib import crc32
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
+from tracerisk.adder.blocks.failures import failures_text, with_renamed
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
+    FAILURE,
     NEXT,
     PROBABILITY,
     QUANTITY,
@@ -34,8 +36,8 @@ _SIGNS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
 _FUNCTION_WIDTHS = {CALL_SEQUENCE.key: 2, NEXT.key: 2}
 _WHOLE_WIDTH = 2
 _NAME_WIDTH = 2
-_COMPONENT_WIDTHS = {PROBABILITY.key: 2, QUANTITY.key: 1, REDUNDANCY.key: 1}
-KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS)}
+_COMPONENT_WIDTHS = {PROBABILITY.key: 2, QUANTITY.key: 1, REDUNDANCY.key: 1, FAILURE.key: 2}
+KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS, FAILURE)}
 
 
 def digest_of(written: WrittenBlock) -> str:
@@ -50,6 +52,8 @@ def digest_of(written: WrittenBlock) -> str:
         parts += [
             _checksum(f"{name} {key}={values.get(key)}", width)
             for key, width in _COMPONENT_WIDTHS.items()
+            # Of a component without a word on its failures, as of an earlier version.
+            if key != FAILURE.key or key in values
         ]
         groups.append("".join(parts))
     own = {key: _plain(key, text) for key, text in written.values.items()}
@@ -175,6 +179,8 @@ class DigestReading:
 
     def earlier(self, kind: FieldKind, value: Any) -> Any:
         """Return a value with the earlier names of the functions that it names."""
+        if kind is FAILURE:
+            return with_renamed(value, self._names)
         return _renamed(value, self._names) if kind is NEXT and self._names else value
 
 
@@ -190,11 +196,21 @@ def _digest_now(block: RiskBlock, names: Mapping[str, str]) -> str | None:
     written = written_block(block)
     if written is None:
         return None
-    if names and NEXT.key in written.values:
-        steps = _renamed(NEXT.read(written.values[NEXT.key]), names)
-        text = ", ".join(f"{step.target} {step.weight}" for step in steps)
-        written = WrittenBlock({**written.values, NEXT.key: text}, written.components)
-    return digest_of(written)
+    return digest_of(_with_earlier(written, names) if names else written)
+
+
+def _with_earlier(written: WrittenBlock, names: Mapping[str, str]) -> WrittenBlock:
+    """Return values with the earlier names of the functions that they name."""
+    values, components = dict(written.values), {}
+    if NEXT.key in values:
+        steps = _renamed(NEXT.read(values[NEXT.key]), names)
+        values[NEXT.key] = ", ".join(f"{step.target} {step.weight}" for step in steps)
+    for name, component in written.components.items():
+        own = dict(component.values)
+        if FAILURE.key in own:
+            own[FAILURE.key] = failures_text(with_renamed(FAILURE.read(own[FAILURE.key]), names))
+        components[name] = component._replace(values=own)
+    return WrittenBlock(values, components)
 
 
 def _renamed(steps: Any, names: Mapping[str, str]) -> Any:
@@ -211,6 +227,8 @@ def _plain_value(key: str, value: Any) -> str:
     """Return a value as text, whatever digits and order it is written in."""
     if key == NEXT.key:
         return ", ".join(sorted(f"{item.target} {item.weight}" for item in value))
+    if key == FAILURE.key:
+        return failures_text(value)
     if key == REDUNDANCY.key:
         return computed_redundancy(value).text
     return repr(value)

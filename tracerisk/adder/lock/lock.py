@@ -18,6 +18,7 @@ from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
+    FAILURE,
     NEXT,
     NOTHING_COMPUTED,
     FieldKind,
@@ -31,7 +32,7 @@ SCHEMA = "tracerisk.lock"
 VERSION = 2
 
 FUNCTION_KEYS = {CALL_SEQUENCE.key: CALL_SEQUENCE, NEXT.key: NEXT}
-COMPONENT_KEYS = {kind.key: kind for kind in COMPONENT_KINDS}
+COMPONENT_KEYS = {kind.key: kind for kind in (*COMPONENT_KINDS, FAILURE)}
 CONTROLLER_KEYS = (
     *("behind", "blocks", "digest", "fingerprint", "inputs", "kept", "others", "previous", "trace"),
 )
@@ -104,7 +105,8 @@ def as_written(name: str, written: WrittenBlock) -> RiskBlock:
             _component_as_written(text, component)
             for text, component in written.components.items()
             # A component kept only for a user's value has no computed values, so it is left out.
-            if component.omitted or COMPONENT_KEYS.keys() <= component.values.keys()
+            if component.omitted
+            or {kind.key for kind in COMPONENT_KINDS} <= component.values.keys()
         ),
     )
 
@@ -114,7 +116,10 @@ def _component_as_written(name: str, written: WrittenComponent) -> ComponentEntr
     probability, quantity, redundancy = (
         _field(kind, written.values) or unstated for kind in COMPONENT_KINDS
     )
-    return ComponentEntry(name, probability, quantity, redundancy, omitted=written.omitted)
+    failures = _field(FAILURE, written.values) or Field((), "")
+    return ComponentEntry(
+        name, probability, quantity, redundancy, omitted=written.omitted, failures=failures
+    )
 
 
 def _field(kind: FieldKind, values: Mapping[str, str]) -> Field[Any] | None:

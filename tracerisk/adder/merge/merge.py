@@ -14,6 +14,7 @@ from typing import Any, Literal
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
+    FAILURE,
     NEXT,
     NOTHING_COMPUTED,
     FieldKind,
@@ -276,9 +277,29 @@ class _Merger:
         computed = dict(component_fields(new)) if new else {}
         probability, quantity, redundancy = (
             self._field(current.name, kind, value, computed.get(kind))
-            for kind, value in component_fields(current)
+            for kind, value in component_fields(current)[:-1]
         )
-        return replace(current, probability=probability, quantity=quantity, redundancy=redundancy)
+        return replace(
+            current,
+            probability=probability,
+            quantity=quantity,
+            redundancy=redundancy,
+            failures=self._failures(current, new),
+        )
+
+    def _failures(self, current: ComponentEntry, new: ComponentEntry | None) -> Field[Any]:
+        """Decide on what follows a component's failures; not each component says that."""
+        field, computed = current.failures, None if new is None else new.failures
+        if not field.is_stated:
+            return field if computed is None else computed
+        if new is None or (computed is not None and computed.is_stated) or field.pinned:
+            said = computed if computed is not None and computed.is_stated else None
+            return self._field(current.name, FAILURE, field, said)
+        # The tool says nothing there now: what it wrote goes, what a user wrote is an edit.
+        written, is_there = self.known.last(current.name, FAILURE, field)
+        if is_there or not self._changed(current.name, FAILURE, written, field, None):
+            return Field((), "")
+        return Field((), "") if self.policy.edits == "discard" else _pinned(field, None)
 
     def _field(
         self,
@@ -387,7 +408,13 @@ def _beside(current: Field[Any], tool: Field[Any] | None) -> Field[Any]:
 
 def _component_beside(current: ComponentEntry, new: ComponentEntry | None) -> ComponentEntry:
     computed = dict(component_fields(new)) if new else {}
-    probability, quantity, redundancy = (
+    probability, quantity, redundancy, failures = (
         _beside(value, computed.get(kind)) for kind, value in component_fields(current)
     )
-    return replace(current, probability=probability, quantity=quantity, redundancy=redundancy)
+    return replace(
+        current,
+        probability=probability,
+        quantity=quantity,
+        redundancy=redundancy,
+        failures=failures,
+    )

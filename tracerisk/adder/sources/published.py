@@ -143,7 +143,7 @@ def _is_prose(part: Sequence[BlockLine]) -> bool:
     return (
         part[0].text.strip() == HEADER
         and (not texts or (form_of(part[1:]) == "compact" and not is_function_line(texts[0])))
-        and not any(text.startswith(("@Function", "@Component")) for text in texts)
+        and not any(text.startswith(("@Function", "@Component", "@Failure")) for text in texts)
     )
 
 

@@ -33,7 +33,7 @@ _GUTTER = re.compile(rb"[ \t\f]*#[ \t]?\|(?:[ \t].*)?")
 _SECTION = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+@(?:Function|Component)\b.*")
 _HEADER = re.compile(rb"[ \t\f]*#[ \t]?\|[ \t]+" + HEADER_LINE.encode() + rb"[ \t]*")
 _HEADER_WORD = HEADER.encode()
-_ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component)")
+_ANY_BLOCK = re.compile(rb"#[ \t]?\|[ \t]+(?:RiskAnnotation|@Function|@Component|@Failure)")
 
 
 class _Owner(NamedTuple):

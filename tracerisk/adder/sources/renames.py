@@ -13,8 +13,9 @@ from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.compact import with_names
+from tracerisk.adder.blocks.failures import renamed_text
 from tracerisk.adder.blocks.grammar import is_header
-from tracerisk.adder.blocks.values import NEXT
+from tracerisk.adder.blocks.values import FAILURE, NEXT
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock
@@ -26,6 +27,7 @@ _GUTTER = rb"([ \t\f]*(?:#[ \t]?\||\*)[ \t]+"
 _WORDS = rb"\S+(?: \([^()\r\n]+\))?"
 _NAME = _GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)"
 _NEXT = _GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)"
+_MODE = _GUTTER + rb"mode :?= )(.*)"
 _ANY = re.compile(_GUTTER + rb")(.*)", re.DOTALL)
 
 
@@ -91,6 +93,14 @@ def source_with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedNa
         matched = re.fullmatch(_NAME, line) or re.fullmatch(_NEXT, line, re.DOTALL)
         if matched is not None and matched[2] in names:
             line = matched[1] + names[matched[2]] + matched[3]
+        mode = re.fullmatch(_MODE, line, re.DOTALL)
+        if mode is not None:
+            words, mark, comment = mode[2].partition(b"!")
+            said = renamed_text(
+                words.decode(errors="surrogateescape"),
+                {str(old): str(new) for old, new in renamed.items()},
+            )
+            line = mode[1] + said.encode(errors="surrogateescape") + mark + comment
         lines.append(line)
     return b"".join(lines)
 
@@ -103,13 +113,21 @@ def base_with_names(
         return base
     return {
         str(renamed.get(QualifiedName(name), name)): block._replace(
-            values={key: _value(key, text, renamed) for key, text in block.values.items()}
+            values={key: _value(key, text, renamed) for key, text in block.values.items()},
+            components={
+                component: written._replace(
+                    values={key: _value(key, text, renamed) for key, text in written.values.items()}
+                )
+                for component, written in block.components.items()
+            },
         )
         for name, block in base.items()
     }
 
 
 def _value(key: str, text: str, renamed: Mapping[QualifiedName, QualifiedName]) -> str:
+    if key == FAILURE.key:
+        return renamed_text(text, {str(old): str(new) for old, new in renamed.items()})
     if key != NEXT.key:
         return text
     steps = (step.rpartition(" ") for step in text.split(", "))

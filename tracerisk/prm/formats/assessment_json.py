@@ -19,4 +19,11 @@ def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
     for row in (*plain["components"], *(row for state in states for row in state["components"])):
         # Left out: the parameter's name already holds the component.
         del row["component"]
+    plain["mission"] = mission_to_json(plain["mission"])
     return plain
+
+
+def mission_to_json(mission: dict[str, Any]) -> dict[str, Any]:
+    """Return a mission's figures without the undetected ones where no model says what they are."""
+    undetected = ("undetected_probability", "undetected_geometric")
+    return {k: value for k, value in mission.items() if value is not None or k not in undetected}

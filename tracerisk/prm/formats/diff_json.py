@@ -6,6 +6,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from tracerisk.common.verdict import verdict_line
+from tracerisk.prm.formats.assessment_json import mission_to_json
 from tracerisk.prm.review.change_records import Review, RiskDiff
 
 
@@ -29,6 +30,8 @@ def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
         # Of a run that went wrong a ratio or a contribution says nothing.
         shown = replace(diff, changes=(), functions=(), interaction=None, single_points=())
         diff, plain = shown, asdict(shown)
+    for name in ("before", "after"):
+        plain[name] = None if plain[name] is None else mission_to_json(plain[name])
     functions = zip(plain["functions"], diff.functions, strict=True)
     changes = zip(plain["changes"], diff.changes, strict=True)
     return {

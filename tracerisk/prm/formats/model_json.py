@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast, get_args
 
-from tracerisk.errors import Location, ModelError
+from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.formats.json_parts import gate_to_json, read_fraction, read_gate, schema_of
-from tracerisk.prm.hybrid.elements import FunctionState, NextStep, Parameter
+from tracerisk.prm.hybrid.elements import Fate, FateKind, FunctionState, NextStep, Parameter
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.part_names import share_named
 from tracerisk.prm.trees.events import BasicEvent, HouseEvent
@@ -100,7 +100,18 @@ def _state_to_json(state: FunctionState) -> dict[str, Any]:
             gate: {"dormancy": spare.dormancy, "switch": spare.switch}
             for gate, spare in state.spares.items()
         }
+    if state.fates:
+        written["failures"] = {
+            parameter: [_fate_to_json(fate) for fate in fates]
+            for parameter, fates in state.fates.items()
+        }
     return written
+
+
+def _fate_to_json(fate: Fate) -> dict[str, Any]:
+    texts = {"mode": fate.mode, "target": fate.target, "shows_in": fate.shows_in}
+    given = {key: text for key, text in texts.items() if text}
+    return {"kind": fate.kind, "share": str(fate.share), **given}
 
 
 def _model(top: Element) -> HybridModel:
@@ -152,7 +163,8 @@ def _parameter(element: Element) -> Parameter:
 
 def _state(element: Element) -> FunctionState:
     fields = element.fields(
-        {"name", "call_sequence", "fault_tree", "probabilities", "next"}, optional={"spares"}
+        {"name", "call_sequence", "fault_tree", "probabilities", "next"},
+        optional={"spares", "failures"},
     )
     return FunctionState(
         name=fields["name"].string(),
@@ -167,6 +179,23 @@ def _state(element: Element) -> FunctionState:
             if "spares" in fields
             else {}
         ),
+        fates=(
+            {name: entry.each(_fate) for name, entry in fields["failures"].entries().items()}
+            if "failures" in fields
+            else {}
+        ),
+    )
+
+
+def _fate(element: Element) -> Fate:
+    fields = element.fields({"kind", "share"}, optional={"mode", "target", "shows_in"})
+    kind = fields["kind"].string()
+    if kind not in get_args(FateKind):
+        fields["kind"].fail(f"is '{kind}'; {one_of(get_args(FateKind), kind)}")
+    return Fate(
+        cast(FateKind, kind),
+        read_fraction(fields["share"], '"3/4" or "0.75"'),
+        *(fields[key].string() if key in fields else "" for key in ("target", "shows_in", "mode")),
     )
 
 

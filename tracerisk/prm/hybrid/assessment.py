@@ -128,6 +128,11 @@ class MissionFigures:
     visits_as_run: float
     """Failure probability 1-prod(1-t_s)^(v0_s), v0 the visits expected where nothing fails: the
     run's own counts when `next` comes from one run."""
+    undetected_probability: float | None = None
+    """Probability that the mission fails unnoticed, or does harm before it stops, in the reading
+    that holds; `None` where nothing is said of what follows a failure."""
+    undetected_geometric: float | None = None
+    """The same of the chain itself."""
 
     def as_geometric(self) -> MissionFigures:
         """Return the figures with the geometric reading as the one that applies."""
@@ -137,6 +142,7 @@ class MissionFigures:
             failure_probability=failure,
             done_probability=1.0 - failure,
             reading=GEOMETRIC,
+            undetected_probability=self.undetected_geometric,
         )
 
 

@@ -8,8 +8,11 @@ from dataclasses import dataclass
 
 from tracerisk.common.strong_components import joined_parts
 from tracerisk.prm.hybrid.assessment import FIXED, GEOMETRIC, MissionFigures, Reading
+from tracerisk.prm.hybrid.fates.resolved import chain_model, has_fates, leads_back
+from tracerisk.prm.hybrid.fates.undetected import UndetectedChain, bounding_model
 from tracerisk.prm.hybrid.fixed_cycles import (
     Loop,
+    Passage,
     counted_passage,
     failure_of,
     outcome_of,
@@ -63,7 +66,7 @@ def solve_mission(model: HybridModel, *, limit: int = MOST_STATES) -> SolvedMiss
     the most failed units are taken together and bounded from above, see `HiddenChain`.
     Raises ModelError when a tree cannot be solved or the chain is left too rarely.
     """
-    states = hidden_states(model, limit)
+    states = hidden_states(chain_model(model), limit)
     if states.most is not None and len(groups_of(states)) > 1:
         return _solved_by_groups(Grouped(states))
     return solved_chain(HiddenChain(states))
@@ -115,7 +118,10 @@ def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures
     """Return the mission's failure probability read in three ways, and the one that holds."""
     chain, grouped = solved.chain, solved.grouped
     states = solved.states
-    visits = _visits_without_failure(chain)
+    visits = _visits_without_failure(
+        # A way back is taken only where something failed.
+        HiddenChain(hidden_states(model)) if leads_back(model) else chain
+    )
     whole = Round(states.entry, frozenset(range(len(states.functions))))
     cycles = visits[states.entry]
     reading, mission = held_reading(model, solved)
@@ -130,6 +136,7 @@ def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures
         fixed = _straight(cycles, lambda rounds: grouped.cycles(whole, rounds))
     else:
         fixed = _mean_cycles(chain, cycle, whole, cycles)
+    undetected, undetected_chain = _undetected(model, solved)
     return MissionFigures(
         failure_probability=mission.p,
         done_probability=mission.q,
@@ -139,7 +146,32 @@ def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures
         expected_cycles=cycles,
         fixed_cycles=fixed,
         visits_as_run=0.0 - math.expm1(_log_survival_as_run(all_units, visits)),
+        undetected_probability=undetected,
+        undetected_geometric=undetected_chain,
     )
+
+
+def _undetected(
+    model: HybridModel, solved: SolvedMission
+) -> tuple[float, float] | tuple[None, None]:
+    """Return the undetected failure in the reading that holds, and that of the chain itself."""
+    if not has_fates(model):
+        return None, None
+    if solved.grouped is not None:
+        bounding = bounding_model(model)
+        groups = solve_mission(bounding)
+        return held_reading(bounding, groups)[1].p, groups.failure.p
+    chain = UndetectedChain(solved.chain, model)
+    geometric = chain.failure(None)
+    passage = _held_passage(model, solved)
+    return (geometric if passage is None else chain.failure(passage)), geometric
+
+
+def _held_passage(model: HybridModel, solved: SolvedMission) -> Passage | None:
+    """Return what each mission passes, where its numbers of cycles are fixed and there are any."""
+    if not model.has_cycle or not model.counted or leads_back(model):
+        return None
+    return counted_passage(solved.states)
 
 
 def held_reading(model: HybridModel, solved: SolvedMission) -> tuple[Reading, Probability]:
@@ -154,9 +186,9 @@ def held_bound(model: HybridModel, solved: SolvedMission) -> tuple[Reading, Boun
     Where hidden states are left out, the lower bound is that of the chain in either reading.
     """
     chain = Bound(solved.failure, solved.least)
-    if not model.has_cycle:
+    if not model.has_cycle and not leads_back(model):
         return FIXED, chain
-    passage = counted_passage(solved.states) if model.counted else None
+    passage = _held_passage(model, solved)
     if passage is None:
         return GEOMETRIC, chain
     if solved.grouped is not None:

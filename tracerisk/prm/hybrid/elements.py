@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from tracerisk.prm.trees.events import Share
 from tracerisk.prm.trees.fault_tree import FaultTree
@@ -49,6 +49,32 @@ class NextStep:
     """Probability of this way, exact; the weights of a state sum to 1."""
 
 
+FateKind = Literal["stopped_safely", "stopped_late", "unaware", "back"]
+"""What follows a failure: a stop before any harm, one after it, nothing at all, or another
+function, from which the mission goes on as if nothing had failed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fate:
+    """What follows some of a component's failures."""
+
+    kind: FateKind
+    """What follows."""
+    share: Fraction
+    """Share of the component's failures in a visit, exact."""
+    target: str = ""
+    """For `back` the function that follows; else empty."""
+    shows_in: str = ""
+    """The later function in which the failure shows; empty where it shows at once."""
+    mode: str = ""
+    """The failure mode; empty where none is named."""
+
+    @property
+    def is_undetected(self) -> bool:
+        """Whether nobody notices, or harm comes before the stop."""
+        return self.kind in ("unaware", "stopped_late")
+
+
 @dataclass(frozen=True, slots=True)
 class FunctionState:
     """One function as a state of the chain."""
@@ -65,3 +91,6 @@ class FunctionState:
     """Distribution of what follows, given that nothing failed."""
     spares: Mapping[str, Spares] = field(default_factory=dict)
     """Gates of latent units of which some wait as spares, by name; below other gates all work."""
+    fates: Mapping[str, tuple[Fate, ...]] = field(default_factory=dict)
+    """What follows failures, by parameter; what the shares of one leave of 1 nobody notices, nor
+    the failures of a parameter without fates."""

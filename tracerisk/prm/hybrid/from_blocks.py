@@ -10,6 +10,7 @@ from typing import NoReturn
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
 from tracerisk.errors import BlockError, Location, ModelError, one_of
 from tracerisk.prm.hybrid.elements import DONE, FunctionState, NextStep, Parameter
+from tracerisk.prm.hybrid.fates.of_blocks import component_fates
 from tracerisk.prm.hybrid.function_fault_tree import (
     component_figures,
     component_spares,
@@ -63,6 +64,7 @@ def build_model(
     _check_end(ordered, steps)
     for block in ordered:
         _check_components(block)
+        _check_failures(block, names)
     states = [function_state(block, block.components, steps[block.name]) for block in ordered]
     entries = [entry for block in ordered for entry in block.components]
     counted = is_counted(blocks) and not chosen
@@ -129,6 +131,11 @@ def function_state(
             for entry in components
             if not entry.omitted
             for gate, spares in component_spares(entry).items()
+        },
+        fates={
+            entry.name: component_fates(entry.failures.value)
+            for entry in components
+            if entry.failures.value and not entry.omitted
         },
     )
 
@@ -295,6 +302,29 @@ def _check_components(block: RiskBlock) -> None:
             place = entry.redundancy.location or entry.location
             number = entry.quantity.value
             _fail(block, f"{where}: required {required} of {number}; allowed: 1 to {number}", place)
+
+
+def _check_failures(block: RiskBlock, names: Collection[str]) -> None:
+    for entry in block.components:
+        place = entry.failures.location or entry.location
+        where = f"what follows failures of '{entry.name}'"
+        if not entry.failures.value or entry.omitted:
+            continue
+        if entry.redundancy.value and entry.quantity.value > 1:
+            _fail(
+                block,
+                f"{where} can be given only where each unit is needed, and it is redundant; "
+                "delete its `@Failure`",
+                place,
+            )
+        for mode in entry.failures.value:
+            for outcome in mode.outcomes:
+                for name in (outcome.target, outcome.shows_in):
+                    if name and name not in names:
+                        allowed = one_of(names, name)
+                        _fail(
+                            block, f"{where} names '{name}', which has no block; {allowed}", place
+                        )
 
 
 def _fail(block: RiskBlock, message: str, place: Location | None = None) -> NoReturn:

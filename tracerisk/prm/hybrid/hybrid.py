@@ -60,6 +60,8 @@ class HybridModel(DisplayedGraph):
         for state in self.states:
             _check_probabilities(state, thetas)
             _check_next(state, targets)
+            if state.fates:
+                _check_fates(state, names, self.latent)
         spares = {state.name: state.spares for state in self.states if state.spares}
         if self.latent or spares:
             check_latent({state.name: state.tree for state in self.states}, self.latent, spares)
@@ -204,3 +206,40 @@ def _check_next(state: FunctionState, targets: set[str]) -> None:
     total = sum((step.weight for step in state.next), Fraction(0))
     if total != 1:
         raise ModelError(f"{where}: next sums to {total}; it must sum to 1")
+
+
+def _check_fates(state: FunctionState, names: set[str], latent: Sequence[str]) -> None:
+    for parameter, fates in state.fates.items():
+        where = f"state '{state.name}': failures of '{parameter}'"
+        events = [event for event in state.tree.events if event.parameter == parameter]
+        if not events:
+            known = set(state.tree.parameters)
+            raise ModelError(f"{where}: no such parameter here; {one_of(known, parameter)}")
+        redundant = [event for event in events if event.name in latent]
+        if redundant or not all(_fails_alone(state.tree, event.name) for event in events):
+            raise ModelError(
+                f"{where}: what follows can be given only where each unit is needed; a redundant "
+                "group counts as failed unnoticed"
+            )
+        for fate in fates:
+            if fate.share < 0:
+                raise ModelError(f"{where}: a share of {fate.share} is below zero")
+            if (fate.kind == "back") != bool(fate.target):
+                raise ModelError(f"{where}: '{fate.kind}' with the target '{fate.target}'")
+            for name in (fate.target, fate.shows_in):
+                if name and name not in names:
+                    raise ModelError(f"{where}: '{name}' is not a state; {one_of(names, name)}")
+        total = sum((fate.share for fate in fates), Fraction(0))
+        if total > 1:
+            raise ModelError(f"{where}: the shares sum to {total}; they may sum to 1 at most")
+
+
+def _fails_alone(tree: FaultTree, name: str) -> bool:
+    """Return whether a node by itself brings about the top event, through gates that need one."""
+    if name == tree.top:
+        return True
+    return any(
+        gate.threshold == 1 and gate.most is None and _fails_alone(tree, gate.name)
+        for gate in tree.gates
+        if name in gate.inputs
+    )

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
+from tracerisk.adder.blocks.failures import renamed_text, with_renamed
 from tracerisk.prm.hybrid.elements import FunctionState, NextStep
 from tracerisk.prm.hybrid.from_blocks import build_model, function_state, model_of_states
 from tracerisk.prm.hybrid.hybrid import HybridModel
@@ -54,7 +55,7 @@ class RiskVersion(NamedTuple):
 
 
 def renamed_block(block: RiskBlock, names: Mapping[str, str]) -> RiskBlock:
-    """Return a block with new names for functions, in its own name and in its `next`."""
+    """Return a block with new names for functions, wherever it names one."""
     following = block.next
     if following is not None:
         steps = tuple(
@@ -65,7 +66,21 @@ def renamed_block(block: RiskBlock, names: Mapping[str, str]) -> RiskBlock:
             for target, _, share in (line.rpartition(" ") for line in following.text.split(", "))
         )
         following = replace(following, value=steps, text=text)
-    return replace(block, name=names.get(block.name, block.name), next=following)
+    components = tuple(
+        replace(
+            entry,
+            failures=replace(
+                entry.failures,
+                value=with_renamed(entry.failures.value, names),
+                text=renamed_text(entry.failures.text, names),
+            ),
+        )
+        if entry.failures.is_stated
+        else entry
+        for entry in block.components
+    )
+    name = names.get(block.name, block.name)
+    return replace(block, name=name, next=following, components=components)
 
 
 class ModelParts:

@@ -1,0 +1,1 @@
+"""What follows a failure: how missions end, what nobody notices, and ways back."""
