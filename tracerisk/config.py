@@ -44,7 +44,11 @@ DEFAULT_DURATION_S = 300.0
 SANDBOX_SETTINGS = ("sandbox", "readable", "writable", "env")
 """The settings that say how a run is contained."""
 
-FRACTIONS = {"max_failure_probability": "probability", "min_coverage": "fraction"}
+FRACTIONS = {
+    "max_failure_probability": "probability",
+    "max_undetected_probability": "probability",
+    "min_coverage": "fraction",
+}
 """The settings that are numbers from 0 to 1, and what each is called."""
 
 FROM_ONE = ("mission_cycles", "evidence_cells")
@@ -123,6 +127,9 @@ class Settings:
     """The answers to its `input()` calls, in turn."""
     max_failure_probability: float | None = None
     """The greatest failure probability of a mission that `check` accepts; `None`: any."""
+    max_undetected_probability: float | None = None
+    """The greatest probability that `check` accepts of a mission that fails unnoticed, or does harm
+    before it stops; `None`: any."""
     require_reason: bool = False
     """Whether `check` requires a reason for each value set by hand."""
     require_worlds: tuple[str, ...] = ()

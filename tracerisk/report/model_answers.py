@@ -105,6 +105,12 @@ def render_uncertainty(
         if input_share.cut
     ]
     lines = []
+    if found.undetected:
+        said = [
+            f"{value:.3e} ({level:.0f} %)"
+            for level, value in zip(found.levels, found.undetected, strict=True)
+        ]
+        lines.append(f"Of which undetected, or with harm before the stop: {', '.join(said)}.")
     if found.mean > 0.0:
         lines.append(
             f"The mean has a standard error of {found.standard_error:.2g} "

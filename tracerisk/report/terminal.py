@@ -65,6 +65,9 @@ def render_assessment(
         _print_lines(console, "Findings", (*findings, *assessment.findings))
         if assessment.components:
             console.print(_components(assessment.components, console.width))
+        if assessment.undetected_components:
+            title = "Components that matter most for what is undetected"
+            console.print(_components(assessment.undetected_components, console.width, title))
         for table in tables:
             console.print(table)
         _print_lines(console, "Assumptions", (*assumptions, *assessment.assumptions))
@@ -77,6 +80,9 @@ def _print_sentences(console: Console, assessment: Assessment, band: str) -> Non
     from rich.text import Text
 
     console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
+    undetected = undetected_sentence(assessment)
+    if undetected:
+        console.print(Text(filled(undetected, console.width)))
     if band:
         console.print(Text(filled(band, console.width)))
     console.print(Text(assessment.statement, style="italic"))
@@ -162,6 +168,16 @@ def mission_sentence(assessment: Assessment) -> str:
     return f"{text}, {share_text(first.fussell_vesely)} of it through {first.name}."
 
 
+def undetected_sentence(assessment: Assessment) -> str:
+    """Return how much of the mission's failure nobody notices; empty where that is not known."""
+    undetected = assessment.mission.undetected_probability
+    if undetected is None:
+        return ""
+    text = f"Of which undetected, or with harm before the stop: {_probability(undetected)}"
+    risk = assessment.mission.failure_probability
+    return f"{text} ({share_text(undetected / risk)})." if risk > 0.0 else f"{text}."
+
+
 _SEEN = 1e-4
 """How far readings differ, relative, where the digits shown may distinguish them."""
 
@@ -192,9 +208,13 @@ def _fixed_cycles(mission: MissionFigures) -> str:
     return counted(mission.expected_cycles, "fixed cycle")
 
 
-def _components(components: Sequence[ComponentImportance], width: int) -> Table:
+def _components(
+    components: Sequence[ComponentImportance],
+    width: int,
+    title: str = "Components that matter most",
+) -> Table:
     shown = components[:MOST_COMPONENTS]
-    title = part_of("Components that matter most", len(shown), len(components))
+    title = part_of(title, len(shown), len(components))
     table = table_of(title, ["component"])
     add_share_columns(table, width, heading="Fussell-Vesely" if width >= ROOMY else "share")
     measures: dict[str, Callable[[ComponentImportance], str]] = {

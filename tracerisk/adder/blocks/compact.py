@@ -31,7 +31,7 @@ from tracerisk.adder.blocks.lines import (
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
-    FAILURE,
+    FAILURES,
     NEXT,
     FieldKind,
     component_fields,
@@ -212,20 +212,20 @@ class _Reader:
 
     def _with_mode(self, line: _Line, words: str, number: int) -> tuple[_Line, list[str] | None]:
         """Return the line of a component with one more mode, and where a reason of it goes."""
-        before = line.parts.get(FAILURE.key)
+        before = line.parts.get(FAILURES.key)
         pin, _, text = words.removeprefix("->").strip().rpartition(":= ")
         mode = " ".join(text.split())
         pinned = bool(pin) or words.removeprefix("->").strip().startswith(":=")
-        if before is not None and pinned != bool(line.parts.get(f"{FAILURE.key}_pin")):
+        if before is not None and pinned != bool(line.parts.get(f"{FAILURES.key}_pin")):
             raise self._error(
                 number, "the modes of a component are one value: write `:=` before all, or none"
             )
         parts = {
             **line.parts,
-            FAILURE.key: mode if before is None else f"{before} | {mode}",
-            f"{FAILURE.key}_pin": ":=" if pinned else None,
+            FAILURES.key: mode if before is None else f"{before} | {mode}",
+            f"{FAILURES.key}_pin": ":=" if pinned else None,
         }
-        comment = line.comments.setdefault(FAILURE.key, []) if pinned else None
+        comment = line.comments.setdefault(FAILURES.key, []) if pinned else None
         return line._replace(parts=parts), comment
 
     def _own_comment(self, line: _Line) -> list[str] | None:
@@ -282,7 +282,7 @@ class _Reader:
             else:
                 fields.append(self._field(line, kind, text))
         probability, quantity, redundancy = fields
-        modes = parts.get(FAILURE.key)
+        modes = parts.get(FAILURES.key)
         return ComponentEntry(
             name=name,
             probability=probability,
@@ -292,7 +292,7 @@ class _Reader:
             omitted=omitted,
             location=Location(self._file, line.number),
             reason=joined_comment(line.comments.get("", [])),
-            failures=Field((), "") if modes is None else self._field(line, FAILURE, modes),
+            failures=Field((), "") if modes is None else self._field(line, FAILURES, modes),
         )
 
     def _field(self, line: _Line, kind: FieldKind, text: str) -> Field[Any]:

@@ -21,7 +21,7 @@ from tracerisk.adder.blocks.lines import (
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
-    FAILURE,
+    FAILURES,
     NEXT,
     FieldKind,
     component_fields,
@@ -37,7 +37,7 @@ _FUNCTION_KEYS = ("name", "callSequence", "next")
 _COMPONENT_KEYS = ("name", *(kind.key for kind in COMPONENT_KINDS))
 _FAILURE_KEYS = ("component", "mode")
 _KEYS = {"Function": _FUNCTION_KEYS, "Component": _COMPONENT_KEYS, "Failure": _FAILURE_KEYS}
-_REPEATED = {"next": NEXT, "mode": FAILURE}
+_REPEATED = {"next": NEXT, "mode": FAILURES}
 
 
 class _Assignment(NamedTuple):
@@ -345,12 +345,12 @@ def print_sections(block: RiskBlock, width: int) -> list[str]:
         )
         lines.append(f"  name = {component.name}")
         for kind, value in component_fields(component):
-            if value.is_stated and kind is not FAILURE:
+            if value.is_stated and kind is not FAILURES:
                 lines += _print_field(kind, value, width)
         lines.append("}")
         if component.failures.is_stated:
             lines += ["@Failure {", f"  component = {component.name}"]
-            lines += _print_field(FAILURE, component.failures, width)
+            lines += _print_field(FAILURES, component.failures, width)
             lines.append("}")
     return lines
 
@@ -364,7 +364,7 @@ def _print_header(
 
 def _print_field(kind: FieldKind, field: Field[Any], width: int) -> list[str]:
     operator = ":=" if field.pinned else "="
-    key, mark = {NEXT: (kind.key, ", "), FAILURE: ("mode", " | ")}.get(kind, (kind.key, "\n"))
+    key, mark = {NEXT: (kind.key, ", "), FAILURES: ("mode", " | ")}.get(kind, (kind.key, "\n"))
     lines = [f"  {key} {operator} {value}" for value in field.text.split(mark)]
     comment = comment_text(field.computed, field.reason)
     return lines[:-1] + with_comment(lines[-1], comment, width)

@@ -170,7 +170,7 @@ NEXT = FieldKind("next", read_transitions)
 PROBABILITY = FieldKind("probability", read_probability, is_noisy=True)
 QUANTITY = FieldKind("quantity", read_count)
 REDUNDANCY = FieldKind("redundancy", read_redundancy)
-FAILURE = FieldKind("failure", read_failures)
+FAILURES = FieldKind("failures", read_failures)
 
 COMPONENT_KINDS = (PROBABILITY, QUANTITY, REDUNDANCY)
 """The fields that each component states, in the order in which they are written."""
@@ -182,7 +182,7 @@ def component_fields(component: ComponentEntry) -> tuple[tuple[FieldKind, Field[
         (PROBABILITY, component.probability),
         (QUANTITY, component.quantity),
         (REDUNDANCY, component.redundancy),
-        (FAILURE, component.failures),
+        (FAILURES, component.failures),
     )
 
 

@@ -20,7 +20,7 @@ from tracerisk.adder.blocks.failures import failures_text, with_renamed
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
-    FAILURE,
+    FAILURES,
     NEXT,
     PROBABILITY,
     QUANTITY,
@@ -36,8 +36,8 @@ _SIGNS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
 _FUNCTION_WIDTHS = {CALL_SEQUENCE.key: 2, NEXT.key: 2}
 _WHOLE_WIDTH = 2
 _NAME_WIDTH = 2
-_COMPONENT_WIDTHS = {PROBABILITY.key: 2, QUANTITY.key: 1, REDUNDANCY.key: 1, FAILURE.key: 2}
-KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS, FAILURE)}
+_COMPONENT_WIDTHS = {PROBABILITY.key: 2, QUANTITY.key: 1, REDUNDANCY.key: 1, FAILURES.key: 2}
+KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS, FAILURES)}
 
 
 def digest_of(written: WrittenBlock) -> str:
@@ -53,7 +53,7 @@ def digest_of(written: WrittenBlock) -> str:
             _checksum(f"{name} {key}={values.get(key)}", width)
             for key, width in _COMPONENT_WIDTHS.items()
             # Of a component without a word on its failures, as of an earlier version.
-            if key != FAILURE.key or key in values
+            if key != FAILURES.key or key in values
         ]
         groups.append("".join(parts))
     own = {key: _plain(key, text) for key, text in written.values.items()}
@@ -179,7 +179,7 @@ class DigestReading:
 
     def earlier(self, kind: FieldKind, value: Any) -> Any:
         """Return a value with the earlier names of the functions that it names."""
-        if kind is FAILURE:
+        if kind is FAILURES:
             return with_renamed(value, self._names)
         return _renamed(value, self._names) if kind is NEXT and self._names else value
 
@@ -207,8 +207,8 @@ def _with_earlier(written: WrittenBlock, names: Mapping[str, str]) -> WrittenBlo
         values[NEXT.key] = ", ".join(f"{step.target} {step.weight}" for step in steps)
     for name, component in written.components.items():
         own = dict(component.values)
-        if FAILURE.key in own:
-            own[FAILURE.key] = failures_text(with_renamed(FAILURE.read(own[FAILURE.key]), names))
+        if FAILURES.key in own:
+            own[FAILURES.key] = failures_text(with_renamed(FAILURES.read(own[FAILURES.key]), names))
         components[name] = component._replace(values=own)
     return WrittenBlock(values, components)
 
@@ -227,7 +227,7 @@ def _plain_value(key: str, value: Any) -> str:
     """Return a value as text, whatever digits and order it is written in."""
     if key == NEXT.key:
         return ", ".join(sorted(f"{item.target} {item.weight}" for item in value))
-    if key == FAILURE.key:
+    if key == FAILURES.key:
         return failures_text(value)
     if key == REDUNDANCY.key:
         return computed_redundancy(value).text

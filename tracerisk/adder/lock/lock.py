@@ -18,7 +18,7 @@ from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
-    FAILURE,
+    FAILURES,
     NEXT,
     NOTHING_COMPUTED,
     FieldKind,
@@ -32,7 +32,7 @@ SCHEMA = "tracerisk.lock"
 VERSION = 2
 
 FUNCTION_KEYS = {CALL_SEQUENCE.key: CALL_SEQUENCE, NEXT.key: NEXT}
-COMPONENT_KEYS = {kind.key: kind for kind in (*COMPONENT_KINDS, FAILURE)}
+COMPONENT_KEYS = {kind.key: kind for kind in (*COMPONENT_KINDS, FAILURES)}
 CONTROLLER_KEYS = (
     *("behind", "blocks", "digest", "fingerprint", "inputs", "kept", "others", "previous", "trace"),
 )
@@ -116,7 +116,7 @@ def _component_as_written(name: str, written: WrittenComponent) -> ComponentEntr
     probability, quantity, redundancy = (
         _field(kind, written.values) or unstated for kind in COMPONENT_KINDS
     )
-    failures = _field(FAILURE, written.values) or Field((), "")
+    failures = _field(FAILURES, written.values) or Field((), "")
     return ComponentEntry(
         name, probability, quantity, redundancy, omitted=written.omitted, failures=failures
     )

@@ -14,7 +14,7 @@ from typing import Any, Literal
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
-    FAILURE,
+    FAILURES,
     NEXT,
     NOTHING_COMPUTED,
     FieldKind,
@@ -294,10 +294,10 @@ class _Merger:
             return field if computed is None else computed
         if new is None or (computed is not None and computed.is_stated) or field.pinned:
             said = computed if computed is not None and computed.is_stated else None
-            return self._field(current.name, FAILURE, field, said)
+            return self._field(current.name, FAILURES, field, said)
         # The tool says nothing there now: what it wrote goes, what a user wrote is an edit.
-        written, is_there = self.known.last(current.name, FAILURE, field)
-        if is_there or not self._changed(current.name, FAILURE, written, field, None):
+        written, is_there = self.known.last(current.name, FAILURES, field)
+        if is_there or not self._changed(current.name, FAILURES, written, field, None):
             return Field((), "")
         return Field((), "") if self.policy.edits == "discard" else _pinned(field, None)
 

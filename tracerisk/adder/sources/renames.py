@@ -15,7 +15,7 @@ from typing import NamedTuple
 from tracerisk.adder.blocks.compact import with_names
 from tracerisk.adder.blocks.failures import renamed_text
 from tracerisk.adder.blocks.grammar import is_header
-from tracerisk.adder.blocks.values import FAILURE, NEXT
+from tracerisk.adder.blocks.values import FAILURES, NEXT
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import MisplacedBlockError, PlacedBlock
@@ -126,7 +126,7 @@ def base_with_names(
 
 
 def _value(key: str, text: str, renamed: Mapping[QualifiedName, QualifiedName]) -> str:
-    if key == FAILURE.key:
+    if key == FAILURES.key:
         return renamed_text(text, {str(old): str(new) for old, new in renamed.items()})
     if key != NEXT.key:
         return text

@@ -47,6 +47,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_against(parser)
     words = "exit 1 if the mission's failure probability is above P"
     shared.add_max_failure_probability(parser, words)
+    shared.add_max_undetected_probability(parser)
     shared.add_fail_on(parser)
     shared.add_sarif(parser)
     words = "print every component, table and assumption (default where output is no terminal)"

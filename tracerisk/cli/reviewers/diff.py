@@ -58,6 +58,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="exit 1 if a mission's failure probability is above P after the change, changed or "
         "not, or its run went wrong or is stale",
     )
+    shared.add_max_undetected_probability(parser)
     parser.add_argument(
         "--no-new-accepts",
         action="store_true",
@@ -108,6 +109,7 @@ def run(options: argparse.Namespace) -> int:
             *_other_outcome(controller, options),
             *_rise(controller, options.max_increase),
             *_above(controller, limit),
+            *_undetected(controller, options.max_increase, options.max_undetected_probability),
         )
     ]
     exceeded += [line for controller in result.others for line in _above(controller, limit)]
@@ -209,7 +211,8 @@ def _rise(diff: RiskDiff, most: float | None) -> list[str]:
     """Return how a controller exceeds the limit on the increase; a rise within the noise does not.
 
     A newer run that went wrong fails it; a base that went wrong is no measure, so that its repair
-    passes.
+    passes. So does a rise with a fall of the undetected failure that is no smaller: a check stops
+    missions that failed unnoticed before.
     """
 
     if most is None or diff.after is None:
@@ -224,7 +227,7 @@ def _rise(diff: RiskDiff, most: float | None) -> list[str]:
     unknown = verdicts is not None and verdicts == RunVerdicts(None, None)
     is_other = _is_other_mission(diff)
     is_measured = diff.is_comparable or unknown or is_other
-    if diff.before is None or diff.is_unchanged or not is_measured:
+    if diff.before is None or diff.is_same_figure or diff.is_credited or not is_measured:
         return []
     before, risk = diff.before.failure_probability, diff.after.failure_probability
     if risk <= before * (1.0 + most):
@@ -247,6 +250,31 @@ def _above(diff: RiskDiff, limit: float | None) -> list[str]:
     if risk > limit:
         texts.append(f"mission failure {risk:.4g} is over --max-failure-probability {limit:g}")
     return [f"{diff.name}: {text}" for text in texts]
+
+
+def _undetected(diff: RiskDiff, max_increase: float | None, limit: float | None) -> list[str]:
+    """Return which limits the undetected failure of a controller exceeds.
+
+    Where nothing is said of what follows a failure, nobody is known to notice any.
+    """
+    if diff.after is None:
+        return []
+    texts = []
+    if max_increase is not None and diff.undetected is not None and _bad_run(diff) is None:
+        before, now = diff.undetected
+        if diff.undetected_increase > max_increase * before:
+            rise = f"{100.0 * (now / before - 1.0):.3g} %" if before > 0.0 else "from zero"
+            texts.append(
+                f"{diff.name}: undetected failure rises by {rise}, "
+                f"over --max-increase {max_increase:g}"
+            )
+    undetected = diff.after.undetected_or_all
+    if limit is not None and undetected > limit:
+        texts.append(
+            f"{diff.name}: undetected failure {undetected:.4g} is over "
+            f"--max-undetected-probability {limit:g}"
+        )
+    return texts
 
 
 def _is_other_mission(diff: RiskDiff) -> bool:

@@ -73,7 +73,10 @@ def run(options: argparse.Namespace) -> int:
     if options.badge is not None:
         last = next(iter(history_points.values()))[-1:]
         figure = last[0].failure_probability if last else None
-        write_file(options.badge, badge_svg(figure, last[0].verdict if last else None))
+        mission = last[0].diff.after if last and last[0].diff is not None else None
+        undetected = None if mission is None else mission.undetected_probability
+        verdict = last[0].verdict if last else None
+        write_file(options.badge, badge_svg(figure, verdict, undetected))
         note(f"{options.badge}: drawn", quiet=options.quiet)
     above = {
         name: first_above(points, options.above) if options.above is not None else None

@@ -32,7 +32,7 @@ _SHOWN = 5
 _NOT_WITH_IT = (
     *("record", "check", "diff", "accept_edits", "discard_edits", "fresh", "profile", "explain"),
     *("uncertainty", "samples", "log", "trace", "model", "sarif", "against"),
-    *("max_failure_probability", "fail_on"),
+    *("max_failure_probability", "max_undetected_probability", "fail_on"),
 )
 """The options of risk blocks and figures: a run with a fault has neither."""
 

@@ -19,6 +19,7 @@ from tracerisk.cli.shared.output import (
     print_text,
     risk_exit,
     terminal_width,
+    undetected_exit,
     write_file,
 )
 from tracerisk.cli.shared.run_report import (
@@ -70,6 +71,7 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
     code = max(
         verdict_exit(trace.verdict),
         risk_exit(risks, options.max_failure_probability),
+        undetected_exit(assessment.mission, options.max_undetected_probability),
         finding_exit(trace, assessed.settings.fail_on),
         worlds_exit(trace.worlds),
     )

@@ -106,6 +106,8 @@ def _converted(
     )
     if isinstance(model, ExplicitChain) and target in CHAINS:
         return _chain_texts(model, target, options.output)
+    if isinstance(model, HybridModel) and target not in CHAINS:
+        _note_fates(model, target, options)
     if isinstance(model, HybridModel) and target is not ModelFormat.LINKED:
         return _functions_texts(model, target, options)
     if isinstance(model, HybridModel):
@@ -120,6 +122,23 @@ def _converted(
     raise ModelError(
         f"holds {held}, which {target.value} cannot hold; trees go to "
         f"{_named(TREES)}, chains to {_named(CHAINS)}, models of functions to either"
+    )
+
+
+def _note_fates(model: HybridModel, target: ModelFormat, options: argparse.Namespace) -> None:
+    """Say what a format without a chain leaves out; raise ModelError where that moves a figure."""
+    from tracerisk.prm.hybrid.fates.resolved import has_fates, leads_back
+
+    if not has_fates(model):
+        return
+    chains = _named(CHAINS)
+    if target is ModelFormat.LINKED and leads_back(model):
+        raise ModelError(
+            f"some failures lead back to a function, which {target.value} cannot say; {chains} can"
+        )
+    note(
+        f"{target.value} cannot say what follows a failure, so that part is left out; {chains} can",
+        quiet=options.quiet,
     )
 
 

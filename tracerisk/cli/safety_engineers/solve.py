@@ -7,7 +7,14 @@ from dataclasses import asdict
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import OWN, format_of
 from tracerisk.cli.shared.model_format import ModelFormat
-from tracerisk.cli.shared.output import paper, print_json, print_text, risk_exit, show
+from tracerisk.cli.shared.output import (
+    paper,
+    print_json,
+    print_text,
+    risk_exit,
+    show,
+    undetected_exit,
+)
 from tracerisk.cli.shared.sources import model_of_files, read_profile
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.cli.solving.hardware_spread import notes_data, print_spreads, spreads_of_files
@@ -30,6 +37,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     shared.add_mission_time(parser)
     words = "exit 1 if the failure probability, or a figure of a model file, is above P"
     shared.add_max_failure_probability(parser, words)
+    shared.add_max_undetected_probability(parser)
     asked.add_what_if(parser)
     shared.add_json(parser)
 
@@ -70,7 +78,10 @@ def run(options: argparse.Namespace) -> int:
     uncertainty = asked.uncertainty_of(model, options, spreads)
     pairs = asked.pairs_of(model, options)
     risks = {"mission failure": assessment.mission.failure_probability}
-    code = risk_exit(risks, options.max_failure_probability)
+    code = max(
+        risk_exit(risks, options.max_failure_probability),
+        undetected_exit(assessment.mission, options.max_undetected_probability),
+    )
     from tracerisk.cli.shared.verdict import sources_verdict
 
     verdicts = sources_verdict(options.files)

@@ -271,6 +271,16 @@ def add_max_failure_probability(parser: argparse.ArgumentParser, words: str) -> 
     )
 
 
+def add_max_undetected_probability(parser: argparse.ArgumentParser) -> None:
+    """Add the limit of the failures that nobody notices."""
+    parser.add_argument(
+        "--max-undetected-probability",
+        metavar="P",
+        type=probability,
+        help="exit 1 if a mission fails unnoticed, or does harm before it stops, with more than P",
+    )
+
+
 def add_write_options(parser: argparse.ArgumentParser) -> None:
     """Add how sources are written."""
     group = parser.add_argument_group("what is written")

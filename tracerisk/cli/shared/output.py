@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from tracerisk.common.text.paper import Paper
     from tracerisk.pipeline.annotate import Annotated
     from tracerisk.pipeline.workspace.project import Projects
+    from tracerisk.prm.hybrid.assessment import MissionFigures
     from tracerisk.report.ci.sarif import Alert
 
 SCHEMA = "tracerisk"
@@ -122,6 +123,17 @@ def risk_exit(risks: Mapping[str, float], limit: float | None) -> ExitCode:
     for name, risk in over.items():
         note(f"tracerisk: {name} {risk:.4g} is over --max-failure-probability {limit:g}")
     return ExitCode.WOULD_CHANGE if over else ExitCode.FINE
+
+
+def undetected_exit(mission: MissionFigures, limit: float | None) -> ExitCode:
+    """Return 1 where the undetected failure is over the limit that was given, and print it."""
+    if limit is None or mission.undetected_or_all <= limit:
+        return ExitCode.FINE
+    note(
+        f"tracerisk: undetected failure {mission.undetected_or_all:.4g} is over "
+        f"--max-undetected-probability {limit:g}"
+    )
+    return ExitCode.WOULD_CHANGE
 
 
 def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:

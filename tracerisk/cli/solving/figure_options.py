@@ -322,6 +322,8 @@ def what_if_data(
         data["sweeps"] = [asdict(sweep) for sweep in sweeps]
     if found is not None:
         data["uncertainty"] = asdict(found)
+        if not found.undetected:
+            del data["uncertainty"]["undetected"]
     return data
 
 

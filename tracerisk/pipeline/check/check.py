@@ -118,10 +118,8 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
         findings.append(CheckFinding("gone", message, place))
     is_whole = all(finding.kind not in ("missing", "orphaned") for finding in findings)
     if is_whole:
-        is_limited = settings.max_failure_probability is not None and not findings
-        findings += _of_model(
-            controller, entry, sources, settings.max_failure_probability if is_limited else None
-        )
+        limits_of_model = {} if findings else _limits_of_model(settings)
+        findings += _of_model(controller, entry, sources, limits_of_model)
     if settings.fail_on in ("finding", "unexpected_contact"):
         findings += contact_findings(controller, entry)
     verdict = _verdict(entry, sources)
@@ -318,9 +316,9 @@ def _of_model(
     controller: Controller,
     entry: ControllerLock,
     sources: Sequence[CheckedSource],
-    max_failure_probability: float | None,
+    limits: Mapping[str, float],
 ) -> Iterable[CheckFinding]:
-    """Yield why the blocks make no model that can be solved, or one above the limit.
+    """Yield why the blocks make no model that can be solved, or one above one of the limits.
 
     What a refresh kept counts as computed. Blocks that are the tool's word alone were a model when
     they were written; they need no solving again.
@@ -330,7 +328,7 @@ def _of_model(
         for source in sources
         for one in source.placed
     }
-    if not placed or (max_failure_probability is None and _are_as_written(entry, placed)):
+    if not placed or (not limits and _are_as_written(entry, placed)):
         return
     from tracerisk.prm.hybrid.from_blocks import build_model
     from tracerisk.prm.hybrid.solve import solve_figures
@@ -346,16 +344,24 @@ def _of_model(
     except (BlockError, ModelError) as error:
         yield CheckFinding("unsolvable", error.message, error.location or place)
         return
-    if (
-        max_failure_probability is not None
-        and mission.failure_probability > max_failure_probability
-    ):
-        yield CheckFinding(
-            "over_threshold",
-            f"the mission fails with probability {mission.failure_probability:.4g}, above the "
-            f"max_failure_probability of {max_failure_probability:g}",
-            place,
-        )
+    for name, limit in limits.items():
+        is_whole = name == "max_failure_probability"
+        risk = mission.failure_probability if is_whole else mission.undetected_or_all
+        if risk > limit:
+            words = "fails" if is_whole else "fails undetected"
+            yield CheckFinding(
+                "over_threshold",
+                f"the mission {words} with probability {risk:.4g}, above the {name} of {limit:g}",
+                place,
+            )
+
+
+def _limits_of_model(settings: Settings) -> dict[str, float]:
+    limits = {
+        name: getattr(settings, name)
+        for name in ("max_failure_probability", "max_undetected_probability")
+    }
+    return {name: limit for name, limit in limits.items() if limit is not None}
 
 
 def _are_as_written(entry: ControllerLock, placed: Mapping[FunctionRef, RiskBlock]) -> bool:

@@ -33,7 +33,14 @@ _LOOKED_AT = 8000  # bytes of which git too takes a NUL as a sign that a file is
 _LIMITS = frozenset(
     {
         *("cpu_limit_s", "wall_limit_s", "stall_limit_s", "memory_limit_mb"),
-        *("max_failure_probability", "require_reason", "fail_on", "min_coverage", "sandbox"),
+        *(
+            "max_failure_probability",
+            "max_undetected_probability",
+            "require_reason",
+            "fail_on",
+            "min_coverage",
+            "sandbox",
+        ),
         "require_worlds",
         # How values are written, not what they are.
         *("blocks", "tolerance"),

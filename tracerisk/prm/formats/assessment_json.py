@@ -16,7 +16,11 @@ def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
     """
     plain: dict[str, Any] = finite(asdict(assessment))
     states: list[dict[str, Any]] = plain["states"]
-    for row in (*plain["components"], *(row for state in states for row in state["components"])):
+    unseen: list[dict[str, Any]] = plain.pop("undetected_components")
+    if unseen:
+        plain["undetected_components"] = unseen
+    of_states = (row for state in states for row in state["components"])
+    for row in (*plain["components"], *unseen, *of_states):
         # Left out: the parameter's name already holds the component.
         del row["component"]
     plain["mission"] = mission_to_json(plain["mission"])

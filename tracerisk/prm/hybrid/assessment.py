@@ -134,6 +134,12 @@ class MissionFigures:
     undetected_geometric: float | None = None
     """The same of the chain itself."""
 
+    @property
+    def undetected_or_all(self) -> float:
+        """The undetected failure; all of it where nothing is said of what follows a failure."""
+        known = self.undetected_probability
+        return self.failure_probability if known is None else known
+
     def as_geometric(self) -> MissionFigures:
         """Return the figures with the geometric reading as the one that applies."""
         failure = self.geometric_cycles
@@ -212,6 +218,9 @@ class Assessment(Displayed):
     """What a user should look at, such as functions never reached; one sentence each."""
     statement: str = FIGURE_STATEMENT
     """What the figures are and are not, for every output."""
+    undetected_components: tuple[ComponentImportance, ...] = ()
+    """Importance of the parameters for the undetected failure, the most important first; empty
+    where nothing is said of what follows a failure."""
 
     def importance(self) -> Table[ComponentImportance]:
         """Return the components as a table, whose columns are arrays."""

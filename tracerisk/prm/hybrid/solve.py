@@ -14,6 +14,7 @@ from tracerisk.prm.hybrid.assessment import (
     RENEWED_SPARES,
     Assessment,
     ComponentContribution,
+    ComponentImportance,
     MissionFigures,
     StateAssessment,
     bounded,
@@ -27,6 +28,7 @@ from tracerisk.prm.hybrid.chain_solver import (
 )
 from tracerisk.prm.hybrid.contributions import mean_drops
 from tracerisk.prm.hybrid.elements import FunctionState
+from tracerisk.prm.hybrid.fates.resolved import has_fates, undetected_model
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit, is_spare_group
 from tracerisk.prm.hybrid.hidden.hidden_states import MOST_STATES
 from tracerisk.prm.hybrid.hidden.rest_trees import tree_probability
@@ -64,7 +66,16 @@ def solve(
             for state in model.states
             if state.name not in reached
         ),
+        undetected_components=_undetected(model, limit) if with_importances else (),
     )
+
+
+def _undetected(model: HybridModel, limit: int) -> tuple[ComponentImportance, ...]:
+    """Return the importances for the undetected failure; none where nothing is known of it."""
+    if not has_fates(model):
+        return ()
+    undetected = undetected_model(model)
+    return importances(undetected, solve_mission(undetected, limit=limit))
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,12 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.hybrid.elements import DONE, FunctionState
+from tracerisk.prm.hybrid.fates.resolved import (
+    chain_model,
+    splits_of,
+    undetected_model,
+    ways_on,
+)
 from tracerisk.prm.hybrid.groups.group_chain import groups_of, states_with
 from tracerisk.prm.hybrid.hidden.hidden_states import (
     Function,
@@ -37,23 +43,63 @@ MOST_STATES = 2_000
 
 _FAILED = "failed"
 
-_Rests = Sequence[tuple[Probability, Mapping[str, "Values"]]]
-"""For each function the failure of its tree less the latent units, and its parameters."""
+_Ways = Sequence[tuple[int | str, "Values"]]
+"""What follows a visit that did not fail, functions by number, each with its probability."""
+
+_Rests = Sequence[tuple[Probability, Mapping[str, "Values"], _Ways]]
+"""For each function the failure of its tree less the latent units, its parameters, what follows."""
 
 
-def failure_samples(model: HybridModel, thetas: Mapping[str, Samples]) -> Samples:
-    """Return the mission's failure probability for each draw: (n,).
+class _Fated:
+    """What follows failures, drawn: how likely visits lead back, or end in a safe stop."""
+
+    def __init__(self, model: HybridModel, *, stops_end_well: bool) -> None:
+        self._splits = splits_of(model)
+        self._states = {state.name: state for state in model.states}
+        self._stops_end_well = stops_end_well
+        self._before = {parameter.name: parameter.theta for parameter in model.parameters}
+
+    def ways(
+        self, function: Function, number_of: Mapping[str, int], drawn: Mapping[str, Samples]
+    ) -> _Ways | None:
+        """Return what follows a visit of a function; `None` where draws change nothing of it."""
+        name = function.state.name
+        if name not in self._splits:
+            return None
+        state = self._states[name]
+        values = _values(state, self._before, drawn)
+        ways = ways_on(state, self._splits[name], values, stops_end_well=self._stops_end_well)
+        left: Values = 1.0
+        for way in ways.values():
+            left = left - way
+        steps: dict[int | str, Values] = {
+            number_of.get(step.target, DONE): left * float(step.weight) for step in state.next
+        }
+        for target, way in ways.items():
+            key = number_of.get(target, DONE)
+            steps[key] = steps[key] + way if key in steps else way
+        return tuple(steps.items())
+
+
+def failure_samples(
+    model: HybridModel, thetas: Mapping[str, Samples], *, undetected: bool = False
+) -> Samples:
+    """Return the mission's failure probability for each draw: (n,); if asked the undetected one.
 
     `thetas` gives the drawn parameters their values, (n,) each; the others keep theirs.
     Redundant groups too many to be solved at once are solved one by one, and what they add to the
     mission's failure is added up: an upper bound.
     """
-    return failure_sampler(model)(thetas)
+    return failure_sampler(model, undetected=undetected)(thetas)
 
 
-def failure_sampler(model: HybridModel) -> Callable[[Mapping[str, Samples]], Samples]:
+def failure_sampler(
+    model: HybridModel, *, undetected: bool = False
+) -> Callable[[Mapping[str, Samples]], Samples]:
     """Return `failure_samples` of a model, for block after block of draws."""
-    states = hidden_states(model, MOST_STATES)
+    solved = undetected_model(model) if undetected else chain_model(model)
+    states = hidden_states(solved, MOST_STATES)
+    fated = _Fated(model, stops_end_well=undetected) if solved is not model else None
     groups: list[HiddenStates] = []
     if states.most is not None and len(found := groups_of(states)) > 1:
         groups = [states_with(states, group) for group in found]
@@ -67,7 +113,7 @@ def failure_sampler(model: HybridModel) -> Callable[[Mapping[str, Samples]], Sam
         parts = []
         for start in range(0, len(next(iter(thetas.values()))), step):
             drawn = {name: values[start : start + step] for name, values in thetas.items()}
-            rests = _rests(states, before, drawn)
+            rests = _rests(states, before, drawn, fated)
             failed = _failed(states, rests)
             if groups:
                 more = [np.maximum(_failed(item, rests) - failed, 0.0) for item in groups]
@@ -79,14 +125,21 @@ def failure_sampler(model: HybridModel) -> Callable[[Mapping[str, Samples]], Sam
 
 
 def _rests(
-    states: HiddenStates, before: Mapping[str, float], drawn: Mapping[str, Samples]
+    states: HiddenStates,
+    before: Mapping[str, float],
+    drawn: Mapping[str, Samples],
+    fated: _Fated | None,
 ) -> _Rests:
     rests = []
+    number_of = {function.state.name: number for number, function in enumerate(states.functions)}
     for function in states.functions:
         values = _values(function.state, before, drawn)
         # Of the values only those of latent units are asked for again.
         units = {name: values[name] for name in _latent_parameters(function)}
-        rests.append((tree_samples(function.rest, values), units))
+        ways = None if fated is None else fated.ways(function, number_of, drawn)
+        if ways is None:
+            ways = [*function.steps, *([(DONE, function.done)] if function.done > 0.0 else [])]
+        rests.append((tree_samples(function.rest, values), units, ways))
     return rests
 
 
@@ -112,7 +165,7 @@ def _add_rows(
 ) -> None:
     """Add the ways out of a function in each hidden state, by (function, hidden state)."""
     function = states.functions[number]
-    rest, values = rests[number]
+    rest, values, ways = rests[number]
     units = {c: values[name] for c, name in function.parameters.items()}
     held = set(states.hidden)
     for hidden in states.hidden:
@@ -127,12 +180,10 @@ def _add_rows(
             if after not in held:
                 row[_FAILED] = row[_FAILED] + through
                 continue
-            ways = [*function.steps, (DONE, function.done)]
             for target, share in ways:
-                if share > 0.0:
-                    key = DONE if target == DONE else (target, after)
-                    way = through * share
-                    row[key] = row[key] + way if key in row else way
+                key = DONE if target == DONE else (target, after)
+                way = through * share
+                row[key] = row[key] + way if key in row else way
         rows[number, hidden] = row
 
 

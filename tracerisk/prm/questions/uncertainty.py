@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
+from tracerisk.prm.hybrid.fates.resolved import has_fates
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve_figures
 from tracerisk.prm.numbers.distributions import Distribution
@@ -98,6 +99,9 @@ class Uncertainty:
     is_weighted: bool = False
     """Whether `mean`, `standard_error` and `greatest_share` come from draws of which half were
     taken from the tails, see `tails`."""
+    undetected: tuple[float, ...] = ()
+    """The undetected failure at each level, (n_levels,); empty where nothing is said of what
+    follows a failure."""
 
     @classmethod
     def of_draws(
@@ -194,7 +198,7 @@ def propagate(
 
     failures = failure_sampler(model)
 
-    def figure(drawn: Mapping[str, Samples]) -> Samples:
+    def thetas_of(drawn: Mapping[str, Samples]) -> dict[str, Samples]:
         thetas = {}
         for name, (certain, keys) in sums.items():
             total = _at_most_one([drawn[key] for key in keys], certain)
@@ -202,10 +206,21 @@ def propagate(
                 total = np.minimum(total * (drawn[key] / usual), 1.0)
             for part, share in shares[name].items():
                 thetas[part] = total * share if share != 1.0 else total
-        return failures(thetas)
+        return thetas
 
     point = solve_figures(model).mission.geometric_cycles
-    return spread_of(figure, point, inputs, samples=samples, seed=seed)
+    spread = spread_of(
+        lambda drawn: failures(thetas_of(drawn)), point, inputs, samples=samples, seed=seed
+    )
+    if not has_fates(model):
+        return spread
+    unnoticed = failure_sampler(model, undetected=True)
+    draws = InputDraws(inputs, samples, seed)
+    if draws.are_many:
+        results, _ = in_blocks(lambda drawn: unnoticed(thetas_of(drawn)), draws)
+    else:
+        results = unnoticed(thetas_of(draws.whole(tuple(inputs))))
+    return replace(spread, undetected=percentiles_of(results))
 
 
 def spread_of(

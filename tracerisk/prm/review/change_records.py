@@ -19,12 +19,14 @@ ChangeKind = Literal[
     "probability",
     "quantity",
     "redundancy",
+    "failures",
     "component_added",
     "component_removed",
     "component_omitted",
     "component_restored",
 ]
-"""What changed: states and their `next`; a figure of a component; whether it counts at all."""
+"""What changed: states and their `next`; a figure of a component, or what follows its failures;
+whether it counts at all."""
 
 Cause = Literal["pin", "edit", "code", "hardware", "settings", "files"]
 """Why a value changed: a user's `:=`; a user's change of a `=` value; the controller's own
@@ -374,7 +376,27 @@ class RiskDiff:
 
     @property
     def _falls(self) -> bool:
-        return self.increase < 0.0 and not self.is_unchanged
+        return (self.increase < 0.0 and not self.is_same_figure) or self.undetected_increase < 0.0
+
+    @property
+    def undetected(self) -> tuple[float, float] | None:
+        """The undetected failure before and after; `None` unless both versions know it."""
+        if self.before is None or self.after is None:
+            return None
+        before, after = self.before.undetected_probability, self.after.undetected_probability
+        return None if before is None or after is None else (before, after)
+
+    @property
+    def undetected_increase(self) -> float:
+        """How much the undetected failure rose, noise left aside; 0 where it is not known."""
+        if self.undetected is None or is_noise(*self.undetected):
+            return 0.0
+        return self.undetected[1] - self.undetected[0]
+
+    @property
+    def is_credited(self) -> bool:
+        """Whether the undetected failure falls by at least as much as the mission's rises."""
+        return self.undetected_increase < 0.0 and self.increase <= -self.undetected_increase
 
     @property
     def increase(self) -> float:
@@ -390,7 +412,15 @@ class RiskDiff:
 
     @property
     def is_unchanged(self) -> bool:
-        """Whether the mission's figure is the same, noise left aside."""
+        """Whether both figures of the mission are the same, noise left aside."""
+        if not self.is_same_figure or self.before is None or self.after is None:
+            return False
+        unknown = [mission.undetected_probability is None for mission in (self.before, self.after)]
+        return unknown[0] == unknown[1] and self.undetected_increase == 0.0
+
+    @property
+    def is_same_figure(self) -> bool:
+        """Whether the mission's failure probability is the same, noise left aside."""
         if self.before is None or self.after is None:
             return False
         return is_noise(self.before.failure_probability, self.after.failure_probability)
@@ -408,6 +438,9 @@ class RiskDiff:
         if marks & {"lost_redundancy", "single_point_of_failure"}:
             return True
         before, after = self.before.failure_probability, self.after.failure_probability
+        known = self.undetected
+        if known is not None and abs(self.undetected_increase) > threshold * known[0]:
+            return True
         return abs(after - before) > threshold * before
 
 

@@ -8,7 +8,13 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
-from tracerisk.adder.blocks.values import PROBABILITY, QUANTITY, FieldKind, component_fields
+from tracerisk.adder.blocks.values import (
+    FAILURES,
+    PROBABILITY,
+    QUANTITY,
+    FieldKind,
+    component_fields,
+)
 from tracerisk.prm.review.change_records import NOISE, ChangedField, ChangeKind, is_noise, ratio_of
 from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, counted_components
@@ -58,7 +64,7 @@ def alike(items: Sequence[ComponentItem]) -> list[list[ComponentItem]]:
     for item in items:
         causes = tuple(field.causes for field in item.fields)
         key: tuple[object, ...] = (item.kind, item.field.component, causes)
-        if item.kind in ("quantity", "redundancy"):
+        if item.kind in ("quantity", "redundancy", "failures"):
             key = (*key, *((field.key, field.before, field.after) for field in item.fields))
         groups.setdefault(key, []).append(item)
     return [part for group in groups.values() for part in _by_ratio(group)]
@@ -122,6 +128,8 @@ def _fields(
                 continue
         if kind is PROBABILITY:
             items.append(_changed("probability", function, new, [(kind, before, after)]))
+        elif kind is FAILURES:
+            items.append(_changed("failures", function, new, [(kind, before, after)]))
         else:
             units.append((kind, before, after))
     if units:
@@ -155,8 +163,8 @@ def _changed(
             function=function,
             component=component,
             key=kind.key,
-            before=None if old is None else old.text,
-            after=None if new is None else new.text,
+            before=None if old is None else old.text or None,
+            after=None if new is None else new.text or None,
             location=entry.location if new is None else new.location,
         )
         for kind, old, new in values

@@ -209,6 +209,8 @@ def _component_summary(group: Sequence[ComponentItem], moved: Mapping[str, Seque
             return f"{lead}: left out by hand"
         case "component_restored":
             return f"{lead}: no longer left out"
+    if first.kind == "failures":
+        return f"{lead}: what follows a failure, {_follows(one.before)} -> {_follows(one.after)}"
     text = f"{lead}: {', '.join(map(_values, first.fields))}"
     if first.kind != "probability":
         return text
@@ -217,6 +219,10 @@ def _component_summary(group: Sequence[ComponentItem], moved: Mapping[str, Seque
     if len(group) == 1:
         return f"{text} (x{first.ratio:.4g})"
     return f"{lead}: {one.key} x{first.ratio:.4g}"
+
+
+def _follows(text: str | None) -> str:
+    return "not known" if text is None else text
 
 
 def _values(field: ChangedField) -> str:

@@ -17,6 +17,7 @@ METRICS: Mapping[str, str] = {
     "tracerisk_mission_failure_probability": "Probability that the mission fails by hardware.",
     "tracerisk_mission_failure_probability_before": "The same before the change.",
     "tracerisk_mission_failure_ratio": "The probability after the change over the one before.",
+    "tracerisk_mission_undetected_probability": "Probability that it fails undetected.",
     "tracerisk_cycle_failure_probability": "Probability that the first cycle fails by hardware.",
     "tracerisk_functions_ran": "Functions with commands that ran.",
     "tracerisk_functions": "Functions with commands.",
@@ -43,6 +44,9 @@ def mission_metrics(name: str, mission: MissionFigures) -> Iterator[Sample]:
     """Yield the figures of a controller's mission."""
     probability = mission.failure_probability
     yield Sample("tracerisk_mission_failure_probability", name, probability)
+    if mission.undetected_probability is not None:
+        undetected = mission.undetected_probability
+        yield Sample("tracerisk_mission_undetected_probability", name, undetected)
     yield Sample("tracerisk_cycle_failure_probability", name, mission.cycle_failure_probability)
 
 

@@ -242,7 +242,8 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         if diff.stale:
             return f"{diff.name} {not_assessed(diff)}; its blocks give {figure}; {_remedy(diff)}"
         return (
-            f"{diff.name} is assessed for the first time: its mission fails with {figure}{missions}"
+            f"{diff.name} is assessed for the first time: its mission fails with "
+            f"{figure}{missions}{_of_which(diff)}"
         )
     if diff.after is None:
         figure = probability(diff.before.failure_probability)
@@ -252,15 +253,16 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         return (
             f"{diff.name} {not_assessed(diff)}; its blocks give {probability(new)}; {_remedy(diff)}"
         )
-    if diff.is_unchanged:
+    if diff.is_same_figure:
         text = f"{diff.name}: mission failure is unchanged at {probability(new)}{missions}"
+        text += _of_which(diff)
         if diff.outcome is not None and diff.outcome.of_mission:
             text += f", yet the way is another: {(*diff.outcome.lost, *diff.outcome.added)[0]}"
         return text + (f", yet {_structural(diff)}{_stale(diff)}" if _structural(diff) else "")
     verb = "rises" if new > old else "falls"
     text = (
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
-        f"({ratio(old, new)}{missions})"
+        f"({ratio(old, new)}{missions}){_of_which(diff)}"
     )
     # What works against the change is not what made it.
     alike = [cause for cause in diff.causes if (cause.contribution or 0.0) * diff.increase > 0.0]
@@ -270,6 +272,25 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         if len(diff.causes) > 1 or share != "100 %":
             text += f", {share} of the {'rise' if new > old else 'fall'}"
     return text + _per_cycle(diff) + _stale(diff)
+
+
+def _of_which(diff: RiskDiff) -> str:
+    """Return what nobody notices of the mission's failure, and how that changed."""
+    if diff.undetected is not None:
+        old, new = diff.undetected
+        if diff.undetected_increase == 0.0:
+            return f", of which undetected is unchanged at {probability(new)}"
+        verb = "rises" if new > old else "falls"
+        return (
+            f", of which undetected {verb} from {probability(old)} to {probability(new)} "
+            f"({ratio(old, new)})"
+        )
+    after = None if diff.after is None else diff.after.undetected_probability
+    if after is not None:
+        return f", of which undetected is {probability(after)}"
+    if diff.before is not None and diff.before.undetected_probability is not None:
+        return ", of which it is no longer known what is undetected"
+    return ""
 
 
 def _missions(mission: MissionFigures) -> str:
@@ -381,6 +402,7 @@ def small_changes(diff: RiskDiff) -> list[RiskChange]:
         if change.contribution is not None
         and abs(change.contribution) < NOISE * max(figures, default=0.0)
         and not change.marks
+        and change.kind != "failures"
         and not {"pin", "edit"} & set(change.causes)
     ]
 

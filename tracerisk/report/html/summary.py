@@ -24,6 +24,7 @@ def lead(report: ReportInput) -> Markup:
         verdict=_verdict(report.verdict[0]) if report.verdict else (),
         reasons=report.verdict[1:],
         headline=_headline(report),
+        undetected=_undetected(report),
         cause=_cause(report),
         assumed=_assumed(report),
         band=report.band,
@@ -60,6 +61,14 @@ def _headline(report: ReportInput) -> tuple[str, str, str]:
         figures.powered(risk, digits=4),
         f"{often} missions" if often else "",
     )
+
+
+def _undetected(report: ReportInput) -> str:
+    """Return how much of that nobody notices; empty where that is not known."""
+    undetected = report.assessment.mission.undetected_probability
+    if undetected is None:
+        return ""
+    return f"Of which undetected, or with harm before the stop: {figures.powered(undetected)}."
 
 
 def _cause(report: ReportInput) -> str:

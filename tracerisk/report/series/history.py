@@ -128,11 +128,15 @@ def history_svg(histories: Mapping[str, Sequence[HistoryPoint]]) -> str:
     )
 
 
-def badge_svg(figure: float | None, verdict: Verdict | None) -> str:
-    """Return a badge: the verdict and the figure of a mission."""
+def badge_svg(
+    figure: float | None, verdict: Verdict | None, undetected: float | None = None
+) -> str:
+    """Return a badge: the verdict and the figures of a mission."""
     left = "mission failure"
     right = "no risk blocks" if figure is None else f"{figure:.2e}"
     kind = kind_of(verdict)
+    if undetected is not None:
+        right += f", undetected {undetected:.2e}"
     if figure is not None:
         right += f", {kind.removeprefix('verdict ')}"
     colour = _COLOURS.get(kind, _GREY) if figure is not None else _GREY

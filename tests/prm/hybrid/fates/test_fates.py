@@ -159,7 +159,6 @@ def random_model(draw: random.Random, *, may_lead_back: bool = True) -> HybridMo
     for name in names:
         parts: dict[str, tuple[str, ...]] = {}
         used: list[str] = [part for part in "ab" if draw.random() < 0.8] or ["a"]
-        events: dict[str, object] = {}
         top = f"{name} fails"
         inputs = list(used)
         if "a" in used and draw.random() < 0.4:
@@ -167,7 +166,6 @@ def random_model(draw: random.Random, *, may_lead_back: bool = True) -> HybridMo
         if has_pair and draw.random() < 0.7:
             inputs.append("pair")
             parts["pair"] = ("and", "pair[1]", "pair[2]")
-        del events
         trees[name] = (top, inputs, parts)
     following: dict[str, dict[str, Fraction]] = {}
     for number, name in enumerate(names):

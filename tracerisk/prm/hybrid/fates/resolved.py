@@ -9,6 +9,7 @@ All of it is our own derivation; see docs/theory.md.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
     from tracerisk.prm.numbers.distributions import Values
 
 _TINY = 1e-300
-"""Added to both halves of a ratio that may be 0 / 0, which then is 1."""
+"""Added to what is divided by where that may be 0."""
+_BELOW_ONE = 1.0 - 2.0**-53
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,17 +171,35 @@ def ways_on(
         for name, split in splits.items()
     }
     for level in levels:
-        none: Values = 1.0
+        log: Values = 0.0
         for name, split in splits.items():
             share = split.stopped if level == DONE else split.back.get(level, 0.0)
             if share > 0.0:
                 p, before = values[name], worse[name]
-                ratio = (1.0 - p * (before + share) + _TINY) / (1.0 - p * before + _TINY)
-                none = none * ratio ** units[name]
+                log = log + units[name] * _log_complement(p * share / (1.0 - p * before + _TINY))
                 worse[name] = before + share
-        ways[level] = left * (1.0 - none)
-        left = left * none
+        happens, not_so = _of_log(log)
+        ways[level] = left * happens
+        left = left * not_so
     return ways
+
+
+def _log_complement(p: Values) -> Values:
+    """Return ln(1-p), for 1 that of the double below it."""
+    if isinstance(p, float):
+        return math.log1p(-min(p, _BELOW_ONE))
+    from tracerisk.prm.numbers.arrays import np
+
+    return np.log1p(-np.minimum(p, _BELOW_ONE))
+
+
+def _of_log(log: Values) -> tuple[Values, Values]:
+    """Return a probability and its complement, of which the logarithm is given."""
+    if isinstance(log, float):
+        return 0.0 - math.expm1(log), math.exp(log)
+    from tracerisk.prm.numbers.arrays import np
+
+    return 0.0 - np.expm1(log), np.exp(log)
 
 
 def _failing_state(state: FunctionState, splits: Mapping[str, Split]) -> FunctionState:

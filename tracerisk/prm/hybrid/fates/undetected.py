@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tracerisk.prm.hybrid.fates.resolved import (
-    has_fates,
     leads_back,
     undetected_model,
     unstopped_model,
@@ -44,6 +43,3 @@ class UndetectedChain(HiddenChain):
 def bounding_model(model: HybridModel) -> HybridModel:
     """Return a model whose failure bounds the undetected one from above, to be solved by groups."""
     return undetected_model(model) if leads_back(model) else unstopped_model(model)
-
-
-__all__ = ["UndetectedChain", "bounding_model", "has_fates"]
