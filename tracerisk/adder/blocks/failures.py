@@ -108,6 +108,22 @@ def _share(text: str) -> Fraction:
     return share
 
 
+def are_close(one: FailureModes, other: FailureModes, tolerance: float) -> bool:
+    """Return whether modes say the same, and each of their shares within a relative tolerance."""
+    first, second = _flat(one), _flat(other)
+    return first.keys() == second.keys() and all(
+        abs(first[key] - second[key]) <= tolerance * first[key] for key in first
+    )
+
+
+def _flat(modes: FailureModes) -> dict[tuple[str, ...], Fraction]:
+    return {
+        (mode.name, *outcome[:3]): mode.share * outcome.share
+        for mode in modes
+        for outcome in mode.outcomes
+    }
+
+
 def failures_text(modes: FailureModes) -> str:
     """Return the text of modes, shares reduced, whatever their order: what two texts share."""
     return " | ".join(sorted(map(_mode_text, modes)))

@@ -5,10 +5,11 @@ from __future__ import annotations
 import itertools
 import math
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
+from tracerisk.adder.blocks.failures import FailureModes
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.adder.blocks.values import (
     DONE,
@@ -29,6 +30,7 @@ from tracerisk.adder.quantify.component_activity import (
     visits_of_mission,
 )
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
+from tracerisk.adder.quantify.failure_outcomes import failure_outcomes, later_functions
 from tracerisk.adder.quantify.figure_shares import ending_share, figure_shares
 from tracerisk.adder.quantify.function_use import FunctionUse
 from tracerisk.adder.quantify.groups import group_unit_probabilities
@@ -103,7 +105,14 @@ def compute_blocks(
     visits = visits_by_function(trace)
     used = [use_of(bound_component, trace, active, evidence) for bound_component in bound]
     uses = [function_uses(component_use, visits) for component_use in used]
-    entries = [_entries(*pair) for pair in zip(used, uses, strict=True)]
+    shows_in = later_functions({names[ref]: row for ref, row in counts.items()})
+    entries = [
+        _entries(
+            *pair,
+            lambda one, ref: failure_outcomes(one, evidence, visits[ref], names[ref], shows_in),
+        )
+        for pair in zip(used, uses, strict=True)
+    ]
     blocks = {}
     exposures = {}
     observed = {}
@@ -319,7 +328,9 @@ def _pinned(shares: Mapping[str, str], computed: str, name: str) -> Field[tuple[
 
 
 def _entries(
-    used: ComponentUse, uses: Mapping[FunctionRef, FunctionUse]
+    used: ComponentUse,
+    uses: Mapping[FunctionRef, FunctionUse],
+    failures: Callable[[ComponentUse, FunctionRef], Field[FailureModes]],
 ) -> dict[FunctionRef, ComponentEntry]:
     """Return what the block of each function says of a component that counts there."""
     component = used.component
@@ -329,6 +340,7 @@ def _entries(
             probability=computed_probability(value),
             quantity=computed_count(used.bound.quantity),
             redundancy=computed_redundancy(component.redundancy),
+            failures=failures(used, ref),
         )
         for ref, value in group_values(used, uses).items()
     }

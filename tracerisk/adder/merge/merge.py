@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.failures import are_close
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     FAILURES,
@@ -85,6 +86,8 @@ class Merged:
 
 def is_noise(kind: FieldKind, before: Any, value: Any, tolerance: float) -> bool:
     """Return whether a value differs from the one before by no more than noise."""
+    if kind is FAILURES:
+        return are_close(before, value, tolerance)
     return kind.is_noisy and bool(abs(value - before) <= tolerance * abs(before))
 
 

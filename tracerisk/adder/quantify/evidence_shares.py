@@ -13,6 +13,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from tracerisk.adder.quantify.probability import Term
 from tracerisk.common.evidence.cells import Cell, Evidence, Stratum
@@ -26,6 +27,25 @@ LEAST_OF_UNIT = 10
 
 Shares = tuple[float, ...]
 """The share c of each visit of the trace; empty where all of the hazard counts."""
+
+
+_KINDS = {"stopped_safely": "stopped safely", "stopped_late": "stopped late"}
+
+
+class CellOutcome(NamedTuple):
+    """What followed a drawn failure that ended the mission."""
+
+    mode: str
+    """How the unit failed."""
+    kind: str
+    """`stopped safely`, `stopped late`, or `unaware`, as blocks say it."""
+    shows_in: str
+    """The function in which the effect came first; empty for none."""
+
+    @classmethod
+    def of(cls, cell: Cell) -> CellOutcome:
+        """Return the outcome of a failing cell; what is not known to be noticed is unaware."""
+        return cls(cell.mode, _KINDS.get(cell.fate or "", "unaware"), cell.shows_in)
 
 
 def twin_units(bound: BoundComponent) -> tuple[str, ...]:
@@ -51,6 +71,17 @@ class EvidenceShares:
 
     evidence: Evidence
     """The evidence, complete or not."""
+    only: CellOutcome | None = None
+    """The outcome that counts, of failures that ended the mission; `None`: each."""
+
+    def _ends(self, cell: Cell) -> bool:
+        return cell.fails and (self.only is None or CellOutcome.of(cell) == self.only)
+
+    def outcomes(self, bound: BoundComponent, unit: str | None) -> tuple[CellOutcome, ...]:
+        """Return the outcomes of the drawn failures that may count for a unit, sorted."""
+        names = {*twin_units(bound), *([] if unit is None else [unit])}
+        cells = (cell for cell in self.evidence.cells if cell.drawn and cell.unit in names)
+        return tuple(sorted({CellOutcome.of(cell) for cell in cells if cell.fails}))
 
     @functools.cached_property
     def _shares_in_use(self) -> dict[Stratum, float]:
@@ -77,14 +108,18 @@ class EvidenceShares:
             return self._of_modes(bound, unit, term, uses)
         # Without modes, take the fault that ends the mission most often.
         tried = sorted({cell.mode for cell in self._cells(unit, is_idle)})
-        of_faults = [self._of_fault(bound, unit, fault, term, uses) for fault in tried]
+        all_of_them = replace(self, only=None)
+        of_faults = [all_of_them._of_fault(bound, unit, fault, term, uses) for fault in tried]
         if not of_faults or not all(item.ends for item in of_faults):
             return term
-        return max(of_faults, key=lambda item: math.fsum(map(item.hazard, uses)))
+        sizes = [math.fsum(map(item.hazard, uses)) for item in of_faults]
+        chosen = tried[sizes.index(max(sizes))]
+        return self._of_fault(bound, unit, chosen, term, uses)
 
     def _of_modes(self, bound: BoundComponent, unit: str, term: Term, uses: Sequence[Use]) -> Term:
         """Return a figure of all modes; one without a fault counts in full."""
-        left, shares, number = 1.0, [0.0] * len(uses), 0
+        # Of a mode without a fault no outcome is known.
+        left, shares, number = 1.0 if self.only is None else 0.0, [0.0] * len(uses), 0
         for mode in bound.component.modes:
             if mode.tried_as is None:
                 continue
@@ -121,16 +156,19 @@ class EvidenceShares:
             ]
             if not like:
                 return term
-            ends = (_pooled(like, term),) * len(uses)
+            ends = (self._pooled(like, term),) * len(uses)
             return replace(term, ends=ends, cells=(f"{fault} {is_idle}", len(like)))
         described = replace(term, cells=(f"{unit} {fault} {is_idle}", len(cells)))
         if is_idle:
-            places = [(cell.time_s - cell.active_s, cell.fails) for cell in cells]
+            places = [(cell.time_s - cell.active_s, self._ends(cell)) for cell in cells]
             shares = _nearest(places, [use.standby_s or 0.0 for use in uses])
         else:
             named = [STATES.index(s) for s in STATES if term.mode and s in term.mode.when]
             places = [
-                (sum(cell.states_s[i] for i in named) if named else cell.active_s, cell.fails)
+                (
+                    sum(cell.states_s[i] for i in named) if named else cell.active_s,
+                    self._ends(cell),
+                )
                 for cell in cells
             ]
             shares = _nearest(places, [_in_use(use, named) for use in uses])
@@ -138,17 +176,30 @@ class EvidenceShares:
         total = sum(stands_for)
         if total <= 0.0 or term.counts == "visits":
             return replace(described, ends=shares)
-        ending = sum(s for s, cell in zip(stands_for, cells, strict=True) if cell.fails)
+        ending = sum(s for s, cell in zip(stands_for, cells, strict=True) if self._ends(cell))
         hazards = [term.hazard(use) for use in uses]
         return replace(described, ends=_scaled(shares, hazards, self._kept(cells, ending / total)))
 
     def _kept(self, cells: Sequence[Cell], share: float) -> float:
         """Scale a stratum's share by the ratio of the share in figures to the share counted."""
+        if self.only is not None:
+            return share
         counted = sum(1 for cell in cells if cell.fails) / len(cells)
         kept = self._shares_in_use[cells[0].stratum]
         if kept == counted:
             return share
         return min(1.0, share * kept / counted) if counted else kept
+
+    def _pooled(self, cells: Sequence[Cell], term: Term) -> float:
+        """Return one share for cells of several units; for few cells, the upper limit."""
+        failed = sum(1 for cell in cells if self._ends(cell))
+        if len(cells) < LEAST_OF_UNIT and self.only is None:
+            return clopper_pearson(failed, len(cells))[1]
+        hazards = [_hazard(term, cell) for cell in cells]
+        total = sum(hazards)
+        if total <= 0.0:
+            return failed / len(cells)
+        return sum(h for h, cell in zip(hazards, cells, strict=True) if self._ends(cell)) / total
 
 
 def _hazard(term: Term, cell: Cell) -> float:
@@ -156,18 +207,6 @@ def _hazard(term: Term, cell: Cell) -> float:
     if term.counts == "standby":
         return cell.idle_s
     return term.hazard(Use(cell.stretch, is_active=True))
-
-
-def _pooled(cells: Sequence[Cell], term: Term) -> float:
-    """Return one share for cells of several units; for few cells, the upper confidence limit."""
-    failed = sum(1 for cell in cells if cell.fails)
-    if len(cells) < LEAST_OF_UNIT:
-        return clopper_pearson(failed, len(cells))[1]
-    hazards = [_hazard(term, cell) for cell in cells]
-    total = sum(hazards)
-    if total <= 0.0:
-        return failed / len(cells)
-    return sum(h for h, cell in zip(hazards, cells, strict=True) if cell.fails) / total
 
 
 def _scaled(shares: Shares, hazards: Sequence[float], share: float) -> Shares:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.failures import are_close
 from tracerisk.adder.blocks.values import (
     FAILURES,
     PROBABILITY,
@@ -122,6 +123,9 @@ def _fields(
         before, after = earlier.get(kind), later.get(kind)
         if before is not None and after is not None:
             if kind.same(before.value, after.value):
+                continue
+            if kind is FAILURES and are_close(before.value, after.value, NOISE):
+                noisy += 1
                 continue
             if kind.is_noisy and is_noise(before.value, after.value):
                 noisy += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -10,6 +11,7 @@ from itertools import product
 
 import pytest
 
+from tracerisk.errors import ModelError
 from tracerisk.prm.hybrid.elements import DONE, Fate, FunctionState, NextStep
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve, solve_figures
@@ -256,3 +258,230 @@ def test_without_ways_back_the_failure_of_the_mission_is_as_without_fates() -> N
         assert with_fates.failure_probability == without.failure_probability
         assert with_fates.visits_as_run == without.visits_as_run
         assert without.undetected_probability is None
+
+
+def drawn(model: HybridModel, missions: int, seed: int) -> tuple[int, int]:
+    """Return how many of so many drawn missions failed, and how many of them unnoticed."""
+    draw = random.Random(seed)
+    states = {state.name: state for state in model.states}
+    rank = {state.name: number for number, state in enumerate(model.states)}
+    failed = unseen = 0
+    for _ in range(missions):
+        now, remembered = model.entry, None
+        while True:
+            if remembered is not None and now == remembered.shows_in:
+                # The failure shows, and what follows is now known.
+                kind, target = remembered.kind, remembered.target
+                remembered = None
+            else:
+                state = states[now]
+                worst = None
+                for event in state.tree.events:
+                    if draw.random() >= state.probabilities[event.parameter]:
+                        continue
+                    fate = drawn_fate(draw, state.fates.get(event.parameter, ()))
+                    key = (LEVELS[fate.kind], rank.get(fate.target, 0))
+                    if worst is None or key < worst[0]:
+                        worst = (key, fate)
+                if worst is None:
+                    steps = state.next
+                    now = draw.choices([s.target for s in steps], [float(s.weight) for s in steps])[
+                        0
+                    ]
+                    if now == DONE:
+                        failed += remembered is not None
+                        unseen += remembered is not None
+                        break
+                    continue
+                fate = worst[1]
+                if remembered is not None:
+                    kind, target = "unaware", ""
+                elif fate.shows_in and LEVELS[fate.kind]:
+                    remembered = fate
+                    steps = state.next
+                    now = draw.choices([s.target for s in steps], [float(s.weight) for s in steps])[
+                        0
+                    ]
+                    if now == DONE:
+                        failed += 1
+                        unseen += 1
+                        break
+                    continue
+                else:
+                    kind, target = fate.kind, fate.target
+            if kind == "back":
+                now = target
+                continue
+            failed += 1
+            unseen += LEVELS[kind] == 0
+            break
+    return failed, unseen
+
+
+def drawn_fate(draw: random.Random, fates: tuple[Fate, ...]) -> Fate:
+    at = draw.random()
+    for fate in fates:
+        at -= float(fate.share)
+        if at < 0.0:
+            return fate
+    return Fate("unaware", Fraction(1))
+
+
+RECOVERING = built(
+    ["pick", "look", "place"],
+    {
+        "pick": ("pick fails", ["a"], {}),
+        "look": ("look fails", ["b"], {}),
+        "place": ("place fails", ["b"], {}),
+    },
+    {
+        "pick": {"look": Fraction(1)},
+        "look": {"place": Fraction(1)},
+        "place": {"pick": Fraction(3, 4), DONE: Fraction(1, 4)},
+    },
+    {"a": 0.04, "b": 0.02},
+)
+
+
+def with_fates(model: HybridModel, **fates: Mapping[str, tuple[Fate, ...]]) -> HybridModel:
+    states = [replace(state, fates=fates.get(state.name, {})) for state in model.states]
+    return replace(model, states=tuple(states))
+
+
+@pytest.mark.parametrize(
+    "fates",
+    [
+        {"a": (Fate("back", Fraction(3, 4), target="pick"),)},
+        {
+            "a": (
+                Fate("back", Fraction(1, 2), target="pick", shows_in="look"),
+                Fate("stopped_safely", Fraction(3, 8), shows_in="place"),
+                Fate("stopped_late", Fraction(1, 16)),
+            )
+        },
+    ],
+    ids=["retries", "shown later"],
+)
+def test_drawn_missions_fail_as_often_as_is_solved(fates: Mapping[str, tuple[Fate, ...]]) -> None:
+    missions = 100_000
+    model = with_fates(RECOVERING, pick=fates, look={"b": (Fate("stopped_safely", Fraction(1)),)})
+    mission = solve_figures(model).mission
+    for count, p in zip(
+        drawn(model, missions, 7),
+        (mission.geometric_cycles, mission.undetected_geometric or 0.0),
+        strict=True,
+    ):
+        assert abs(count / missions - p) < 3.0 * (p * (1.0 - p) / missions) ** 0.5
+
+
+def test_with_fixed_cycles_what_is_undetected_counts_over_all_of_them() -> None:
+    model = replace(
+        with_fates(RECOVERING, pick={"a": (Fate("stopped_safely", Fraction(1, 4)),)}), counted=True
+    )
+    mission = solve_figures(model).mission
+    alive, unseen = 1.0, 0.0
+    for p, noticed in [(0.04, 0.25), (0.02, 0.0), (0.02, 0.0)] * 4:
+        unseen += alive * p * (1.0 - noticed)
+        alive *= 1.0 - p
+    assert mission.reading == "fixed cycles"
+    assert mission.failure_probability == pytest.approx(1.0 - alive, rel=1e-12)
+    assert mission.undetected_probability == pytest.approx(unseen, rel=1e-12)
+
+
+def split(model: HybridModel, name: str, share: float) -> HybridModel:
+    """Return a model in which a function is two, the second after the first."""
+    more = f"{name}_rest"
+    states = []
+    for state in model.states:
+        if state.name != name:
+            states.append(state)
+            continue
+        first = {key: -math.expm1(share * math.log1p(-p)) for key, p in state.probabilities.items()}
+        second = {
+            key: -math.expm1((1 - share) * math.log1p(-p)) for key, p in state.probabilities.items()
+        }
+        states.append(replace(state, probabilities=first, next=(NextStep(more, Fraction(1)),)))
+        states.append(replace(state, name=more, probabilities=second))
+    numbered = [replace(state, call_sequence=rank) for rank, state in enumerate(states, 1)]
+    return replace(model, states=tuple(numbered))
+
+
+@pytest.mark.parametrize("rewriting", range(20))
+def test_the_law_of_refactoring_holds_for_both_figures(rewriting: int) -> None:
+    draw = random.Random(rewriting)
+    fates = {
+        "a": (
+            Fate("stopped_safely", Fraction(1, 3)),
+            Fate("back", Fraction(1, 5), target="pick", shows_in="place"),
+            Fate("stopped_safely", Fraction(1, 7), shows_in="look"),
+        )
+    }
+    values = {"a": 4e-6, "b": 7e-7}
+    model = with_fates(RECOVERING, pick=fates, look={"b": (Fate("stopped_safely", Fraction(1)),)})
+    model = replace(
+        model,
+        states=tuple(
+            replace(state, probabilities={key: values[key] for key in state.probabilities})
+            for state in model.states
+        ),
+    )
+    before = solve_figures(model).mission
+    for _ in range(draw.randint(1, 4)):
+        name = draw.choice([state.name for state in model.states])
+        if f"{name}_rest" not in {state.name for state in model.states}:
+            model = split(model, name, draw.uniform(0.1, 0.9))
+    after = solve_figures(model).mission
+    assert after.failure_probability == pytest.approx(before.failure_probability, rel=1e-4)
+    assert after.undetected_probability == pytest.approx(before.undetected_probability, rel=1e-4)
+
+
+def test_a_redundant_unit_cannot_have_fates() -> None:
+    model = built(
+        ["f"],
+        {"f": ("f fails", ["pair"], {"pair": ("and", "pair[1]", "pair[2]")})},
+        {"f": {DONE: Fraction(1)}},
+        {"pair": 0.1},
+    )
+    with pytest.raises(ModelError, match="where each unit is needed"):
+        with_fates(model, f={"pair": (Fate("unaware", Fraction(1)),)})
+
+
+@pytest.mark.parametrize(
+    ("fate", "message"),
+    [
+        (Fate("back", Fraction(1), target="gone"), "'gone' is not a state"),
+        (Fate("back", Fraction(1)), "'back' with the target ''"),
+        (Fate("unaware", Fraction(3, 2)), "may sum to 1 at most"),
+    ],
+)
+def test_fates_that_make_no_sense_are_named(fate: Fate, message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        with_fates(RECOVERING, pick={"a": (fate,)})
+
+
+def test_draws_of_the_parameters_give_what_each_gives_alone() -> None:
+    import numpy as np
+
+    from tracerisk.prm.questions.sampled_mission import failure_samples
+    from tracerisk.prm.questions.set_values import with_values
+
+    draw = random.Random(3)
+    for _ in range(60):
+        model = random_model(draw)
+        if shown(model) or not any(state.fates for state in model.states):
+            continue
+        values = {
+            p.name: np.array([p.theta * 0.3, p.theta, p.theta * 0.8]) for p in model.parameters
+        }
+        for undetected in (False, True):
+            samples = failure_samples(model, values, undetected=undetected)
+            for number in range(3):
+                one = solve_figures(
+                    with_values(model, {name: float(row[number]) for name, row in values.items()})
+                ).mission
+                alone = one.undetected_geometric if undetected else one.geometric_cycles
+                assert samples[number] == pytest.approx(alone, rel=1e-9)
+
+
+def shown(model: HybridModel) -> bool:
+    return any(f.shows_in for s in model.states for fs in s.fates.values() for f in fs)

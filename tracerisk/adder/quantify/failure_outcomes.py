@@ -1,0 +1,102 @@
+"""What follows the failures that end a mission, function by function, as evidence shows it.
+
+Each failing cell stands for the same stretch of its unit's use as in `evidence_shares`. The share
+of an outcome in a function is that of the hazard near cells with this outcome; so what it adds up
+to over a mission does not depend on how the run is divided into functions.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+from tracerisk.adder.blocks.block import Field
+from tracerisk.adder.blocks.computed_failures import ShareTexts, failures_of
+from tracerisk.adder.blocks.failures import FailureModes
+from tracerisk.adder.blocks.values import DONE
+from tracerisk.adder.quantify.component_activity import ComponentUse, FunctionVisits, UnitUse
+from tracerisk.adder.quantify.evidence_shares import CellOutcome, EvidenceShares
+from tracerisk.adder.quantify.probability import Term
+from tracerisk.common.strong_components import reached
+
+ShowsIn = Callable[[str, str], str]
+"""Returns the later function in which a failure shows, by both names; empty for at once."""
+
+
+def failure_outcomes(
+    used: ComponentUse,
+    evidence: EvidenceShares | None,
+    here: FunctionVisits,
+    name: str,
+    shows_in: ShowsIn,
+) -> Field[FailureModes]:
+    """Return what follows the failures of a component in one function.
+
+    Nothing is said of redundant units, without evidence that figures take, and where its file is of
+    an earlier version. What is known of no cell is left out of the shares, and is undetected.
+    Raises UnknownUseError where the trace does not hold what a figure needs.
+    """
+    unsaid: Field[FailureModes] = Field((), "")
+    if evidence is None or not evidence.evidence.counts or not evidence.evidence.has_fates:
+        return unsaid
+    if used.component.redundancy.is_redundant and used.bound.quantity > 1:
+        return unsaid
+    whole = known = 0.0
+    found: dict[CellOutcome, float] = {}
+    for unit, count in _distinct(used.units):
+        now = [_hazard(unit, here, [term]) for term in unit.terms]
+        whole += count * math.fsum(now)
+        known += count * math.fsum(
+            hazard for hazard, term in zip(now, unit.terms, strict=True) if term.ends
+        )
+        plain = [replace(term, ends=()) for term in unit.terms]
+        for outcome in evidence.outcomes(used.bound, unit.element):
+            only = replace(evidence, only=outcome)
+            terms = only.applied(used.bound, unit.element, plain, unit.uses)
+            hazard = _hazard(unit, here, [term for term in terms if term.ends])
+            key = outcome._replace(shows_in=shows_in(name, outcome.shows_in))
+            found[key] = found.get(key, 0.0) + count * hazard
+    ending = math.fsum(found.values())
+    if not (ending > 0.0 and 0.0 < known <= whole < math.inf):
+        return unsaid
+    shares: ShareTexts = {}
+    for outcome, hazard in sorted(found.items()):
+        if hazard > 0.0:
+            row = shares.setdefault(outcome.mode, {})
+            row[outcome.kind, outcome.shows_in] = known / whole * hazard / ending
+    return failures_of(shares)
+
+
+def _distinct(units: Sequence[UnitUse]) -> list[tuple[UnitUse, int]]:
+    """Return the units with how many share each, for those of one element are the same."""
+    counts: dict[int, tuple[UnitUse, int]] = {}
+    for unit in units:
+        counts[id(unit)] = (unit, counts.get(id(unit), (unit, 0))[1] + 1)
+    return list(counts.values())
+
+
+def _hazard(unit: UnitUse, here: FunctionVisits, terms: Sequence[Term]) -> float:
+    return math.fsum(
+        float(comes) * replace(unit, terms=tuple(terms)).hazard(visit)
+        for visit, comes in zip(here.numbers, here.times, strict=True)
+    )
+
+
+def later_functions(following: Mapping[str, Mapping[str, int]]) -> ShowsIn:
+    """Return which function a failure shows in, where each mission comes to it; else empty.
+
+    `following` counts what followed each function. Where a mission may end before, as in its last
+    cycle, the failure counts as one that shows at once.
+    """
+
+    def shows_in(name: str, later: str) -> str:
+        if later == name or later not in following or name not in following:
+            return ""
+        on = reached(
+            list(following[name]),
+            lambda function: () if function in (later, DONE) else list(following[function]),
+        )
+        return "" if DONE in on else later
+
+    return shows_in
