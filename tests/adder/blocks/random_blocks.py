@@ -3,6 +3,7 @@
 from hypothesis import strategies as st
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.failures import read_failures
 from tracerisk.adder.blocks.values import (
     computed_count,
     computed_next,
@@ -78,6 +79,32 @@ def transitions(draw):
     return computed_next({target: draw(st.integers(1, 50)) for target in targets})
 
 
+modes = st.sampled_from(["dead", "no power", "1/2", "stuck(half)"])
+kinds = st.sampled_from(["stopped safely", "stopped late", "unaware"])
+
+
+@st.composite
+def failure_modes(draw):
+    said = []
+    for name in draw(st.lists(modes, min_size=1, max_size=3, unique=True)):
+        outcomes = draw(
+            st.lists(
+                st.tuples(
+                    kinds | function_names.map(lambda target: f"back to {target}"),
+                    st.just("") | function_names.map(lambda later: f" in {later}"),
+                ),
+                min_size=1,
+                max_size=3,
+                unique=True,
+            )
+        )
+        share = f"1/{len(outcomes)}"
+        parts = [f"{kind}{later} {share}" for kind, later in outcomes]
+        said.append(f"{name} {draw(st.sampled_from(['1/4', '.1', '0.25']))}: {', '.join(parts)}")
+    text = " | ".join(said)
+    return Field(read_failures(text), text)
+
+
 @st.composite
 def components(draw):
     mark = draw(st.sampled_from(["", "added", "omitted"]))
@@ -90,6 +117,7 @@ def components(draw):
         added=mark == "added",
         omitted=mark == "omitted",
         reason=draw(reasons) if mark else None,
+        failures=draw(st.just(Field((), "")) | pinned(failure_modes())),
     )
 
 

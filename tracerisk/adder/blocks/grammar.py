@@ -19,7 +19,7 @@ from tracerisk.adder.blocks.sections import print_sections, read_sections
 from tracerisk.config import BlockForm
 from tracerisk.errors import BlockError, Location
 
-DIGEST = "[0-9A-Za-z]{6}(?:-[0-9A-Za-z]{6})*"
+DIGEST = "[0-9A-Za-z]{6}(?:-[0-9A-Za-z]{6}(?:[0-9A-Za-z]{2})?)*"
 """What may follow the header: see `adder/lock/digest.py`."""
 
 WITH_EVIDENCE = "with evidence"
