@@ -211,3 +211,62 @@ def test_a_small_change_is_reported_only_where_a_reviewer_must_see_it(
     outcome = repository.run("diff", "--silent-below", threshold, "--format", form)
     assert outcome.code == 0, outcome.err
     assert bool(outcome.out) == is_reported
+
+
+@pytest.fixture
+def checked(repository, steps):
+    """A repository in which a check is added: more missions fail, fewer of them unnoticed."""
+    section = (
+        "    # | @Failure {{\n    # |   component = gripper\n"
+        "    # |   mode := dead 1: stopped safely {}, unaware {}\n    # | }}\n"
+    )
+
+    def source(gripper, *shares):
+        head, place = steps(gripper=gripper).split("def place")
+        body, closed, rest = place.rpartition("    # | }\n")
+        return f"{head}def place{body}{closed}{section.format(*shares)}{rest}"
+
+    repository.write("pick.py", source("= 2e-07", "1/10", "9/10"))
+    repository.commit()
+    repository.write("pick.py", source("= 2.5e-07", "9/10", "1/10"))
+    return repository
+
+
+def test_the_sentence_credits_a_check(checked):
+    outcome = checked.run("diff")
+    said = " ".join(outcome.out.split())
+    assert said.startswith(
+        "pick.py: mission failure rises from 3.410e-06 to 3.910e-06 (x1.15), of which undetected "
+        "falls from 3.210e-06 to 1.660e-06 (x0.517), mostly through gripper in place"
+    )
+
+
+def test_a_check_passes_the_limit_on_the_increase(checked, steps):
+    assert checked.run("diff", "--max-increase", "0.1").code == 0
+    checked.write("pick.py", steps(gripper="= 2.5e-07"))
+    outcome = checked.run("diff", "--max-increase", "0.1")
+    assert outcome.code == 1
+    assert "mission failure rises by 14.7 %, over --max-increase 0.1" in outcome.err
+
+
+def test_a_check_that_is_removed_fails_it(checked):
+    later = checked.read("pick.py")
+    checked.commit()
+    checked.write(
+        "pick.py", later.replace(b"safely 9/10, unaware 1/10", b"safely 1/9, unaware 8/9")
+    )
+    outcome = checked.run("diff", "--max-increase", "0.1")
+    assert outcome.code == 1
+    assert "undetected failure rises by" in outcome.err
+
+
+def test_the_undetected_failure_has_a_limit_of_its_own(checked):
+    assert checked.run("diff", "--max-undetected-probability", "2e-6").code == 0
+    outcome = checked.run("diff", "--max-undetected-probability", "1e-6")
+    assert outcome.code == 1
+    assert "undetected failure 1.66e-06 is over --max-undetected-probability 1e-06" in outcome.err
+    outcome = checked.run("solve", "pick.py", "--max-undetected-probability", "1e-6", "--json")
+    assert outcome.code == 1
+    assert outcome.json["assessment"]["mission"]["undetected_probability"] == pytest.approx(
+        1.66e-6, rel=1e-3
+    )

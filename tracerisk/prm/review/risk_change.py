@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import RiskBlock
+from tracerisk.adder.blocks.failures import read_failures
 from tracerisk.adder.blocks.values import NEXT, block_fields
 from tracerisk.prm.review.change_records import (
     ENTRY,
@@ -210,7 +211,7 @@ def _component_summary(group: Sequence[ComponentItem], moved: Mapping[str, Seque
         case "component_restored":
             return f"{lead}: no longer left out"
     if first.kind == "failures":
-        return f"{lead}: what follows a failure, {_follows(one.before)} -> {_follows(one.after)}"
+        return f"{lead}: of its failures {_unseen(one.before)} -> {_unseen(one.after)} undetected"
     text = f"{lead}: {', '.join(map(_values, first.fields))}"
     if first.kind != "probability":
         return text
@@ -221,8 +222,16 @@ def _component_summary(group: Sequence[ComponentItem], moved: Mapping[str, Seque
     return f"{lead}: {one.key} x{first.ratio:.4g}"
 
 
-def _follows(text: str | None) -> str:
-    return "not known" if text is None else text
+def _unseen(text: str | None) -> str:
+    """Return which share of a component's failures nobody notices, by what follows them."""
+    modes = () if text is None else read_failures(text)
+    noticed = sum(
+        float(mode.share * outcome.share)
+        for mode in modes
+        for outcome in mode.outcomes
+        if outcome.kind in ("stopped safely", "back")
+    )
+    return f"{100.0 * (1.0 - noticed):.3g} %"
 
 
 def _values(field: ChangedField) -> str:
