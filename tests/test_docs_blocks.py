@@ -52,7 +52,18 @@ def test_the_compact_form_shown_says_the_same_as_the_published_one():
     assert [line.rstrip() for line in example.splitlines()] == lines
     assert in_form(compact.encode(), "blocks.md", "published") == source
     assert {line.split()[0] for line in grammar.splitlines() if "=" in line[:12]} == {
-        *("block", "function", "step", "component", "values", "units", "comment", "more"),
+        *(
+            "block",
+            "function",
+            "step",
+            "component",
+            "mode",
+            "outcome",
+            "values",
+            "units",
+            "comment",
+            "more",
+        ),
     }
 
 
@@ -65,6 +76,8 @@ COMPACT_LINES = re.findall(
 def test_each_line_of_the_compact_form_is_read(line):
     if line.startswith("place"):
         rows = [line]
+    elif line.startswith("->"):
+        rows = ["place 2", "gripper 2e-07 1", line]
     elif "!" in line:
         rows = ["place 2", "gripper := 2e-07 := 1 of 2 ! short", line]
         rows = [rows[0], f"{rows[1].partition('!')[0]}{line}"] if line.startswith("!") else rows

@@ -20,6 +20,7 @@ from tracerisk.adder.blocks.values import (
     profile_next,
 )
 from tracerisk.adder.figures.assumptions import assumptions_of
+from tracerisk.adder.figures.failure_outcomes import failure_outcomes, later_functions
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
 from tracerisk.adder.quantify.component_activity import (
     ComponentUse,
@@ -30,7 +31,6 @@ from tracerisk.adder.quantify.component_activity import (
     visits_of_mission,
 )
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
-from tracerisk.adder.quantify.failure_outcomes import failure_outcomes, later_functions
 from tracerisk.adder.quantify.figure_shares import ending_share, figure_shares
 from tracerisk.adder.quantify.function_use import FunctionUse
 from tracerisk.adder.quantify.groups import group_unit_probabilities

@@ -126,7 +126,10 @@ def _converted(
 
 
 def _note_fates(model: HybridModel, target: ModelFormat, options: argparse.Namespace) -> None:
-    """Say what a format without a chain leaves out; raise ModelError where that moves a figure."""
+    """Print what a format without a chain leaves out.
+
+    Raises ModelError where that would move a figure.
+    """
     from tracerisk.prm.hybrid.fates.resolved import has_fates, leads_back
 
     if not has_fates(model):

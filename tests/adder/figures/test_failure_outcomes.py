@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from tracerisk.adder.figures.computed import compute_blocks
+from tracerisk.adder.figures.failure_outcomes import later_functions
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
-from tracerisk.adder.quantify.failure_outcomes import later_functions
 from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.model import (
