@@ -49,6 +49,7 @@ def run(options: argparse.Namespace) -> int:
         from tracerisk.cli.solving.model_file import solve_model_file
 
         _forbid_hardware(options)
+        _forbid_undetected(options)
         return solve_model_file(options.files, kind, options)
     if options.properties or options.property_file is not None:
         raise InputError("--property goes with chains: PRISM files and .tra files")
@@ -60,6 +61,7 @@ def run(options: argparse.Namespace) -> int:
         from tracerisk.cli.solving.linked import solve_linked
 
         _forbid_hardware(options)
+        _forbid_undetected(options)
         if options.profile:
             raise InputError("--profile goes with sources; a linked model has its own chains")
         if options.pairs:
@@ -107,6 +109,14 @@ def run(options: argparse.Namespace) -> int:
             assessment, sweeps, uncertainty, importance=options.importance, pairs=pairs
         )
     return int(code)
+
+
+def _forbid_undetected(options: argparse.Namespace) -> None:
+    if options.max_undetected_probability is not None:
+        raise InputError(
+            "--max-undetected-probability goes with models of functions, whose blocks say what "
+            "follows a failure; leave it out"
+        )
 
 
 def _forbid_hardware(options: argparse.Namespace) -> None:
