@@ -181,6 +181,9 @@ class Contact:
     """The greatest normal force [N]."""
     expected: bool
     """Whether the other body is grasped, or meant to be."""
+    from_grasp_s: float | None = None
+    """How long before (negative) or after its gripper holds the other body the touch is [s]:
+    zero while it is held; `None` where it never is."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -335,6 +335,28 @@ def test_a_contact_that_the_earlier_run_did_not_show_is_reported_whatever_the_fi
     assert "- finger and table touch in place" in render_diff_markdown(found)
 
 
+def bump(from_grasp_s, *, force=30.1, expected=False):
+    touches = {"number": 1, "force_n": force, "touching_s": 0.04, "start_s": 6.0}
+    kind = "expected" if expected else "unexpected"
+    own = {kind: {**touches, "from_grasp_s": from_grasp_s}}
+    pair = {"hand.py": {"place": {"palm": {"tube": own}}}}
+    contacts = {} if expected else {"hand.py": {"place": [["palm", "tube"]]}}
+    return {"unexpected_contacts": contacts, "touches": pair}
+
+
+def test_a_touch_that_a_longer_wait_parts_from_its_grasp_is_no_news(showed):
+    found = showed(bump(-0.7, expected=True), bump(-1.5), code="LATER = 1\n")
+    assert only(found).of_run == ()
+
+
+def test_a_harder_touch_before_the_grasp_is_news_with_its_force_and_time(showed):
+    found = showed(bump(-0.7, expected=True), bump(-1.5, force=60.0), code="LATER = 1\n")
+    assert only(found).of_run == (
+        "palm and tube touch in place, which was not to be expected: up to 60 N, 0.04 s, at 6.0 s, "
+        "1.5 s before it is held",
+    )
+
+
 def test_a_contact_that_the_earlier_run_showed_too_is_not_reported_again(showed):
     found = showed(TOUCH, TOUCH, code="LATER = 1\n")
     assert only(found).of_run == ()

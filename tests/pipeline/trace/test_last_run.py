@@ -8,8 +8,11 @@ import pytest
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.verdict import Uncovered
 from tracerisk.pipeline.trace.last_run import (
+    Touches,
     UnexpectedContact,
+    contact_text,
     kept_contacts,
+    kept_touches,
     kept_uncovered,
     last_run_summary,
 )
@@ -20,8 +23,8 @@ def ref(name, file="arm.py"):
     return FunctionRef(file, QualifiedName(name))
 
 
-def touch(link, other, *, expected=False, force=3.0):
-    return Contact(link, other, 1.0, 0.5, force, expected)
+def touch(link, other, *, expected=False, force=3.0, from_grasp_s=None):
+    return Contact(link, other, 1.0, 0.5, force, expected, from_grasp_s)
 
 
 def visit(name, *contacts, file="arm.py"):
@@ -54,8 +57,14 @@ NEVER = (
 )
 
 
-def test_names_and_bodies_are_kept_sorted_without_times_and_forces():
-    assert last_run_summary(trace(VISITS, NEVER)) == {
+def test_names_and_bodies_are_kept_sorted_and_how_they_touched_beside_them():
+    summary = last_run_summary(trace(VISITS, NEVER))
+    touches = summary.pop("touches")
+    assert list(touches) == ["arm.py", "other.py"]
+    assert touches["arm.py"]["place"]["hand"]["table"] == {
+        "unexpected": {"number": 2, "force_n": 3.0, "touching_s": 1.0, "start_s": 1.0}
+    }
+    assert summary == {
         "uncovered": {"arm.py": ["Node.back", "recover"], "b.py": ["recover"]},
         "unexpected_contacts": {
             "arm.py": {
@@ -96,12 +105,50 @@ def test_what_is_kept_is_read_back():
 
 @pytest.mark.parametrize("value", [None, 3, "x", [], ["x"], {"a": 1}, {"a": [3]}, {"a": {"f": 2}}])
 def test_what_a_person_made_of_the_lock_is_left_out(value):
-    summary = {"uncovered": value, "unexpected_contacts": value}
+    summary = {"uncovered": value, "unexpected_contacts": value, "touches": value}
     assert kept_uncovered(summary) == ()
     assert kept_contacts(summary) == ()
+    pair = UnexpectedContact(ref("f", "a"), "hand", "table")
+    assert kept_touches(summary, pair) == (None, None)
 
 
 def test_a_pair_of_more_or_fewer_bodies_is_left_out():
     pairs = [["hand"], ["hand", "table", "rack"], ["hand", 3], "ab", ["hand", "table"]]
     found = kept_contacts({"unexpected_contacts": {"arm.py": {"place": pairs}}})
     assert found == (UnexpectedContact(ref("place"), "hand", "table"),)
+
+
+def test_a_touch_of_what_is_grasped_is_kept_though_it_was_expected():
+    grasp = touch("palm", "tube", expected=True, force=30.1, from_grasp_s=-0.7)
+    summary = last_run_summary(trace([visit("pick", grasp)]))
+    assert list(summary) == ["touches"]
+    kept = kept_touches(summary, UnexpectedContact(ref("pick"), "palm", "tube"))
+    assert kept == (Touches(1, 30.1, 0.5, 1.0, -0.7), None)
+    other = UnexpectedContact(ref("place"), "palm", "tube")
+    assert kept_touches(summary, other) == (None, None)
+
+
+def test_a_contact_is_named_with_force_time_and_its_distance_from_the_grasp():
+    bump = touch("palm", "tube", force=30.1, from_grasp_s=-1.5)
+    grasp = touch("palm", "tube", force=70.0, expected=True, from_grasp_s=0.0)
+    (kept,) = kept_contacts(last_run_summary(trace([visit("pick", bump, grasp)])))
+    assert str(kept) == (
+        "palm and tube touched in pick, which was not to be expected: up to 30 N, 0.50 s, at "
+        "1.0 s, 1.5 s before it is held"
+    )
+    text = contact_text(kept, [bump], {"palm"})
+    assert text == "palm touches tube in pick: up to 30 N, 0.50 s, 1.5 s before it is held"
+
+
+@pytest.mark.parametrize(
+    ("now", "is_same"),
+    [
+        (Touches(1, 30.0, 0.04, 9.0, -1.5), True),
+        (Touches(1, 30.0, 0.04, 9.0), False),  # it is grasped no more
+        (Touches(2, 30.0, 0.04, 9.0, -1.5), False),  # it is bumped into, then grasped
+        (Touches(1, 60.0, 0.04, 9.0, -1.5), False),
+        (Touches(1, 30.0, 2.0, 9.0, -1.5), False),
+    ],
+)
+def test_touches_are_the_same_by_number_force_and_duration_whatever_their_class(now, is_same):
+    assert now.are_of_grasp_as(Touches(1, 30.1, 0.036, 6.0, -0.7)) == is_same

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.pipeline.review.controllers import ControllerVersion
-from tracerisk.pipeline.trace.last_run import kept_contacts, kept_uncovered
+from tracerisk.pipeline.trace.last_run import kept_contacts, kept_touches, kept_uncovered
 
 if TYPE_CHECKING:
     from tracerisk.common.evidence.cells import Cell, Evidence
@@ -103,16 +105,20 @@ def _differ(before: Sequence[Cell], after: Sequence[Cell]) -> bool:
 def _new(
     old: Mapping[str, object], new: Mapping[str, object], renamed: Mapping[str, str]
 ) -> Iterator[str]:
-    touched = {
-        (
-            renamed.get(unexpected_contact.function.name, unexpected_contact.function.name),
-            unexpected_contact.bodies,
-        )
-        for unexpected_contact in kept_contacts(old)
+    known = {
+        (renamed.get(contact.function.name, contact.function.name), contact.bodies)
+        for contact in kept_contacts(old)
     }
+    earlier_name = {now: was for was, now in renamed.items()}
     for contact in kept_contacts(new):
-        if (contact.function.name, contact.bodies) not in touched:
-            yield f"{contact.bodies} touch in {contact.function.name}, which was not to be expected"
+        name = contact.function.name
+        if (name, contact.bodies) in known:
+            continue
+        earlier = FunctionRef(contact.function.file, QualifiedName(earlier_name.get(name, name)))
+        before, _ = kept_touches(old, replace(contact, function=earlier))
+        now, _ = kept_touches(new, contact)
+        if before is None or now is None or not now.are_of_grasp_as(before):
+            yield f"{contact.bodies} touch in {name}, which was not to be expected{contact.how}"
     uncovered = {
         renamed.get(function_ref.name, function_ref.name) for function_ref in kept_uncovered(old)
     }

@@ -1,22 +1,84 @@
 """What a reviewer should see of the last run without running anything, as the lock keeps it.
 
-Motions that never ran, and contacts that were not to be: which functions and bodies, without
-the times and forces that vary with every change.
+Motions that never ran, and contacts that were not to be: which functions and bodies. Beside the
+contacts stand those of a hand with what it grasps, for whether they were to be hangs on the time.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.text.plain_data import MismatchError, read_plain
 
 if TYPE_CHECKING:
     from tracerisk.trace import Contact, Trace, Visit
 
-_UNCOVERED, _CONTACTS = "uncovered", "unexpected_contacts"
+_UNCOVERED, _CONTACTS, _TOUCHES = "uncovered", "unexpected_contacts", "touches"
 _WHOLE_N = 10.0  # forces from here on are given in whole newtons
+_ALIKE = 0.2
+"""The share by which two touches may differ in force and duration, and be the same."""
+_ALIKE_S = 0.02
+"""The time by which their durations may differ beside that [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Touches:
+    """How two bodies touched in the visits of a function, expected or not."""
+
+    number: int
+    """How many contacts of visits they had."""
+    force_n: float
+    """The greatest normal force [N]."""
+    touching_s: float
+    """For how long they touched, over all visits [s]."""
+    start_s: float
+    """When they first touched, in simulated time [s]."""
+    from_grasp_s: float | None = None
+    """How long before (negative) or after the grasp of the other body [s]; `None` for no grasp."""
+
+    @classmethod
+    def of(cls, contacts: Iterable[Contact]) -> Touches:
+        """Return how the two bodies of all of the contacts touched."""
+        return cls.joined(
+            cls(1, touch.force_n, touch.touching_s, touch.start_s, touch.from_grasp_s)
+            for touch in contacts
+        )
+
+    @classmethod
+    def joined(cls, parts: Iterable[Touches]) -> Touches:
+        """Return touches of the same bodies as one."""
+        each = tuple(parts)
+        gaps = [gap for part in each if (gap := part.from_grasp_s) is not None]
+        nearest = min(gaps, key=lambda gap: (abs(gap), gap), default=None)
+        return cls(
+            sum(part.number for part in each),
+            float(f"{max(part.force_n for part in each):.3g}"),
+            round(math.fsum(part.touching_s for part in each), 3),
+            round(min(part.start_s for part in each), 3),
+            None if nearest is None else round(nearest, 3),
+        )
+
+    def are_of_grasp_as(self, other: Touches) -> bool:
+        """Return whether these are the touches of the other run, at most at another time.
+
+        A hand that bumps into a thing and grasps it has one contact more than one that grasps it.
+        """
+        return (
+            self.from_grasp_s is not None
+            and self.number == other.number
+            and math.isclose(self.force_n, other.force_n, rel_tol=_ALIKE)
+            and math.isclose(self.touching_s, other.touching_s, rel_tol=_ALIKE, abs_tol=_ALIKE_S)
+        )
+
+    @property
+    def words(self) -> str:
+        """How hard, how long and when they touched, as in `up to 30 N, 0.04 s, at 6.1 s`."""
+        force = f"up to {_newtons(self.force_n)} N, " if self.force_n else ""
+        return f"{force}{self.touching_s:.2f} s, at {self.start_s:.1f} s{grasp_text(self)}"
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -29,14 +91,22 @@ class UnexpectedContact:
     """The link, or the thing held."""
     other: str
     """The body that it touched."""
+    touches: Touches | None = field(default=None, compare=False)
+    """How they touched; `None` where the lock does not say so."""
 
     @property
     def bodies(self) -> str:
         """The two bodies in words, which distinguish the contacts of one function."""
         return f"{self.link} and {self.other}"
 
+    @property
+    def how(self) -> str:
+        """How they touched, behind a colon; empty where the lock does not say so."""
+        return "" if self.touches is None else f": {self.touches.words}"
+
     def __str__(self) -> str:
-        return f"{self.bodies} touched in {self.function.name}, which was not to be expected"
+        place = self.function.name
+        return f"{self.bodies} touched in {place}, which was not to be expected{self.how}"
 
 
 def unexpected_contacts(visits: Iterable[Visit]) -> dict[UnexpectedContact, list[Contact]]:
@@ -63,16 +133,28 @@ def contact_text(
             f"{visits}; its force is not simulated"
         )
     force = max(touch.force_n for touch in touches)
-    text = f"{force:.0f}" if force >= _WHOLE_N else f"{force:.2g}"
     what = link if link in links else f"{link}, which is held,"
-    return f"{what} touches {other} in {function}: up to {text} N, {seconds:.2f} s{visits}"
+    text = f"up to {_newtons(force)} N, {seconds:.2f} s{visits}"
+    return f"{what} touches {other} in {function}: {text}{grasp_text(Touches.of(touches))}"
+
+
+def grasp_text(touches: Touches) -> str:
+    """Return how far from the grasp of the other body touches were; empty where it has none."""
+    gap = touches.from_grasp_s
+    if gap is None:
+        return ""
+    return f", {abs(gap):.1f} s {'before' if gap < 0.0 else 'after'} it is held"
+
+
+def _newtons(force: float) -> str:
+    return f"{force:.0f}" if force >= _WHOLE_N else f"{force:.2g}"
 
 
 def last_run_summary(trace: Trace) -> dict[str, Any]:
     """Return what the lock keeps, sorted; nothing where there is nothing to see.
 
     By file the names of the functions that never ran, and by file and function the pairs of
-    bodies that touched.
+    bodies that touched, and how they did.
     """
     uncovered: dict[str, list[str]] = {}
     for ref in sorted({item.ref for item in trace.uncovered}):
@@ -83,8 +165,54 @@ def last_run_summary(trace: Trace) -> dict[str, Any]:
         functions.setdefault(unexpected_contact.function.name, []).append(
             [unexpected_contact.link, unexpected_contact.other]
         )
-    table = {_UNCOVERED: uncovered, _CONTACTS: contacts}
+    touches: dict[str, dict[str, dict[str, Any]]] = {}
+    for pair, own in sorted(_told(trace.visits).items()):
+        functions_of = touches.setdefault(pair.function.file, {})
+        functions_of.setdefault(pair.function.name, {}).setdefault(pair.link, {})[pair.other] = {
+            _kind(expected): _as_kept(Touches.of(c for c in own if c.expected == expected))
+            for expected in sorted({contact.expected for contact in own})
+        }
+    table = {_UNCOVERED: uncovered, _CONTACTS: contacts, _TOUCHES: touches}
     return {key: value for key, value in table.items() if value}
+
+
+def _told(visits: Iterable[Visit]) -> dict[UnexpectedContact, list[Contact]]:
+    """Return the contacts, by function and bodies, of which any was unexpected or of a grasp."""
+    contacts: dict[UnexpectedContact, list[Contact]] = {}
+    for visit in visits:
+        for contact in visit.contacts:
+            pair = UnexpectedContact(visit.function, contact.link, contact.other)
+            contacts.setdefault(pair, []).append(contact)
+    return {
+        pair: own
+        for pair, own in contacts.items()
+        if any(not contact.expected or contact.from_grasp_s is not None for contact in own)
+    }
+
+
+def kept_touches(
+    summary: Mapping[str, Any], contact: UnexpectedContact
+) -> tuple[Touches | None, Touches | None]:
+    """Return how two bodies touched by the lock's summary: all they did, and what was unexpected.
+
+    `None` stands for what it does not say.
+    """
+    value: Any = summary.get(_TOUCHES)
+    for key in (contact.function.file, contact.function.name, contact.link, contact.other):
+        value = _mapping(value).get(key)
+    try:
+        kept = {kind: read_plain(Touches, part) for kind, part in _mapping(value).items()}
+    except MismatchError:
+        return None, None
+    return Touches.joined(kept.values()) if kept else None, kept.get(_kind(expected=False))
+
+
+def _kind(expected: bool) -> str:
+    return "expected" if expected else "unexpected"
+
+
+def _as_kept(touches: Touches) -> dict[str, Any]:
+    return {key: value for key, value in asdict(touches).items() if value is not None}
 
 
 def kept_uncovered(summary: Mapping[str, Any]) -> tuple[FunctionRef, ...]:
@@ -102,12 +230,15 @@ def kept_uncovered(summary: Mapping[str, Any]) -> tuple[FunctionRef, ...]:
 
 def kept_contacts(summary: Mapping[str, Any]) -> tuple[UnexpectedContact, ...]:
     """Return the unexpected contacts of the lock's summary, others left out as above."""
-    return tuple(
+    contacts = (
         UnexpectedContact(FunctionRef(file, QualifiedName(name)), *pair)
         for file, functions in _mapping(summary.get(_CONTACTS)).items()
         for name, pairs in _mapping(functions).items()
         for pair in map(_sequence, _sequence(pairs))
         if [type(body) for body in pair] == [str, str]
+    )
+    return tuple(
+        replace(contact, touches=kept_touches(summary, contact)[1]) for contact in contacts
     )
 
 

@@ -30,7 +30,8 @@ Flags = NDArray[np.bool_]
 Owners = NDArray[np.int64]
 
 _GAP_S = 0.1  # touches of a pair that are no further apart are one [s]
-_AROUND_S = 1.0  # a finger may touch what it grasps for so long before and after [s]
+AROUND_S = 1.0
+"""A hand may touch what it grasps for so long before and after [s]."""
 _SUPPORT_S = 0.5  # what bears a thing is what touches it so near to its grasp or release [s]
 GENTLE_N = 20.0
 """The normal force up to which a held thing may press on what bears it, twice its weight more.
@@ -57,6 +58,9 @@ class Touch:
     """The element whose motion moves `link`; `None` where it stands fast."""
     expected: bool
     """Whether the touch belongs to grasping or setting down."""
+    from_grasp: int | None = None
+    """How many steps before (negative) or after a hold of the other body by the link's gripper
+    the touch is; `None` where there is none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,11 +118,16 @@ def visit_contacts(
             key = (int(visit), touch.link, touch.other, touch.expected)
             start = float(touch.steps[own][0]) * run.step_s
             seconds = int(np.count_nonzero(own)) * run.step_s
+            gap = None if touch.from_grasp is None else touch.from_grasp * run.step_s
             before = table.get(key)
             if before is not None:
                 start, force = min(start, before.start_s), max(force, before.force_n)
                 seconds += before.touching_s
-            table[key] = Contact(touch.link, touch.other, start, seconds, force, touch.expected)
+                gaps = [item for item in (before.from_grasp_s, gap) if item is not None]
+                gap = min(gaps, key=abs, default=None)
+            table[key] = Contact(
+                touch.link, touch.other, start, seconds, force, touch.expected, gap
+            )
     by_visit: dict[int, list[Contact]] = {}
     for (index, *_), contact in table.items():
         by_visit.setdefault(index, []).append(contact)
@@ -205,7 +214,7 @@ class _Judge:
         self._holds = held
         self._commanded = commanded
         self._gap, self._around, self._near = (
-            round(span / step_s) for span in (_GAP_S, _AROUND_S, _SUPPORT_S)
+            round(span / step_s) for span in (_GAP_S, AROUND_S, _SUPPORT_S)
         )
         self._hands = {gripper.name: hand_links(robot, gripper.name) for gripper in robot.grippers}
         self._supports = [self._supports_of(hold, pairs) for hold in held]
@@ -217,8 +226,10 @@ class _Judge:
             link, other = (one, two) if one.kind == "link" else (two, one)
             moves = moved_by(self._robot, link.name)
             for steps, force in _split(pair, self._gap):
-                fine = force is not None and self._is_grasp(link.name, other.name, steps)
-                yield Touch(link.name, other.name, steps, force, moves, fine)
+                gap = None if force is None else self._from_grasp(link.name, other.name, steps)
+                is_grasp = gap is not None and -self._around <= gap < self._around
+                fine = is_grasp or (force is not None and self._is_closing(link.name, steps))
+                yield Touch(link.name, other.name, steps, force, moves, fine, gap)
             return
         for i, hold in enumerate(self._holds):
             other_place = pair.beside(hold.body)
@@ -238,22 +249,26 @@ class _Judge:
                     fine and force is not None and float(force.max()) <= limit,
                 )
 
-    def _is_grasp(self, link: str, body: str, steps: Steps) -> bool:
-        """Return whether a link touches what its gripper grasps, or closes on by command.
+    def _from_grasp(self, link: str, body: str, steps: Steps) -> int | None:
+        """Return how many steps a touch is from the nearest hold by its gripper; `None` for none.
 
         Bodies are identified by their names: one that is attached was another body before.
         """
-        for gripper, (fingers, hand) in self._hands.items():
-            if link not in hand:
-                continue
-            for hold in self._holds:
-                is_held = hold.holder == gripper and self._bodies[hold.body].name == body
-                begun = hold.start - self._around <= steps[-1]
-                if is_held and begun and steps[0] < hold.stop + self._around:
-                    return True
-            if link in fingers and bool(self._commanded[gripper][steps[0]]):
-                return True
-        return False
+        gaps = [
+            min(int(steps[-1]) - hold.start, 0) or max(int(steps[0]) - hold.stop, 0)
+            for gripper, (_, hand) in self._hands.items()
+            if link in hand
+            for hold in self._holds
+            if hold.holder == gripper and self._bodies[hold.body].name == body
+        ]
+        return min(gaps, key=lambda gap: (abs(gap), gap), default=None)
+
+    def _is_closing(self, link: str, steps: Steps) -> bool:
+        """Return whether a touch of a finger began while a command of its gripper was live."""
+        return any(
+            link in fingers and bool(self._commanded[gripper][steps[0]])
+            for gripper, (fingers, _) in self._hands.items()
+        )
 
     def _supports_of(self, hold: Hold, pairs: Sequence[PairTouches]) -> frozenset[str]:
         """Return what a thing was lifted from, and what it was put on."""
