@@ -6,6 +6,7 @@ description: probabilities are computed from it without running anything again.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -16,6 +17,8 @@ from tracerisk.common.trace_display import trace_html, trace_text
 from tracerisk.common.verdict import Uncovered, Verdict
 from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import ControllerFailedError, Location, with_file, with_line
+
+_NAMED_LINE = re.compile(r"\bline \d+")
 
 ElementKind = Literal["joint", "gripper", "sensor", "contact", "component"]
 SensorKind = Literal["encoder", "torque", "wrench", "camera"]
@@ -262,6 +265,34 @@ class Finding:
     """The goal of what failed: joint positions [rad or m], or a position [m]."""
     recovered_s: float | None = None
     """When a retry of what failed succeeded [s]; `None` where none did."""
+    named: tuple[Location, ...] = ()
+    """The places whose lines the message names, as in `line 12`, in the order of the message."""
+
+    def with_lines(self, line_of: Callable[[str, int], int]) -> Finding:
+        """Return the finding with other lines, those that its message names included."""
+        named = tuple(
+            moved_place for place in self.named if (moved_place := with_line(place, line_of))
+        )
+        lines = iter(named)
+
+        def moved(match: re.Match[str]) -> str:
+            place = next(lines, None)
+            return match[0] if place is None else f"line {place.line}"
+
+        return replace(
+            self,
+            message=_NAMED_LINE.sub(moved, self.message),
+            location=with_line(self.location, line_of),
+            named=named,
+        )
+
+    def with_files(self, file_of: Callable[[str], str]) -> Finding:
+        """Return the finding with other names of files; `file_of` takes a file."""
+        return replace(
+            self,
+            location=with_file(self.location, file_of),
+            named=tuple(replace(place, file=file_of(place.file)) for place in self.named),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -406,10 +437,7 @@ class Trace:
             end=replace(self.end, location=with_line(self.end.location, line_of)),
             functions=tuple(replace(f, line=line(f.ref, f.line)) for f in self.functions),
             uncovered=tuple(replace(u, line=line(u.ref, u.line)) for u in self.uncovered),
-            findings=tuple(
-                replace(finding, location=with_line(finding.location, line_of))
-                for finding in self.findings
-            ),
+            findings=tuple(finding.with_lines(line_of) for finding in self.findings),
             verdict=None if self.verdict is None else self.verdict.with_lines(line_of),
             commands=tuple(
                 replace(command, line=line(command.function, command.line))
@@ -435,10 +463,7 @@ class Trace:
                 replace(uncovered, ref=uncovered.ref.with_file(file_of))
                 for uncovered in self.uncovered
             ),
-            findings=tuple(
-                replace(finding, location=with_file(finding.location, file_of))
-                for finding in self.findings
-            ),
+            findings=tuple(finding.with_files(file_of) for finding in self.findings),
             files=tuple(map(file_of, self.files)),
             verdict=None if self.verdict is None else self.verdict.with_files(file_of),
             commands=tuple(

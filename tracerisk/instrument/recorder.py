@@ -140,15 +140,18 @@ class Recorder:
         *,
         object_name: str = "",
         target: Sequence[float] = (),
+        named: Sequence[Location] = (),
         time_ns: int | None = None,
     ) -> None:
         """Record what a user should know.
 
-        `object_name` is what it is about, `target` the goal of what failed, `time_ns` the time of
-        the event if it is in the past [ns].
+        `object_name` is what it is about, `target` the goal of what failed, `named` the places
+        whose lines the message names, `time_ns` the time of the event if it is in the past [ns].
         """
         self._findings += 1
-        earlier = {} if time_ns is None else {"ns": time_ns}
+        further: dict[str, Any] = {} if time_ns is None else {"ns": time_ns}
+        if named:
+            further["named"] = [_location_data(place) for place in named]
         self._write(
             "finding",
             kind=kind,
@@ -156,7 +159,7 @@ class Recorder:
             location=_location_data(location),
             object=object_name,
             target=_goal(target),
-            **earlier,
+            **further,
         )
 
     def failed(
@@ -168,6 +171,7 @@ class Recorder:
         asker: Hashable,
         object_name: str = "",
         target: Sequence[float] = (),
+        named: Sequence[Location] = (),
     ) -> bool:
         """Record that something failed which the code at `asker` may try again.
 
@@ -179,7 +183,7 @@ class Recorder:
         if key in self._open and is_near(self._open[key][1], goal):
             return False
         self._open[key] = (self._findings, goal)
-        self.finding(kind, message, location, object_name=object_name, target=goal)
+        self.finding(kind, message, location, object_name=object_name, target=goal, named=named)
         return True
 
     @property

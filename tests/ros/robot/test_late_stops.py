@@ -125,6 +125,16 @@ def test_a_stop_after_the_end_of_a_motion_names_both_lines(run, what):
     )
     assert "s before; to stop it on its way, start it without waiting" in finding.message
     assert finding.kind in NOTES
+    moved = finding.with_lines(lambda file, line: line + 100)
+    assert (
+        f"of line {lines + 103} stopped nothing: what line {lines + 101} had moved" in moved.message
+    )
+    assert moved.with_lines(lambda file, line: line - 100) == finding
+
+
+def test_a_stop_after_a_plan_that_failed_is_no_finding(run):
+    far = "arm.set_position_target([3.0, 0.0, 0.5])\narm.go(wait=True)\n"
+    assert run("the commander of MoveIt", f"go()\nLATER\n{far}stop()\n")[0] == []
 
 
 @pytest.mark.parametrize("what", CELLS)

@@ -102,6 +102,7 @@ class ReadPoses:
                     f"and it is given as of {names[1]}, {_way(at, there)} from there; name the "
                     "frame in its header, or transform it",
                     plain,
+                    one,
                 )
                 return
 
@@ -138,6 +139,7 @@ class ReadPoses:
                     f"is, and link '{link}' is sent there, {_way(at, wanted)} from it on the same "
                     "body; name the link for which the pose is",
                     link,
+                    one,
                 )
                 return
 
@@ -155,6 +157,7 @@ class ReadPoses:
                     "unlikely_turn",
                     f"the quaternion of this pose is that of {one.words} with w first; ROS lists "
                     "x, y, z, w",
+                    of=one,
                 )
                 return
 
@@ -172,11 +175,13 @@ class ReadPoses:
 
         return body(link) == body(other)
 
-    def _tell(self, kind: str, message: str, about: str = "") -> None:
+    def _tell(self, kind: str, message: str, about: str = "", of: _Reading | None = None) -> None:
+        """Record a finding at the line that runs now; `of` is what its message names."""
         place, recorder = asking_place(), self._runtime.recorder
         if recorder is not None and (kind, place) not in self._told:
             self._told.add((kind, place))
-            recorder.finding(kind, message, place, object_name=about)
+            named = [] if of is None or of.place is None else [of.place]
+            recorder.finding(kind, message, place, object_name=about, named=named)
 
 
 def _way(one: Pose, other: Pose) -> str:

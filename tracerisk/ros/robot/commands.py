@@ -41,6 +41,8 @@ _NOT_TAKEN: dict[str, tuple[str, CommandEnd]] = {
     "command_ignored": ("message", "ignored"),
 }
 """What findings say of commands that move nothing: their kind, and their end."""
+_CAME_TO_NOTHING = frozenset({*_NOT_TAKEN, "planning_failure", "execution_failure"})
+"""The kinds of findings after which a stop is for what failed, not for an earlier motion."""
 
 
 class TwinCommands:
@@ -167,15 +169,21 @@ class TwinCommands:
             f"({kind}) had ended {late_ns / 1e9:.1f} s before; to stop it on its way, start it "
             "without waiting for its end",
             name,
+            [Location(frame.function.file, frame.site[0]) for frame in (here, there)],
         )
 
-    def note(self, kind: str, message: str, object_name: str = "") -> None:
-        """Record a finding of what is sent from here, the first time that it is sent."""
+    def note(
+        self, kind: str, message: str, object_name: str = "", named: Sequence[Location] = ()
+    ) -> None:
+        """Record a finding of what is sent from here, the first time that it is sent.
+
+        `named` are the places whose lines the message names.
+        """
         stack = self.stack()
         place = kind, tuple(frame.site for frame in stack)
         if place not in self._noted:
             self._noted.add(place)
-            self.report(kind, message, stack, object_name=object_name)
+            self.report(kind, message, stack, object_name=object_name, named=named)
 
     def rest(self, joints: Sequence[str] | None = None) -> None:
         """Bring joints (all) to rest, and note which commands are over with that."""
@@ -233,6 +241,7 @@ class TwinCommands:
         target: Sequence[float] = (),
         asker: Hashable = None,
         may_stream: bool = False,
+        named: Sequence[Location] = (),
     ) -> None:
         """Record a finding at the line that sent the goal or message; the same one only once.
 
@@ -256,7 +265,10 @@ class TwinCommands:
             asker=asker if asker is not None or not stack else stack[-1].function,
             object_name=object_name,
             target=target,
+            named=named,
         )
+        if kind in _CAME_TO_NOTHING:
+            self._arrived = None
         if kind not in _NOT_TAKEN:
             return
         goes_on = False
