@@ -48,6 +48,26 @@ def test_it_shows_what_it_would_write_and_writes_nothing_unasked(cell):
     assert files(cell) == before
 
 
+def test_it_says_which_components_its_hardware_file_counts_beside_the_shipped_ones(cell):
+    said = " ".join(cell.run("init", "--yes").out.split())
+    assert (
+        "hardware.yaml: failure data, to be replaced by your own value by value; beside what is "
+        "counted without the file it has encoder and torque_sensor with assumed figures, so risk "
+        "figures rise with the next run"
+    ) in said
+    described = YAML(typ="safe").load(cell.read("hardware.yaml"))["components"]
+    assert {"encoder", "torque_sensor"} <= set(described)
+    again = cell.run("init", "--yes").out
+    assert "torque_sensor" not in again
+
+
+def test_it_says_how_the_hook_comes_to_work(cell):
+    wanted = "Next: `pip install pre-commit`, then `pre-commit install`"
+    assert wanted not in cell.run("init").out
+    assert wanted in cell.run("init", "--yes").out
+    assert wanted not in cell.run("init", "--yes").out
+
+
 @pytest.mark.parametrize("ci", ["github", "gitlab"])
 def test_what_it_writes_is_enough_for_a_first_figure(cell, ci):
     assert cell.run("init", "--yes", "--ci", ci).code == 0

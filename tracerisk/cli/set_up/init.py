@@ -13,7 +13,7 @@ from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.config import BlockForm
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.history.merge_driver import install_merge_driver
-from tracerisk.pipeline.start.project_start import project_start
+from tracerisk.pipeline.start.project_start import HOOK_FILE, project_start
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.start.project_start import ProjectStart
@@ -67,6 +67,8 @@ def run(options: argparse.Namespace) -> int:
     show(*start.settings_lack)
     for name in list(start.asked)[:_MOST_SHOWN]:
         show(f"`tracerisk scenario {name} --write` drafts what the cell has to give it")
+    if any(file.path == HOOK_FILE for file in start.files):
+        show("Next: `pip install pre-commit`, then `pre-commit install`: no hook works before.")
     first = start.controllers[0] if start.controllers else "CONTROLLER.py"
     named = "" if start.robots else " --robot NAME"
     show(

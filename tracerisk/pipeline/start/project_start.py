@@ -27,6 +27,8 @@ from tracerisk.ros.vendors.driver_search import shipped_drivers
 from tracerisk.twin.robots.robot import load_robot
 from tracerisk.twin.robots.robot import load_robot as load_named
 
+HOOK_FILE = ".pre-commit-config.yaml"
+"""The file at the top of the repository from which pre-commit installs hooks of git."""
 SETTINGS_SCHEMA = "pyproject.schema.json"
 """The file at the top of the repository that new settings refer to."""
 
@@ -94,12 +96,18 @@ def project_start(
     schemas: dict[str, SchemaName] = {}
     for name in robots:
         path = "hardware.yaml" if len(robots) == 1 else f"hardware_{name}.yaml"
-        text = None if (root / path).exists() else _hardware(name)
-        if text is not None:
+        started = None if (root / path).exists() else _hardware(name)
+        if started is not None:
+            text, added = started
             words = "failure data, to be replaced by your own value by value"
+            if added:
+                words += (
+                    f"; beside what is counted without the file it has {' and '.join(added)} with "
+                    "assumed figures, so risk figures rise with the next run"
+                )
             files.append(StartFile(path, text.encode(), words))
             schemas[HARDWARE_SCHEMA] = "hardware"
-        if text is not None or (root / path).exists():
+        if started is not None or (root / path).exists():
             described[name] = path
     settings, lacking = _settings(root, controllers, robots, described, robot, blocks)
     files += settings
@@ -109,10 +117,10 @@ def project_start(
         if not (root / path).exists():
             words = f"by which editors complete and check {_SUBJECTS[kind]}"
             files.append(StartFile(path, schema_text(kind).encode(), words))
-    if not (root / ".pre-commit-config.yaml").exists():
+    if not (root / HOOK_FILE).exists():
         files.append(
             StartFile(
-                ".pre-commit-config.yaml",
+                HOOK_FILE,
                 template("pre-commit.yaml"),
                 "the hook: refuses commits with stale risk blocks",
             )
@@ -194,7 +202,8 @@ def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...
     return texts
 
 
-def _hardware(robot: str) -> str | None:
+def _hardware(robot: str) -> tuple[str, list[str]] | None:
+    """Return a description to start from, and the components that the shipped one lacks."""
     if "sim" in missing_extras():
         return None
     try:
@@ -203,8 +212,15 @@ def _hardware(robot: str) -> str | None:
         # A robot of the workspace itself has no name under which it could be read again.
         return None
     joints = {name: group.joints for name, group in result.groups.items()}
-    description = starting_description(robot, result.elements, joints, hardware_of(robot))
-    return starting_yaml(description, result.title)
+    shipped = hardware_of(robot)
+    description = starting_description(robot, result.elements, joints, shipped)
+    known = {component.name for component in shipped.components}
+    added = [
+        component.name
+        for component in description.components
+        if component.twin is not None and component.twin.sensors and component.name not in known
+    ]
+    return starting_yaml(description, result.title), added
 
 
 def _settings(
