@@ -2,7 +2,7 @@
 
 import pytest
 
-from tracerisk.common.verdict import Acceptance
+from tracerisk.common.verdict import Acceptance, Reason
 from tracerisk.config import ProjectSettings
 from tracerisk.errors import SettingsError
 
@@ -16,6 +16,15 @@ def test_an_entry_names_code_function_object_and_words(tmp_path):
     entry = '{code = "lookup-failed", function = "locate", object = "part", words = "may be gone"}'
     (accepted,) = settings(tmp_path, entry).accept
     assert accepted == Acceptance("lookup-failed", "locate", "part", "may be gone")
+
+
+@pytest.mark.parametrize("thing", ["compute_cartesian_path", 'a "quoted" name', ""])
+def test_the_entry_that_a_reason_prints_accepts_it_once_it_has_words(tmp_path, thing):
+    reason = Reason("distro-assumed", "partial", "x", "Cell.linear", thing)
+    entry = reason.accept_entry
+    assert entry.endswith('words = "WHY"}')
+    (accepted,) = settings(tmp_path, entry).accept
+    assert accepted.key == reason.key
 
 
 @pytest.mark.parametrize(

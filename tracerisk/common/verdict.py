@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
@@ -113,6 +114,16 @@ class Reason:
     def key(self) -> tuple[str, str, str]:
         """What an acceptance must name: code, function and object."""
         return self.code, self.function, self.object
+
+    @property
+    def accept_entry(self) -> str:
+        """The entry of `accept` in the settings that accepts it, but for the words."""
+        given = {"code": self.code, "function": self.function, "object": self.object}
+        # A JSON string is a basic string of TOML.
+        parts = [
+            f"{key} = {json.dumps(text, ensure_ascii=False)}" for key, text in given.items() if text
+        ]
+        return f'{{{", ".join(parts)}, words = "WHY"}}'
 
     @property
     def message(self) -> str:

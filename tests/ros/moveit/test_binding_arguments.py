@@ -218,17 +218,22 @@ def test_a_path_with_a_jump_threshold_raises_where_the_workspace_has_a_later_mov
     ],
 )
 @pytest.mark.parametrize("moveit", ["", "1.1.14"])
-def test_a_path_with_a_jump_threshold_is_taken_and_reported(run, call, moveit):
+def test_a_path_with_a_jump_threshold_is_taken_and_reported_where_nothing_names_the_release(
+    run, call, moveit
+):
     ran = run(f"{START}\nerror = caught(lambda: {call})\n", is_known=True, moveit=moveit)
     assert ran["error"] == ""
-    assert [each.kind for each in ran.recording.findings] == ["distro_assumed"]
+    reported = [] if moveit else ["distro_assumed"]
+    assert [each.kind for each in ran.recording.findings] == reported
+    for finding in ran.recording.findings:
+        assert "its package.xml names the release, ros_distro does not" in finding.message
 
 
 @pytest.mark.parametrize(
     ("call", "moveit", "error", "findings"),
     [
         ("arm.execute(plan_msg=path)", "", "", ["distro_assumed"]),
-        ("arm.execute(plan_msg=path, wait=True)", "1.1.11", "", ["distro_assumed"]),
+        ("arm.execute(plan_msg=path, wait=True)", "1.1.11", "", []),
         ("arm.execute(plan_msg=path)", "1.1.12", "keyword argument 'plan_msg'", []),
         ("arm.execute(trajectory=path, wait=True)", "", "", []),
         ("arm.execute()", "", "missing 1 required positional argument: 'trajectory'", []),

@@ -11,6 +11,7 @@ from tracerisk.adder.sources.functions import functions_in
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.instance_name import places
 from tracerisk.common.verdict import GAPS, NEVER_RAN, Reason, Verdict, VerdictKind
+from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 from tracerisk.pipeline.check.remedies import as_typed
@@ -64,8 +65,8 @@ def verdict_findings(controller: Controller, verdict: Verdict) -> Iterable[Check
         where = f" (in {open_reason.function})" if open_reason.function else ""
         message = f"{open_reason.words}{where}"
         remedy = _REMEDIES.get(open_reason.code, _MEND).format(file=as_typed(controller.path))
-        if open_reason.verdict != "stuck":
-            remedy += f", or accept {open_reason.code} in [tool.tracerisk]"
+        if open_reason.code in ACCEPTABLE:
+            remedy += f", or in [tool.tracerisk] accept = [{open_reason.accept_entry}]"
         kind = _OF_VERDICT[open_reason.verdict]
         yield CheckFinding(kind, message, place, open_reason.function, remedy)
 

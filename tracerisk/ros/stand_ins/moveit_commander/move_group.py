@@ -76,6 +76,13 @@ def _take_as_older_plan(attribute: str) -> None:
     )
 
 
+_SETTLED = (
+    ", or put the moveit_commander that runs into the workspace; its package.xml names the release,"
+    " ros_distro does not"
+)
+"""How a user settles which release of MoveIt a call is for."""
+
+
 def _path_arguments(*given: Any, **named: Any) -> tuple[Any, Any]:
     """Return `avoid_collisions` and `path_constraints` of a call of compute_cartesian_path.
 
@@ -90,31 +97,40 @@ def _path_arguments(*given: Any, **named: Any) -> tuple[Any, Any]:
         or ("path_constraints" in named and len(given) > 1)
     )
     is_older = has_threshold_first or "jump_threshold" in named
-    if is_older and not _has_moveit(1, 1, 15):
-        server().execution.report(
-            "distro_assumed",
-            "compute_cartesian_path() is taken for what it was before MoveIt 1.1.15, with "
-            "jump_threshold; from that release on its arguments are (waypoints, eef_step, "
-            "avoid_collisions, path_constraints), and this raises an error: leave jump_threshold "
-            "out",
-            object_name="compute_cartesian_path",
-        )
+    if is_older and _take_as_older(
+        "compute_cartesian_path",
+        "compute_cartesian_path() is taken for what it was before MoveIt 1.1.15, with "
+        "jump_threshold; from that release on its arguments are (waypoints, eef_step, "
+        "avoid_collisions, path_constraints), and this raises an error: leave jump_threshold out",
+        (1, 1, 15),
+    ):
         named.pop("jump_threshold", None)
         given = given[1:] if has_threshold_first else given
     return _present_path_arguments(*given, **named)
 
 
-def _has_moveit(*version: int) -> bool:
-    """Return whether the workspace has a moveit_commander of a version or a later one."""
+def _moveit_release() -> tuple[int, ...] | None:
+    """Return the release of the workspace's moveit_commander; `None` where nothing names it."""
     folder = current().packages.get("moveit_commander")
     if folder is None:
-        return False
+        return None
     try:
         text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     except OSError:
-        return False
+        return None
     matched = re.search(r"<version>\s*(\d+)\.(\d+)\.(\d+)", text)
-    return matched is not None and tuple(map(int, matched.groups())) >= version
+    return None if matched is None else tuple(map(int, matched.groups()))
+
+
+def _take_as_older(call: str, words: str, until: tuple[int, ...]) -> bool:
+    """Return whether arguments are taken that MoveIt had before a release, and say so.
+
+    `words` are for where nothing names the release that runs.
+    """
+    release = _moveit_release()
+    if release is None:
+        server().execution.report("distro_assumed", f"{words}{_SETTLED}", object_name=call)
+    return release is None or release < until
 
 
 def _present_path_arguments(
@@ -223,14 +239,13 @@ class MoveGroupCommander(GroupPickPlace):
             RuntimeError: it has a trajectory, but is a message of another type.
             TypeError: there are other arguments.
         """
-        if "plan_msg" in named and not _has_moveit(1, 1, 12):
-            server().execution.report(
-                "distro_assumed",
-                "execute() is taken for what it was before MoveIt 1.1.12, with plan_msg; from that "
-                "release on the argument is trajectory, and this raises TypeError: give the plan "
-                "without a name",
-                object_name="execute",
-            )
+        if "plan_msg" in named and _take_as_older(
+            "execute",
+            "execute() is taken for what it was before MoveIt 1.1.12, with plan_msg; from that "
+            "release on the argument is trajectory, and this raises TypeError: give the plan "
+            "without a name",
+            (1, 1, 12),
+        ):
             named["trajectory"] = named.pop("plan_msg")
         trajectory, wait = _execute_arguments(*given, **named)
         if isinstance(trajectory, PlanResult):
