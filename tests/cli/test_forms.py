@@ -37,6 +37,20 @@ def test_a_conversion_there_and_back_gives_the_same_bytes_model_and_lock(annotat
     assert annotated.files() == before
 
 
+def test_a_reason_typed_on_a_long_line_is_laid_out_once_and_then_stays(annotated):
+    reason = "! computed 1e-07; service log of the cell, 2026, sheet 3: the belt of the finger"
+    stated = f"probability := 2e-07  {reason}"
+    typed = re.sub(r"probability = [\d.e-]+", stated, text(annotated), count=1)
+    annotated.write(CONTROLLER, typed)
+    laid_out = []
+    for form in ("compact", "published", "compact", "published"):
+        assert annotated.run("annotate", CONTROLLER, "--form", form).code == 0
+        laid_out.append(text(annotated))
+    assert laid_out[:2] == laid_out[2:]
+    assert laid_out[1] != typed
+    assert " ".join(laid_out[1].replace("# |     !", "").split()) == " ".join(typed.split())
+
+
 def test_check_and_diff_write_nothing(annotated):
     before = annotated.files()
     outcome = annotated.run("annotate", CONTROLLER, "--form", "compact", "--check", "--diff")

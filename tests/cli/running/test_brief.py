@@ -4,13 +4,17 @@ import os
 import pty
 import re
 import subprocess
+from argparse import Namespace
 
 import pytest
 
 from tests.conftest import program
+from tracerisk.cli.running.shown import _following
 from tracerisk.common.text.paper import Paper
+from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.prm.hybrid.solve import solve
 from tracerisk.report.terminal import render_assessment, render_brief
+from tracerisk.trace import RunEnd, Trace
 
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 
@@ -118,6 +122,16 @@ def test_a_faulted_run_says_that_it_wants_mending(example, quick):
     text = on_a_terminal(example.folder, "run", "controller.py", codes=(1, 4))
     assert "Next: mend what the verdict names" in " ".join(text.split())
     assert "commit the blocks" not in text
+
+
+@pytest.mark.parametrize(("is_good", "what"), [(True, "went wrong"), (False, "was cut short")])
+def test_only_a_run_that_did_not_end_by_itself_was_cut_short(is_good, what):
+    end = RunEnd("ended" if is_good else "raised", "x", 19.1)
+    verdict = Verdict("faulted", (Reason("planning-failed", "faulted", "no plan"),))
+    trace = Trace("c.py", "panda", "empty", end, (), (), (), verdict=verdict)
+    options = Namespace(controller="c.py", check=False, diff=False)
+    (line,) = _following(options, trace)
+    assert line.endswith(f"Until then the figure is of a run that {what}.")
 
 
 def test_doctor_on_a_terminal_shows_what_was_set(example, quick):

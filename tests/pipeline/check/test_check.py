@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from argparse import Namespace
 
 import pytest
 
@@ -355,6 +356,30 @@ def test_a_folder_stands_for_all_that_its_lock_knows(project):
     assert "empty: no tracerisk.lock in or below it knows a controller" in outcome.err
 
 
+def test_a_refresh_that_goes_wrong_prints_all_that_did(project, monkeypatch):
+    from tracerisk.cli.authors import refresh
+    from tracerisk.common.verdict import Reason, Verdict
+    from tracerisk.pipeline.check import refresh as work
+
+    reasons = [Reason("planning-failed", "faulted", f"no plan {number}") for number in range(3)]
+    done = work.Refreshed("kept", "c.py has changed", verdict=Verdict("faulted", tuple(reasons)))
+    monkeypatch.setattr(work, "refresh_controller", lambda *_, **__: done)
+    said = []
+    monkeypatch.setattr(refresh, "note", lambda line, **_: said.append(line))
+    monkeypatch.chdir(project.folder)
+    options = Namespace(
+        files=["c.py"], quiet=False, accept_edits=False, discard_edits=False, sandbox=None,
+        check=False, diff=False, json=False, fresh=False,
+    )  # fmt: skip
+    monkeypatch.setattr(refresh.shared, "merge_policy", lambda _: None)
+    assert refresh.run(options) == 1
+    assert said[:3] == [
+        "c.py: faulted: no plan 0 (and 2 more); 0 of 0 functions with commands ran",
+        "  no plan 1",
+        "  no plan 2",
+    ]
+
+
 def test_a_refresh_that_goes_wrong_keeps_the_blocks_of_a_good_run(project):
     change(project, "c.py", "\nhome()\n", '\nraise ValueError("no part")\n')
     before = {name: project.read(name) for name in ("c.py", "tracerisk.lock")}
@@ -368,6 +393,9 @@ def test_a_refresh_that_goes_wrong_keeps_the_blocks_of_a_good_run(project):
     )
     assert len(lines) == 2
     assert check(project)[1] == [("stale", "c.py", 1)]
+    first = project.run("check").out.splitlines()[0]
+    assert first.startswith("c.py: complete, ")
+    assert first.endswith(" (of the run behind the blocks, which is stale)")
     # A run that is asked for by name writes what it shows.
     assert project.run("run", "c.py").code == 1
     assert project.read("c.py") != before["c.py"]

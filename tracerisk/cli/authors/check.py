@@ -132,7 +132,7 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
         return int(code)
     for check_finding in checked:
         if not options.quiet:
-            show(f"{check_finding.path}: {verdict_line(_as_typed(check_finding))}")
+            show(f"{check_finding.path}: {_verdict_of(check_finding)}")
     for line in [*map(str, findings), *(error.with_code for error in errors)]:
         show(line)
     for line in _notes(checked):
@@ -170,6 +170,14 @@ def _bases(paths: Sequence[Path], revision: str | None) -> list[Verdict | None]:
     from tracerisk.pipeline.review.run_verdicts import base_verdicts
 
     return list(base_verdicts(list(paths), revision))
+
+
+def _verdict_of(checked: Checked) -> str:
+    """Return the verdict in words, and whether the run that it is of is not that of now."""
+    verdict = _as_typed(checked)
+    is_stale = any(finding.kind == "stale" for finding in checked.findings)
+    behind = " (of the run behind the blocks, which is stale)" if is_stale and verdict else ""
+    return f"{verdict_line(verdict)}{behind}"
 
 
 def _as_typed(checked: Checked) -> Verdict | None:

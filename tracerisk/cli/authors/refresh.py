@@ -16,7 +16,7 @@ from tracerisk.cli.shared.output import (
 )
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import note_draft
-from tracerisk.cli.shared.verdict import as_typed, verdict_exit, verdict_json
+from tracerisk.cli.shared.verdict import as_typed, verdict_details, verdict_exit, verdict_json
 from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
@@ -82,6 +82,9 @@ def run(options: argparse.Namespace) -> int:
         if done.annotated is not None:
             note_draft(done.annotated.trace, quiet=options.quiet)
         note(f"{path}: {verdict_line(as_typed(done.verdict, path))}", quiet=options.quiet)
+        if verdict_exit(done.verdict) != ExitCode.FINE:
+            for line in verdict_details(as_typed(done.verdict, path)):
+                note(f"  {line}", quiet=options.quiet)
         note(f"{path}: {_state(done, path)}", quiet=options.quiet)
     forgotten = _forget_gone(paths, options)
     if forgotten and options.check:

@@ -132,9 +132,10 @@ def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
             "`tracerisk docs howto-robot` says how to give your own."
         ]
     if trace.verdict is not None and trace.verdict.kind in ("faulted", "stuck"):
+        what = "went wrong" if trace.end.is_good else "was cut short"
         return [
             f"Next: mend what the verdict names, then `tracerisk run {name} -v`, which prints all "
-            "findings. Until then the figure is of a run that was cut short."
+            f"findings. Until then the figure is of a run that {what}."
         ]
     if options.check or options.diff:
         return [f"Next: `tracerisk run {name}` writes the blocks; nothing is written yet."]
