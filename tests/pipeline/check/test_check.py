@@ -361,7 +361,11 @@ def test_a_refresh_that_goes_wrong_prints_all_that_did(project, monkeypatch):
     from tracerisk.common.verdict import Reason, Verdict
     from tracerisk.pipeline.check import refresh as work
 
-    reasons = [Reason("planning-failed", "faulted", f"no plan {number}") for number in range(3)]
+    reasons = [
+        Reason("planning-failed", "faulted", "no plan 0"),
+        Reason("planning-failed", "faulted", "no plan 1"),
+        Reason("distro-assumed", "partial", "no plan 2"),
+    ]
     done = work.Refreshed("kept", "c.py has changed", verdict=Verdict("faulted", tuple(reasons)))
     monkeypatch.setattr(work, "refresh_controller", lambda *_, **__: done)
     said = []
@@ -375,8 +379,8 @@ def test_a_refresh_that_goes_wrong_prints_all_that_did(project, monkeypatch):
     assert refresh.run(options) == 1
     assert said[:3] == [
         "c.py: faulted: no plan 0 (and 2 more); 0 of 0 functions with commands ran",
-        "  no plan 1",
-        "  no plan 2",
+        "  faulted: no plan 1",
+        "  partial: no plan 2",
     ]
 
 

@@ -40,13 +40,16 @@ def as_typed(verdict: Verdict | None, source: str | Path) -> Verdict | None:
 
 
 def verdict_details(verdict: Verdict | None) -> list[str]:
-    """Return the reasons of a verdict that its line leaves out, a line each."""
+    """Return the reasons of a verdict that its line leaves out, a line each.
+
+    Each begins with the verdict that it would make by itself.
+    """
     if verdict is None:
         return []
     opened = verdict.open_reasons
     # The first reason of the verdict is in the line.
     first = next(iter(verdict.deciding_reasons), None)
-    lines = [str(reason) for reason in opened if reason is not first]
+    lines = [f"{reason.verdict}: {reason}" for reason in opened if reason is not first]
     lines += [
         f"accepted: {reason}: {reason.accepted}" for reason in verdict.reasons if reason.accepted
     ]
