@@ -647,3 +647,11 @@ def test_what_only_tests_of_another_project_describe_is_no_robot(tmp_path, folde
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(content)
     assert (choose_robot(api.load_controller(mine), Settings()).robot.name == "rr") is is_taken
+
+
+def test_evidence_is_weighed_on_a_line_of_its_own_only_where_it_says_more(tmp_path):
+    joints = [f"panda_joint{number}" for number in range(1, 8)]
+    one = chosen(tmp_path, go_DOT_py=f"joints = {joints}\n").robot
+    assert one.name == "panda"
+    assert "panda_joint1" in one.chosen_by
+    assert one.weighed == ""
