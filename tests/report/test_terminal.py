@@ -66,6 +66,7 @@ def test_table_with_exposures_still_fits_and_shows_the_seconds(assessment):
     assert max(map(len, text.splitlines())) <= 80
     assert "1234.57" in text
     assert "active s" in text
+    assert "\nactive s: all visits; p failure: one visit\n" in text
     assert "active s" not in render_assessment(assessment)
 
 

@@ -43,6 +43,7 @@ def functions_table(
         table.add_column("needed", justify="right", no_wrap=True)
     if exposures is not None:
         table.add_column("active s", justify="right", no_wrap=True)
+        add_legend(table)
     for heading in ("p failure", "visits", *(("absorbed",) if width >= WIDE else ())):
         table.add_column(heading, justify="right", no_wrap=True)
     add_share_columns(table, width)
@@ -50,6 +51,13 @@ def functions_table(
         for cells in _rows(state, assessment.mission.geometric_cycles, exposures, width):
             table.add_row(*cells)
     return table
+
+
+def add_legend(table: Table) -> None:
+    """Say below a table of a run what its figures are of."""
+    table.caption = "active s: all visits; p failure: one visit"
+    table.caption_justify = "left"
+    table.caption_style = ""
 
 
 def riskiest(assessment: Assessment, most: int) -> list[StateAssessment]:

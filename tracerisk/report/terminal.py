@@ -13,7 +13,7 @@ from tracerisk.prm.hybrid.assessment import (
     ComponentImportance,
     MissionFigures,
 )
-from tracerisk.report.functions_table import Exposures, functions_table, riskiest
+from tracerisk.report.functions_table import Exposures, add_legend, functions_table, riskiest
 from tracerisk.report.tables import (
     ROOMY,
     add_share_columns,
@@ -112,6 +112,8 @@ def render_brief(
     for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
     add_share_columns(table, paper.width)
+    if exposures is not None:
+        add_legend(table)
     for state in shown:
         used = [] if exposures is None else [_longest(exposures.get(state.name, {}))]
         figures = [*used, f"{state.top_event:.2e}", f"{state.expected_visits:.4g}"]
