@@ -65,14 +65,17 @@ def placed_findings(findings: Sequence[Finding], controller: Controller) -> tupl
 
 
 def _placed(finding: Finding, controller: Controller) -> Finding:
-    place = finding.location
-    if place is None:
-        return finding
     root = controller.root.resolve()
-    file = Path(place.file)
-    if file.is_absolute() and file.is_relative_to(root):
-        place = replace(place, file=file.relative_to(root).as_posix())
-    return replace(finding, location=place, function=function_of(controller, place))
+
+    def from_root(name: str) -> str:
+        file = Path(name)
+        is_below = file.is_absolute() and file.is_relative_to(root)
+        return file.relative_to(root).as_posix() if is_below else name
+
+    placed = finding.with_files(from_root)
+    if placed.location is None:
+        return placed
+    return replace(placed, function=function_of(controller, placed.location))
 
 
 def function_of(controller: Controller, place: Location | None) -> str:
