@@ -265,6 +265,8 @@ class Finding:
     """The goal of what failed: joint positions [rad or m], or a position [m]."""
     recovered_s: float | None = None
     """When a retry of what failed succeeded [s]; `None` where none did."""
+    called_from: Location | None = None
+    """The line that called the function in which it happened; `None` where none is known."""
     named: tuple[Location, ...] = ()
     """The places whose lines the message names, as in `line 12`, in the order of the message."""
 
@@ -283,6 +285,7 @@ class Finding:
             self,
             message=_NAMED_LINE.sub(moved, self.message),
             location=with_line(self.location, line_of),
+            called_from=with_line(self.called_from, line_of),
             named=named,
         )
 
@@ -291,6 +294,7 @@ class Finding:
         return replace(
             self,
             location=with_file(self.location, file_of),
+            called_from=with_file(self.called_from, file_of),
             named=tuple(replace(place, file=file_of(place.file)) for place in self.named),
         )
 

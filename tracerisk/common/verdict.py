@@ -109,6 +109,8 @@ class Reason:
     """The words with which the user accepts it; empty where nobody does."""
     by: Location | None = None
     """The file and the line that brought it about, where that is another: what replaced it."""
+    called_from: Location | None = None
+    """The file and the line that called the function; `None` where none did or none is known."""
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -137,8 +139,14 @@ class Reason:
         place = self.location
         where = [] if place is None else [str(Location(place.file, place.line))]
         where += [f"in {self.function}"] if self.function else []
+        where += [] if self.called_from is None else [_called(self.called_from, place)]
         where += [f"at {self.time_s:.1f} s"] if self.time_s is not None else []
         return self.message + (f" ({', '.join(where)})" if where else "")
+
+
+def _called(place: Location, of: Location | None) -> str:
+    is_here = of is not None and of.file == place.file
+    return f"called from line {place.line}" + ("" if is_here else f" of {place.file}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,6 +194,7 @@ class Verdict:
                     reason,
                     location=with_line(reason.location, line_of),
                     by=with_line(reason.by, line_of),
+                    called_from=with_line(reason.called_from, line_of),
                 )
                 for reason in self.reasons
             ),
@@ -205,6 +214,7 @@ class Verdict:
                     reason,
                     location=with_file(reason.location, file_of),
                     by=with_file(reason.by, file_of),
+                    called_from=with_file(reason.called_from, file_of),
                 )
                 for reason in self.reasons
             ),

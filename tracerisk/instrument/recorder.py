@@ -141,17 +141,21 @@ class Recorder:
         object_name: str = "",
         target: Sequence[float] = (),
         named: Sequence[Location] = (),
+        called_from: Location | None = None,
         time_ns: int | None = None,
     ) -> None:
         """Record what a user should know.
 
         `object_name` is what it is about, `target` the goal of what failed, `named` the places
-        whose lines the message names, `time_ns` the time of the event if it is in the past [ns].
+        whose lines the message names, `called_from` the line that called, `time_ns` the
+        time of the event if it is in the past [ns].
         """
         self._findings += 1
         further: dict[str, Any] = {} if time_ns is None else {"ns": time_ns}
         if named:
             further["named"] = [_location_data(place) for place in named]
+        if called_from is not None:
+            further["called_from"] = _location_data(called_from)
         self._write(
             "finding",
             kind=kind,
@@ -172,6 +176,7 @@ class Recorder:
         object_name: str = "",
         target: Sequence[float] = (),
         named: Sequence[Location] = (),
+        called_from: Location | None = None,
     ) -> bool:
         """Record that something failed which the code at `asker` may try again.
 
@@ -183,7 +188,15 @@ class Recorder:
         if key in self._open and is_near(self._open[key][1], goal):
             return False
         self._open[key] = (self._findings, goal)
-        self.finding(kind, message, location, object_name=object_name, target=goal, named=named)
+        self.finding(
+            kind,
+            message,
+            location,
+            object_name=object_name,
+            target=goal,
+            named=named,
+            called_from=called_from,
+        )
         return True
 
     @property

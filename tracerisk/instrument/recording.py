@@ -260,6 +260,7 @@ class _Reader:
                 _location(event["location"]),
                 object=_text(event.get("object", "")),
                 target=tuple(map(float, event.get("target", ()))),
+                called_from=_location(event.get("called_from")),
                 named=tuple(place for data in event.get("named", ()) if (place := _location(data))),
             )
         )

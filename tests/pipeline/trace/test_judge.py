@@ -501,3 +501,16 @@ def test_the_reason_of_a_verdict_is_one_of_that_verdict_and_only_those_are_count
     line = verdict_line(judge(recorded(commands=moves, missed=(branch,), falls=falls)))
     assert line.startswith("faulted: 'tube' fell")
     assert " (and 1 more); " in line
+
+
+def test_a_reason_in_a_helper_names_the_line_that_called_it_and_moves_with_it():
+    aborted = replace(move(1.0, end="aborted"), called_from=Location("cell.py", 131))
+    (reason,) = judge(recorded(commands=(aborted,))).open_reasons
+    assert ", called from line 131, at 1.0 s)" in str(reason)
+    refused = replace(
+        finding("planning_failure", function="move"), called_from=Location("other.py", 7)
+    )
+    (reason,) = judge(recorded(findings=(refused,))).open_reasons
+    assert "called from line 7 of other.py" in str(reason)
+    verdict = judge(recorded(commands=(aborted,))).with_lines(lambda file, line: line + 9)
+    assert "called from line 140" in str(verdict)

@@ -123,8 +123,18 @@ def _reason(
     object_name: str = "",
     time_s: float | None = None,
     location: Location | None = None,
+    called_from: Location | None = None,
 ) -> Reason:
-    return Reason(code, CODES[code], words, function, object_name, time_s, location)
+    return Reason(
+        code,
+        CODES[code],
+        words,
+        function,
+        object_name,
+        time_s,
+        location,
+        called_from=called_from,
+    )
 
 
 def _of_end(run: RecordedRun) -> Iterator[Reason]:
@@ -160,6 +170,7 @@ def _command_reason(code: str, words: str, command: IssuedCommand, object_name: 
         object_name=object_name,
         time_s=command.issue_s,
         location=command.location,
+        called_from=command.called_from,
     )
 
 
@@ -262,6 +273,7 @@ def _of_findings(run: RecordedRun) -> Iterator[Reason]:
             object_name=finding.object,
             time_s=finding.time_s,
             location=finding.location,
+            called_from=finding.called_from,
         )
 
 

@@ -25,8 +25,9 @@ def verdict_summary(verdict: Verdict | None) -> dict[str, Any]:
     )
     data = plain_data(replace(verdict, reasons=reasons))
     for reason in data["reasons"]:
-        if reason["by"] is None:
-            del reason["by"]
+        for key in ("by", "called_from"):
+            if reason[key] is None:
+                del reason[key]
     return {_VERDICT: data}
 
 

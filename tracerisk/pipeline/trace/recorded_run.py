@@ -90,6 +90,8 @@ class IssuedCommand:
     """The joint that its goal takes furthest past the joint's limits; empty for none."""
     past_words: str = ""
     """Where to, and what the limits are, in words."""
+    called_from: Location | None = None
+    """The line that called the function; `None` where none did."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -293,6 +293,9 @@ def _commands(
             path=tuple((frame.function, frame.site) for frame in command.stack),
             past_limit=past_limit,
             past_words=past_words,
+            called_from=None
+            if len(command.stack) < 2
+            else Location(command.stack[-2].function.file, command.stack[-2].site[0]),
         )
         if gripper is not None and not is_arms and samples is not None:
             at = _positions(samples, command.issue_ns)

@@ -266,6 +266,9 @@ class TwinCommands:
             object_name=object_name,
             target=target,
             named=named,
+            called_from=None
+            if len(stack) < 2
+            else Location(stack[-2].function.file, stack[-2].site[0]),
         )
         if kind in _CAME_TO_NOTHING:
             self._arrived = None
