@@ -78,7 +78,8 @@ def test_it_writes_neither_blocks_nor_lock_nor_a_kept_trace_and_json_says_the_sa
     assert moving.files() == before
     assert not (moving.folder / ".tracerisk_cache").exists()
     assert first.out == second.out
-    assert first.json["faults"] == [{"mode": "jam", "time_s": 0.3, "unit": "panda_joint1"}]
+    jam = {"mode": "jam", "time_s": 0.3, "unit": "panda_joint1", "lasts_s": None}
+    assert first.json["faults"] == [jam]
     assert first.json["reported"][0]["after_s"] > 0.0
     assert first.json["nominal"]["verdict_line"].startswith("partial")
     assert first.json["verdict"]["kind"] == "faulted"

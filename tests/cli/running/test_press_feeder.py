@@ -189,7 +189,7 @@ def test_a_change_that_drops_the_lock_does_not_pass(ran, repository):
     (cell.folder / lock).unlink()
     outcome = cell.run("diff", "--max-increase", "0.1")
     assert outcome.code == 1
-    assert "tracerisk.lock knows no run of it" in outcome.err
+    assert "verdict of its run is unknown" in outcome.err
 
 
 def test_fewer_functions_than_in_the_base_fail_the_check(ran, repository):
