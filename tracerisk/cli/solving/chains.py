@@ -17,7 +17,6 @@ from tracerisk.errors import InputError
 from tracerisk.prm.other_models.formats.explicit_chain import ChainKind, ExplicitChain
 from tracerisk.prm.other_models.formats.prism.prism_reader import constant_values, read_prism_model
 from tracerisk.prm.other_models.markov.solver import SMALL
-from tracerisk.prm.other_models.properties import ask
 from tracerisk.report.model_files import render_answers, render_line, render_states
 
 if TYPE_CHECKING:
@@ -102,6 +101,7 @@ class ChainFile:
         self, questions: PropertyFile, constants: Mapping[str, float], figure: str | None
     ) -> Solved:
         """Answer the properties; the figure of one that differs by start is its greatest."""
+        from tracerisk.prm.other_models.properties import ask
 
         if self.time is not None:
             raise InputError("--mission-time: a property has times of its own, as F<=10; leave out")

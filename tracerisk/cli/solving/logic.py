@@ -10,9 +10,7 @@ from tracerisk.cli.shared.output import note
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
 from tracerisk.errors import InputError
 from tracerisk.prm.other_models.logic.checks import needs_mission_time
-from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
 from tracerisk.prm.other_models.logic.model import LogicModel
-from tracerisk.prm.other_models.logic.set_figures import propagate, value_of, with_values
 from tracerisk.report.model_files import render_event_tree, render_top_importance, render_tops
 
 TYPE_CHECKING = False
@@ -40,11 +38,13 @@ class LogicFile:
 
     def with_values(self, values: Mapping[str, float]) -> LogicFile:
         """Return the model with parameters, events, house events or groups set."""
+        from tracerisk.prm.other_models.logic.set_figures import with_values
 
         return replace(self, model=with_values(self.model, values))
 
     def value_of(self, name: str) -> float:
         """Return the figure that the model has now; not a number where it has none."""
+        from tracerisk.prm.other_models.logic.set_figures import value_of
 
         return value_of(self.model, name, self.mission_time_h or 0.0)
 
@@ -93,6 +93,7 @@ class LogicFile:
         if begun and not (figure and wanted):
             if importance:
                 notes.append("importance is that of the tops, not of the event trees")
+            from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
 
             event_trees = solved_event_trees(model, time)
             data["event_trees"] = [
@@ -131,6 +132,7 @@ class LogicFile:
 
     def spread(self, figure: str | None, samples: int, seed: int) -> Uncertainty:
         """Return the uncertainty of a top: the one that is asked for, or the only one."""
+        from tracerisk.prm.other_models.logic.set_figures import propagate
 
         names = self.model.tops if figure is None else self._gate(figure)
         if len(names) != 1:

@@ -10,10 +10,7 @@ from tracerisk.cli.shared.model_format import ModelFormat
 from tracerisk.cli.shared.output import note, paper, print_json, print_text, risk_exit
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.cli.solving.solved import Render, Solvable, Solved
-from tracerisk.common.text.finite import finite
 from tracerisk.errors import ExitCode, InputError, one_of
-from tracerisk.prm.other_models.logic.model import LogicModel
-from tracerisk.prm.questions.time_curve import time_curve
 from tracerisk.report.model_files import render_curve
 
 TYPE_CHECKING = False
@@ -52,6 +49,8 @@ def solve_model_file(files: Sequence[str], kind: ModelFormat, options: argparse.
     for text in solved.notes:
         note(text, quiet=options.quiet or options.json)
     if options.json:
+        from tracerisk.common.text.finite import finite
+
         data: dict[str, Any] = {
             "model": model.name,
             "format": kind.value,
@@ -114,6 +113,7 @@ def _sweeps(model: Solvable, options: argparse.Namespace) -> list[FigureSweep]:
 def _curve(model: Solvable, options: argparse.Namespace) -> Curve | None:
     if options.curve is None:
         return None
+    from tracerisk.prm.questions.time_curve import time_curve
 
     return time_curve(
         lambda time: model.at(time).solve(options.figure, importance=False).figures,
@@ -144,6 +144,7 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
 
         questions = _questions(options)
         return ChainFile(tuple(files), kind, options.mission_time_h, questions=questions)
+    from tracerisk.prm.other_models.logic.model import LogicModel
 
     if kind is ModelFormat.GALILEO:
         return _galileo(files, options)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.prm.numbers.distributions import Distribution, Lognormal
-from tracerisk.prm.numbers.strata import generator_of, stratified, within
 
 if TYPE_CHECKING:
     import numpy as np
@@ -111,6 +110,7 @@ class InputDraws:
         A block is overwritten by the next one. What is cut is counted.
         """
         from tracerisk.prm.numbers.arrays import np
+        from tracerisk.prm.numbers.strata import generator_of
 
         laws: dict[object, list[str]] = {}
         for name, uncertain_input in self.inputs.items():
@@ -155,6 +155,7 @@ class InputDraws:
     def whole(self, names: Sequence[str]) -> dict[str, Samples]:
         """Return all values of some inputs."""
         from tracerisk.prm.numbers.arrays import np
+        from tracerisk.prm.numbers.strata import generator_of, stratified
 
         makers = [generator_of(_key(name), self._seed) for name in names]
         if self.are_many:
@@ -173,6 +174,7 @@ class InputDraws:
     def _table(self, number: int, size: int) -> Samples:
         """Return the uniform numbers that a block takes its own from, in order."""
         from tracerisk.prm.numbers.arrays import np
+        from tracerisk.prm.numbers.strata import generator_of, within
 
         count = size << _finer(size)
         return within(np.arange(count), generator_of(f"block:{number}", self._seed))

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.prm.numbers.special import special
-from tracerisk.prm.numbers.strata import LatinHypercube
 
 if TYPE_CHECKING:
     from tracerisk.prm.numbers.distributions import Samples
@@ -75,6 +74,7 @@ def tail_mean(
     (1995)).
     """
     from tracerisk.prm.numbers.arrays import np
+    from tracerisk.prm.numbers.strata import LatinHypercube
 
     shifted = [(name, by) for name in leading[:_MOST_SHIFTED] for by in _SHIFTS]
     plain = samples - int((1.0 - _PLAIN) * samples)

@@ -19,7 +19,6 @@ from tracerisk.prm.hybrid.solve import solve_figures
 from tracerisk.prm.numbers.distributions import Distribution
 from tracerisk.prm.questions.draws import InputDraws, UncertainInput, in_blocks
 from tracerisk.prm.questions.set_values import groups_of, parameters_of
-from tracerisk.prm.questions.sobol import first_order_shares
 from tracerisk.prm.questions.tails import intervals, tail_mean
 
 if TYPE_CHECKING:
@@ -237,6 +236,7 @@ def spread_of(
     Raises ModelError when there are no inputs, or `samples` is below 2.
     """
     from tracerisk.prm.numbers.arrays import np
+    from tracerisk.prm.questions.sobol import first_order_shares
 
     if not inputs:
         raise ModelError(

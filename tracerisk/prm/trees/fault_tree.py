@@ -15,9 +15,7 @@ from tracerisk.prm.display import DisplayedGraph
 from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.numbers.probability import Probability, pair_of, total, value_of
 from tracerisk.prm.numbers.quantities import check_mission_time
-from tracerisk.prm.trees.conditional_tops import conditional_tops, shared_conditional_tops
 from tracerisk.prm.trees.events import BasicEvent, HouseEvent
-from tracerisk.prm.trees.fault_tree_solution import solve_tree
 from tracerisk.prm.trees.gates import Gate, GateKind, gate_probability, gate_shares
 from tracerisk.prm.trees.numbering import Numbering, numbered
 
@@ -137,6 +135,7 @@ class FaultTree(DisplayedGraph):
         `mission_time_h`, [h].
         Raises as `probability` does, and when a model needs the mission time and has none.
         """
+        from tracerisk.prm.trees.fault_tree_solution import solve_tree
 
         return solve_tree(self, values or {}, mission_time_h)
 
@@ -201,6 +200,7 @@ class FaultTree(DisplayedGraph):
         Where nothing is shared one pass gives all.
         Raises as `probability` does.
         """
+        from tracerisk.prm.trees.conditional_tops import conditional_tops, shared_conditional_tops
 
         if self._shared:
             return shared_conditional_tops(self._compiled(), self._event_values(values))

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.numbers.probability import Probability, pair_of, value_of, worth
 from tracerisk.prm.numbers.quantities import check_parameters
-from tracerisk.prm.numbers.table import Table
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Literal
 
+    from tracerisk.prm.numbers.table import Table
     from tracerisk.prm.trees.fault_tree import FaultTree
 
 
@@ -69,6 +69,7 @@ class FaultTreeSolution:
         A parameter that several events share changes in all of them; by event, each event is
         taken for itself.
         """
+        from tracerisk.prm.numbers.table import Table
 
         if by not in ("parameter", "event"):
             raise ModelError(f"importance by '{by}'; {one_of(('parameter', 'event'), by)}")
