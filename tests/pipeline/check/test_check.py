@@ -359,15 +359,15 @@ def test_a_folder_stands_for_all_that_its_lock_knows(project):
 def test_a_refresh_that_goes_wrong_prints_all_that_did(project, monkeypatch):
     from tracerisk.cli.authors import refresh
     from tracerisk.common.verdict import Reason, Verdict
-    from tracerisk.pipeline.check import refresh as work
+    from tracerisk.pipeline.check.refresh import Refreshed
 
     reasons = [
         Reason("planning-failed", "faulted", "no plan 0"),
         Reason("planning-failed", "faulted", "no plan 1"),
         Reason("distro-assumed", "partial", "no plan 2"),
     ]
-    done = work.Refreshed("kept", "c.py has changed", verdict=Verdict("faulted", tuple(reasons)))
-    monkeypatch.setattr(work, "refresh_controller", lambda *_, **__: done)
+    done = Refreshed("kept", "c.py has changed", verdict=Verdict("faulted", tuple(reasons)))
+    monkeypatch.setattr(refresh, "refresh_controller", lambda *_, **__: done)
     said = []
     monkeypatch.setattr(refresh, "note", lambda line, **_: said.append(line))
     monkeypatch.chdir(project.folder)
@@ -378,7 +378,7 @@ def test_a_refresh_that_goes_wrong_prints_all_that_did(project, monkeypatch):
     monkeypatch.setattr(refresh.shared, "merge_policy", lambda _: None)
     assert refresh.run(options) == 1
     assert said[:3] == [
-        "c.py: faulted: no plan 0 (and 2 more); 0 of 0 functions with commands ran",
+        "c.py: faulted: no plan 0 (and 1 more); 0 of 0 functions with commands ran",
         "  faulted: no plan 1",
         "  partial: no plan 2",
     ]

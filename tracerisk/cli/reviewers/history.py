@@ -123,7 +123,7 @@ def _answers(points: list[HistoryPoint]) -> list[str]:
         point, factor = rise
         lines.append(f"largest rise: x{factor:.3g} by {_text(point)}")
         lines += [] if point in (wrong, other) else [f"  {point.change}"]
-    elif apart:
+    elif apart and not lines:
         lines.append("the figure never rose between runs that can be compared")
     elif not lines:
         lines.append("the figure never rose" if known > 1 else "nothing to compare with yet")
