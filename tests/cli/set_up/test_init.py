@@ -178,7 +178,7 @@ def test_ci_files_name_where_the_installed_package_came_from(
 def test_what_is_typed_at_its_question_is_understood(cell, typed, code, said):
     before = files(cell)
     keyboard, terminal = pty.openpty()
-    command = [sys.executable, "-m", "tracerisk", "init"]
+    command = [sys.executable, "-m", "tracerisk", "init", "--blocks", "published"]
     # In a session of its own, the terminal is what a signal of the keyboard comes from.
     process = subprocess.Popen(
         ["setsid", "--ctty", "--wait", *command],
