@@ -118,10 +118,8 @@ def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures
     """Return the mission's failure probability read in three ways, and the one that holds."""
     chain, grouped = solved.chain, solved.grouped
     states = solved.states
-    visits = _visits_without_failure(
-        # A way back is taken only where something failed.
-        HiddenChain(hidden_states(model)) if leads_back(model) else chain
-    )
+    # A way back is taken only where something failed.
+    visits = _visits_without_failure(states, hidden_states(model) if leads_back(model) else states)
     whole = Round(states.entry, frozenset(range(len(states.functions))))
     cycles = visits[states.entry]
     reading, mission = held_reading(model, solved)
@@ -220,11 +218,17 @@ def _visits(
     return Elimination(states.pattern, rows, exits).left(start)
 
 
-def _visits_without_failure(chain: HiddenChain) -> list[float]:
-    """Return the expected visits of each function where nothing fails."""
-    size = len(chain.states.functions)
-    start = [float(number == chain.states.entry) for number in range(size)]
-    return _visits(chain.states, [Probability(0.0, 1.0)] * size, start)
+def _visits_without_failure(states: HiddenStates, plain: HiddenStates) -> list[float]:
+    """Return the expected visits of each function of `states` where nothing fails.
+
+    `plain` are those without ways back; what only these reach is never visited.
+    """
+    size = len(plain.functions)
+    start = [float(number == plain.entry) for number in range(size)]
+    counts = _visits(plain, [Probability(0.0, 1.0)] * size, start)
+    names = [function.state.name for function in plain.functions]
+    visits = dict(zip(names, counts, strict=True))
+    return [visits.get(function.state.name, 0.0) for function in states.functions]
 
 
 def _mean_cycles(chain: HiddenChain, cycle: Flow, whole: Round, cycles: float) -> float:

@@ -485,3 +485,28 @@ def test_draws_of_the_parameters_give_what_each_gives_alone() -> None:
 
 def shown(model: HybridModel) -> bool:
     return any(f.shows_in for s in model.states for fs in s.fates.values() for f in fs)
+
+
+def test_a_function_that_only_a_way_back_reaches_is_solved_exactly() -> None:
+    model = built(
+        ["mend", "pick", "place"],
+        {
+            "mend": ("mend fails", ["c"], {}),
+            "pick": ("pick fails", ["a"], {}),
+            "place": ("place fails", ["b"], {}),
+        },
+        {
+            "mend": {"place": Fraction(1)},
+            "pick": {"place": Fraction(1)},
+            "place": {"pick": Fraction(3, 4), DONE: Fraction(1, 4)},
+        },
+        {"a": 0.04, "b": 0.02, "c": 0.01},
+    )
+    fates = {"a": (Fate("back", Fraction(1, 2), target="mend"),)}
+    model = replace(with_fates(model, pick=fates), entry="pick")
+    mission = solve_figures(model).mission
+    failure, undetected = Exact(model).figures()
+    assert mission.geometric_cycles == pytest.approx(float(failure), rel=1e-12)
+    assert mission.undetected_geometric == pytest.approx(float(undetected), rel=1e-12)
+    # Without a failure nobody comes to `mend`.
+    assert mission.expected_cycles == pytest.approx(4.0)
