@@ -182,15 +182,19 @@ def hardware_digest(settings: Settings) -> str:
     return sha256("\n".join((own, *others)).encode())
 
 
-def file_digest(path: Path) -> str:
-    """Return a digest of a file, or that it is gone: then a run finds another.
+def content_digest(data: bytes) -> str:
+    """Return a digest of what a file holds.
 
     A text has the same one with line ends of any kind: git may write those of the system.
     """
+    is_text = b"\0" not in data[:_LOOKED_AT]
+    return sha256(data.replace(b"\r\n", b"\n") if is_text else data)
+
+
+def file_digest(path: Path) -> str:
+    """Return the digest of a file's content, or that it is gone: then a run finds another."""
     try:
-        data = path.read_bytes()
-        is_text = b"\0" not in data[:_LOOKED_AT]
-        return sha256(data.replace(b"\r\n", b"\n") if is_text else data)
+        return content_digest(path.read_bytes())
     except FileNotFoundError:
         return GONE
     except OSError as error:

@@ -12,7 +12,6 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.adder.lock.lock import ControllerLock
-from tracerisk.common.text.digests import sha256
 from tracerisk.config import Settings, loads_toml
 from tracerisk.errors import SettingsError, TraceRiskError
 from tracerisk.instrument.source.code_digest import code_digest
@@ -21,6 +20,7 @@ from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.freshness import (
     GONE,
     RunInputs,
+    content_digest,
     hardware_digest,
     settings_data,
 )
@@ -149,7 +149,7 @@ def _file(run: RunOfVersion, file: str, digest: str, changed: Collection[str]) -
     if path is None or path not in changed:
         return digest
     content = run.version.file(path)
-    return GONE if content is None else sha256(content)
+    return GONE if content is None else content_digest(content)
 
 
 def _settings_now(run: RunOfVersion, changed: Collection[str]) -> dict[str, Any] | None:
