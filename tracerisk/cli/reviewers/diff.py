@@ -8,7 +8,6 @@ import os
 import re
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared import options as shared
@@ -128,9 +127,9 @@ def run(options: argparse.Namespace) -> int:
 def _write_reports(review: Review, options: argparse.Namespace) -> None:
     """Write the files for CI that were asked for."""
     if options.sarif is not None or options.code_quality is not None:
-        from tracerisk.pipeline.review.alerts import repository_root, review_alerts
+        from tracerisk.pipeline.review.alerts import review_alerts
 
-        write_alerts(options, review_alerts(review, repository_root(Path.cwd() / "_")))
+        write_alerts(options, review_alerts(review))
     if options.metrics is not None:
         write_file(options.metrics, render_open_metrics(review_metrics(review)))
 
@@ -188,8 +187,6 @@ def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
         )
     # What C and C++ bring about is never known.
     if diff.stale and diff.after is not None and not is_c(diff.name):
-        from tracerisk.report.diff.sentences import not_assessed
-
         texts.append(f"{not_assessed(diff)}; --no-outcome-change")
     return [f"{diff.name}: {text}" for text in texts]
 

@@ -105,20 +105,18 @@ def check_alerts(
     return tuple(dict.fromkeys(alerts))
 
 
-def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
+def review_alerts(review: Review) -> tuple[Alert, ...]:
     """Return the alerts of a change: a run that went wrong, what the mission brings about
     otherwise, redundancy that it took, single points that it made, and components that it leaves
     out by hand.
-
-    `folder` is where the places of the review stand, the root of the repository.
     """
     alerts: list[Alert] = []
     for diff in review.controllers:
-        alerts += _faults(diff, folder)
+        alerts += _faults(diff)
         if diff.outcome is not None:
             first_line = Location(diff.name, 1)
             alerts += [
-                _alert("changed-outcome", line, first_line, folder, subject=_FIGURE.sub("#", line))
+                _alert("changed-outcome", line, first_line, subject=_FIGURE.sub("#", line))
                 for line in diff.outcome.of_mission
             ]
         for change in diff.changes:
@@ -131,26 +129,26 @@ def review_alerts(review: Review, folder: Path) -> tuple[Alert, ...]:
                 continue
             names = {"function": field.function, "component": change.component or ""}
             if change.kind == "component_omitted":
-                alerts.append(_alert("omitted-component", change.summary, place, folder, **names))
+                alerts.append(_alert("omitted-component", change.summary, place, **names))
             for mark, rule in (
                 ("lost_redundancy", "lost-redundancy"),
                 ("single_point_of_failure", "single-point-of-failure"),
             ):
                 if mark in change.marks:
-                    alerts.append(_alert(rule, change.summary, place, folder, **names))
+                    alerts.append(_alert(rule, change.summary, place, **names))
     return tuple(alerts)
 
 
-def _faults(diff: RiskDiff, folder: Path) -> Iterator[Alert]:
+def _faults(diff: RiskDiff) -> Iterator[Alert]:
     """Yield why the later run went wrong, at their places or else at the first line."""
     verdict = diff.verdicts.after if diff.verdicts is not None and diff.verdicts.in_after else None
-    if verdict is None or verdict.kind not in ("faulted", "stuck"):
+    if verdict is None or not verdict.is_bad:
         return
     for reason in verdict.open_reasons:
         if reason.verdict in ("faulted", "stuck"):
             place = reason.location or Location(diff.name, 1)
             # Known by the same as that of a check: both may be handed to one report.
-            yield _alert("faulted-run", reason.message, place, folder, function=reason.function)
+            yield _alert("faulted-run", reason.message, place, function=reason.function)
 
 
 def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
@@ -242,7 +240,9 @@ def _uncovered(ref: FunctionRef, name: str, line: int, root: Path) -> Alert:
     return _alert("uncovered-motion", message, Location(ref.file, line), root, function=ref.name)
 
 
-def _alert(rule: str, message: str, place: Location, folder: Path = Path(), **names: str) -> Alert:
+def _alert(
+    rule: str, message: str, place: Location, folder: Path = Path(), /, **names: str
+) -> Alert:
     """Return the alert at a place, whose file is named from `folder`."""
     return alert_at(rule, message, place, name_in_repository(str(folder / place.file)), **names)
 
