@@ -177,19 +177,15 @@ class _Comparison:
 
     def in_step(self) -> Iterator[AlignedSteps]:
         """Yield the steps that are the same, and those between them, in order."""
-        i = j = 0
-        for one, other in (*self._pairs, (len(self._before), len(self._after))):
-            if one > i or other > j:
-                gone, come = self._before[i:one], self._after[j:other]
+        for gone, come, is_same in self._stretches():
+            if is_same:
+                way = self._other_ways.get(gone[0].order)
+                yield AlignedSteps(gone, come, (way,) if way else ())
+            else:
                 lost: list[str] = []
                 added: list[str] = []
                 self._gap(gone, come, lost, added)
                 yield AlignedSteps(gone, come, tuple(dict.fromkeys((*lost, *added))))
-            if one < len(self._before):
-                step = self._before[one]
-                way = self._other_ways.get(step.order)
-                yield AlignedSteps((step,), (self._after[other],), (way,) if way else ())
-            i, j = one + 1, other + 1
 
     def _other_postures(self) -> Iterator[str]:
         """Yield rests at which the tool is where it was, and the arm is not."""
@@ -225,16 +221,22 @@ class _Comparison:
         of = "" if self._old.left_out else f" of {total}"
         yield f"rests {first} to {last}{of} are no longer reached"
 
+    def _stretches(self) -> Iterator[tuple[tuple[Step, ...], tuple[Step, ...], bool]]:
+        """Yield the steps of both runs in order: two that are the same, or those between such."""
+        i = j = 0
+        for one, other in (*self._pairs, (len(self._before), len(self._after))):
+            if one > i or other > j:
+                yield self._before[i:one], self._after[j:other], False
+            if one < len(self._before):
+                yield self._before[one : one + 1], self._after[other : other + 1], True
+            i, j = one + 1, other + 1
+
     def _gaps(self) -> Iterator[tuple[Sequence[Step], Sequence[Step]]]:
         """Yield the steps of both runs between those that are the same."""
-        i = j = 0
-        ends = [(len(self._before), len(self._after))]
-        if self._old.left_out or self._new.left_out:
-            ends = []  # what stands there in one run may be left out in the other
-        for one, other in (*self._pairs, *ends):
-            if one > i or other > j:
-                yield self._before[i:one], self._after[j:other]
-            i, j = one + 1, other + 1
+        gaps = list(self._stretches())
+        if gaps and not gaps[-1][2] and (self._old.left_out or self._new.left_out):
+            del gaps[-1]  # what stands there in one run may be left out in the other
+        yield from ((gone, come) for gone, come, is_same in gaps if not is_same)
 
     def _moved_uses(self) -> Iterator[str]:
         """Yield uses of the cell that come as often, and at another point of the mission."""
