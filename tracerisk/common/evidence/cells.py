@@ -7,7 +7,7 @@ what became of each run in `tracerisk.evidence`, committed like a lock. See docs
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, get_args
 
 from tracerisk.common.evidence.share_interval import clopper_pearson
@@ -216,9 +216,5 @@ class Evidence:
         return values
 
 
-_OUTCOME = (
-    *("fails", "effect", "effects", "fate", "noticed_by", "noticed_s", "shows_in"),
-    *("missed_check", "missed_at"),
-    *("next_function", "local", "told_after_s", "told_by", "effect_after_s", "lost", "contact"),
-    "followed_s",
-)
+_FIELDS = tuple(entry.name for entry in fields(Cell))
+_OUTCOME = _FIELDS[_FIELDS.index("fails") :]

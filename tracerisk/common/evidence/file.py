@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields, replace
+from dataclasses import MISSING, asdict, fields, replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -188,26 +188,10 @@ def _is_as_written(data: Mapping[str, Any]) -> bool:
 _DIGEST, _CELLS = "digest", "cells"
 _NONE = object()
 _AT_REST = asdict(_NO_USE)
+# A stretch is written as what it counts, and left out where there is none.
 _DEFAULTS: dict[str, Any] = {
+    **{entry.name: entry.default for entry in fields(Cell) if entry.default is not MISSING},
     "stretch": None,
-    "idle_s": 0.0,
-    "fails": False,
-    "effect": "nothing",
-    "effects": (),
-    "fate": None,
-    "noticed_by": None,
-    "noticed_s": None,
-    "shows_in": "",
-    "next_function": "",
-    "missed_check": None,
-    "missed_at": "",
-    "local": "",
-    "told_after_s": None,
-    "told_by": "",
-    "effect_after_s": None,
-    "lost": (),
-    "contact": "",
-    "followed_s": None,
 }
 
 
