@@ -108,7 +108,7 @@ class EvidenceShares:
             return self._of_modes(bound, unit, term, uses)
         # Without modes, take the fault that ends the mission most often.
         tried = sorted({cell.mode for cell in self._cells(unit, is_idle)})
-        all_of_them = replace(self, only=None)
+        all_of_them = self if self.only is None else replace(self, only=None)
         of_faults = [all_of_them._of_fault(bound, unit, fault, term, uses) for fault in tried]
         if not of_faults or not all(item.ends for item in of_faults):
             return term
