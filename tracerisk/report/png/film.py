@@ -101,6 +101,7 @@ class _Shown:
         """All bodies, each after its parent."""
         self.end_s = trace.end.simulated_s or self._replay.frames.count * self._every_s
         """When the run ends [s]."""
+        self._spans = visit_spans(trace.visits, self.end_s)
         activity, n_frames = self._replay.activity, self._replay.frames.count
         self._counts = FrameCounts(activity, n_frames, self._every_s, self._replay.step_s)
         self._names = model_names([function.ref for function in trace.functions])
@@ -119,24 +120,23 @@ class _Shown:
         frame = self._frame(time_s)
         states = {name: self._counts.states(name, frame) for name in self._replay.activity}
         seen = {name: state for name, state in states.items() if state}
-        function = _function_at(self._trace, time_s, self.end_s)
+        function = self._function_at(time_s)
         title = "no function" if function is None else printable(self._names[function])
         moment = Moment(self._trace.functions[0].ref, 1, 1, time_s, frame, seen)
         rows = (CaptionRow(f"{time_s:.1f} of {self.end_s:.1f} s{speed}"), *_rows(seen))
         solids = tuple(solids_of(self.bodies, self.places(time_s), moment))
         return Picture("", f"{label}{title}", rows, camera, solids, {})
 
-
-def _function_at(trace: Trace, time_s: float, end_s: float) -> FunctionRef | None:
-    """Return the function whose visit is the current one at a time, `None` for none."""
-    spans = visit_spans(trace.visits, end_s)
-    for visit, own in zip(trace.visits, spans, strict=True):
-        is_last = time_s >= end_s - _STEP_S
-        if any(
-            start <= time_s < stop or (is_last and stop >= end_s - _STEP_S) for start, stop in own
-        ):
-            return visit.function
-    return None
+    def _function_at(self, time_s: float) -> FunctionRef | None:
+        """Return the function whose visit is the current one at a time, `None` for none."""
+        latest = self.end_s - _STEP_S
+        for visit, own in zip(self._trace.visits, self._spans, strict=True):
+            if any(
+                start <= time_s < stop or (time_s >= latest and stop >= latest)
+                for start, stop in own
+            ):
+                return visit.function
+        return None
 
 
 def _rows(states: Mapping[str, tuple[State, ...]]) -> tuple[CaptionRow, ...]:

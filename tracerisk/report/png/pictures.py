@@ -146,7 +146,7 @@ def shown_run(trace: Trace, run: RecordedRun) -> tuple[Replay, NDArray[np.float6
         raise InputError("no function of the run commanded hardware: there is nothing to picture")
     if not any(link.shapes for link in run.robot.links):
         raise InputError(f"the model of {run.robot.name} has no shapes that could be pictured")
-    replay = make_replay(run, trace.end.simulated_s or None)
+    replay = make_replay(run, trace.end.simulated_s or None, with_appearance=False)
     return replay, unpack_frames(replay.frames)
 
 

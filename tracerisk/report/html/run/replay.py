@@ -76,16 +76,22 @@ def check_recording(trace: Trace, run: RecordedRun) -> None:
 
 
 def make_replay(
-    run: RecordedRun, end_s: float | None = None, *, most_frames: int | None = None
+    run: RecordedRun,
+    end_s: float | None = None,
+    *,
+    most_frames: int | None = None,
+    with_appearance: bool = True,
 ) -> Replay:
     """Return the replay of a run up to `end_s` [s], to the end of its samples if `None`.
 
     Of more than `most_frames` positions, `MOST_FRAMES` if `None`, every second, third... is kept.
+    Pictures, which draw the simulated shapes, need no bodies `with_appearance`.
     Raises LogError when the samples are of another robot.
     """
     import numpy as np
 
     from tracerisk.report.html.run.appearance import with_looks
+    from tracerisk.report.html.run.joining import with_joins
     from tracerisk.report.html.run.replay_frames import MOST_FRAMES, pack_frames
     from tracerisk.twin.recording.activity import element_activity
     from tracerisk.twin.recording.samples import POSE_EVERY, until
@@ -95,7 +101,11 @@ def make_replay(
         samples = until(samples, round(end_s * 1e9))
     if activity is None:
         activity = element_activity(samples, run.robot)
-    bodies, drawn_as = with_looks(scene_bodies(run.robot, run.scene), run.robot)
+    bodies, drawn_as = scene_bodies(run.robot, run.scene), ""
+    if with_appearance:
+        bodies, drawn_as = with_looks(bodies, run.robot)
+    else:
+        bodies = with_joins(bodies)
     values, quanta = _columns(samples, run.robot, run.scene)
     notes = [drawn_as] if drawn_as else []
     if run.declared:
