@@ -33,8 +33,7 @@ function showChosen(place, risk) {
     );
   });
   return (chosen) => {
-    element = chosen;
-    const component = componentOf.get(element) || null;
+    const component = componentOf.get(chosen) || null;
     // A second link of the same component is news too.
     if (component === tracerisk.selected.component) tracerisk.select({});
     element = chosen;

@@ -25,7 +25,6 @@ function riskOverTime(shares) {
     }
   };
   const elsewhere = new Map();
-  const componentOf = new Map();
   const everywhere = [{ start: 0, stop: Math.max(run.end, 1e-3) }];
   for (const [name, component, element, share] of shares) {
     const current = stretchesOf.get(name) ?? everywhere;
@@ -33,7 +32,6 @@ function riskOverTime(shares) {
     for (const each of elements) {
       const used = overlaps(segmentsOf.get(each) ?? [], current);
       add(each, used.length ? used : current, share / elements.length);
-      componentOf.set(each, component);
     }
     if (elements.length) continue;
     add(component, current, share);
@@ -63,7 +61,7 @@ function riskOverTime(shares) {
   const whole = (name) => shareAt(name, Infinity);
   const onArm = [...pieces.keys()].filter((name) => !elsewhere.has(name));
   return {
-    shareAt, whole, elsewhere, componentOf,
+    shareAt, whole, elsewhere,
     most: Math.max(...onArm.map(whole), 1e-12),
     soFar: (time) => [...pieces.keys()].reduce((sum, name) => sum + shareAt(name, time), 0),
   };

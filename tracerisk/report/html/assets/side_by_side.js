@@ -4,7 +4,7 @@ const both = tracerisk.data("side-by-side");
 const SIDES = ["before", "now"];
 const runs = {
   before: tracerisk.openRun(both.before),
-  now: tracerisk.openRun(tracerisk.data("timeline-data")),
+  now: tracerisk.shownRun,
 };
 const ends = SIDES.map((side) => runs[side].run.end);
 const cursor = tracerisk.makeClock();
@@ -40,7 +40,7 @@ function placeOf(side, time) {
 const placeOfDifference = ({ before, now }) =>
   isInStep ? Math.max(placeOf("before", before), placeOf("now", now)) : now;
 
-const time = (seconds) => `${seconds.toFixed(2)} s`;
+const time = tracerisk.secondsText;
 function whereText(side) {
   const own = clocks[side].time;
   const visit = runs[side].visitAt(own);

@@ -223,4 +223,4 @@ function beginControls() {
   });
 }
 beginControls();
-Object.assign(tracerisk, { player, makePlayer, playButton, timeKeys, openRun });
+Object.assign(tracerisk, { player, makePlayer, playButton, timeKeys, openRun, shownRun, secondsText });
