@@ -16,13 +16,12 @@ from tracerisk.cli.shared.output import (
     write_file,
 )
 from tracerisk.cli.shared.values import probability
-from tracerisk.common.text.plain_data import picked
 from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root, from_here
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.check import check_controllers
-from tracerisk.pipeline.check.finding import Checked
+from tracerisk.pipeline.check.finding import Checked, finding_data
 from tracerisk.pipeline.check.run import CoverageLimits
 from tracerisk.pipeline.freshness.known_controllers import all_controllers, controllers_of
 from tracerisk.pipeline.workspace.project import Projects
@@ -118,11 +117,7 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
             fresh=[
                 str(check_finding.path) for check_finding in checked if not check_finding.findings
             ],
-            findings=[
-                picked(check_finding, "kind", "message", "remedy")
-                | picked(check_finding.location, "file", "line")
-                for check_finding in findings
-            ],
+            findings=[finding_data(check_finding) for check_finding in findings],
             errors=[str(error) for error in errors],
             verdicts=[
                 {"controller": str(check_finding.path), **verdict_json(check_finding.verdict)}

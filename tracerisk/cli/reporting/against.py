@@ -15,7 +15,7 @@ from tracerisk.pipeline.review.git_versions import compared
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.review.change_records import Review
-    from tracerisk.report.html.report_input import SideBySide, SourceFile
+    from tracerisk.report.html.report_input import SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
 
 
@@ -93,17 +93,12 @@ def both_runs(
     if isinstance(found, str):
         return found
     names = {str(controller.path_of(file)): file for file in (controller.file, *found.sources)}
+    earlier = {source.name: source for source in shown_sources(found.sources)}
     return SideBySide(
-        EarlierRun(
-            found.version, found.trace, found.recorded, _by_name(shown_sources(found.sources))
-        ),
+        EarlierRun(found.version, found.trace, found.recorded, earlier),
         now,
         {names[source.name]: source for source in shown_sources(sources) if source.name in names},
     )
-
-
-def _by_name(sources: Iterable[SourceFile]) -> dict[str, SourceFile]:
-    return {source.name: source for source in sources}
 
 
 def check_against(options: argparse.Namespace) -> None:

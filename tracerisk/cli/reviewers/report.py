@@ -35,10 +35,10 @@ from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file, r
 from tracerisk.cli.shared.verdict import sources_verdict, verdict_details
 from tracerisk.common import trace_json
 from tracerisk.common.text.digests import sha256
-from tracerisk.common.text.plain_data import picked
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import ExitCode, InputError, Location, SourceError, TraceRiskError
 from tracerisk.instrument.source.language import is_c_like
+from tracerisk.pipeline.check.finding import finding_data
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -258,11 +258,7 @@ def _refused(options: argparse.Namespace, findings: Sequence[CheckFinding]) -> i
         print_json(
             "report",
             exit_code=int(code),
-            findings=[
-                picked(finding, "kind", "message", "remedy")
-                | picked(finding.location, "file", "line")
-                for finding in findings
-            ],
+            findings=[finding_data(finding) for finding in findings],
         )
     show(*map(str, findings), to_errors=True)
     note(f"{options.dossier}: not written: the figure does not follow from the files in it")

@@ -131,7 +131,7 @@ def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
             "`tracerisk init --robot NAME`; `tracerisk robots` lists those that are known, "
             "`tracerisk docs howto-robot` says how to give your own."
         ]
-    if trace.verdict is not None and trace.verdict.kind in ("faulted", "stuck"):
+    if trace.verdict is not None and trace.verdict.is_bad:
         what = "went wrong" if trace.end.is_good else "was cut short"
         return [
             f"Next: mend what the verdict names, then `tracerisk run {name} -v`, which prints all "

@@ -19,7 +19,7 @@ from tracerisk.pipeline.freshness.source_verdict import source_verdict_lines, so
 
 def verdict_exit(verdict: Verdict | None) -> ExitCode:
     """Return the exit code of a run: 1 for a faulted one, 4 for a stuck one, else 0."""
-    if verdict is None or verdict.kind in ("complete", "partial"):
+    if verdict is None or not verdict.is_bad:
         return ExitCode.FINE
     return ExitCode.WOULD_CHANGE if verdict.kind == "faulted" else ExitCode.CONTROLLER_FAILED
 

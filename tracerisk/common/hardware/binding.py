@@ -57,6 +57,13 @@ def bind(hardware: Hardware, elements: Sequence[Element]) -> tuple[BoundComponen
     return tuple(bound)
 
 
+def elements_by_component(
+    hardware: Hardware, elements: Sequence[Element]
+) -> dict[str, tuple[str, ...]]:
+    """Return the elements of each component, by its name, as `bind` finds them."""
+    return {bound.component.name: bound.elements for bound in bind(hardware, elements)}
+
+
 def _check_logged(hardware: Hardware, logged: Sequence[str]) -> None:
     names = [component.name for component in hardware.components]
     for name in logged:

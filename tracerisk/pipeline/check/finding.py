@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
+from tracerisk.common.text.plain_data import picked
 from tracerisk.common.verdict import Verdict
 from tracerisk.errors import ExitCode, Location
 
@@ -77,3 +78,8 @@ class Checked(NamedTuple):
     """All findings, sorted by place; empty where the blocks may be trusted."""
     verdict: Verdict | None = None
     """The verdict of the last run; `None` where the lock keeps none."""
+
+
+def finding_data(finding: CheckFinding) -> dict[str, Any]:
+    """Return what the JSON of a verb holds of a finding."""
+    return picked(finding, "kind", "message", "remedy") | picked(finding.location, "file", "line")

@@ -119,8 +119,8 @@ def _would_lose(entry: ControllerLock | None, trace: Trace) -> bool:
     A run that went wrong shows less: the blocks of what it did not reach would go.
     """
     before = None if entry is None else kept_verdict(entry)
-    is_good = before is not None and before.kind in ("complete", "partial")
-    return is_good and trace.verdict is not None and trace.verdict.kind in ("faulted", "stuck")
+    is_good = before is not None and not before.is_bad
+    return is_good and trace.verdict is not None and trace.verdict.is_bad
 
 
 def _check_end(trace: Trace, path: str) -> None:

@@ -6,7 +6,7 @@ file recomputes all of them from the text alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from tracerisk.adder.figures.derivation import FunctionDerivation
@@ -15,6 +15,8 @@ from tracerisk.prm.hybrid.elements import FunctionState
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.mission_tree import LatentGroup, MissionTree
+from tracerisk.prm.numbers.probability import Probability
+from tracerisk.prm.trees.gates import Gate
 from tracerisk.report.explain.function import render_derivation
 from tracerisk.report.explain.words import number
 
@@ -76,7 +78,10 @@ def _visit(state: FunctionState) -> str:
     top = gates[first.tree.top]
     rows = []
     for name in top.inputs:
-        rows += [_part(name, first, level) for name, level in _below(name, first)]
+        rows.append(_part(name, first, fails, gates, level=0))
+        inputs = gates[name].inputs if name in gates else ()
+        if any(part in gates for part in inputs):  # with a common cause it has parts of its own
+            rows += [_part(part, first, fails, gates, level=1) for part in inputs]
     lines = [
         f"### {state.name} in a visit before which nothing has failed\n",
         "| part | units q | fails at m failed | p of a unit | fails with |",
@@ -87,27 +92,23 @@ def _visit(state: FunctionState) -> str:
     return "\n".join(lines)
 
 
-def _below(name: str, state: FunctionState) -> Iterator[tuple[str, int]]:
-    """Yield a part of a function's tree, and with a common cause the parts that it has."""
-    gates = {gate.name: gate for gate in state.tree.gates}
-    yield name, 0
-    if name in gates and any(part in gates for part in gates[name].inputs):
-        for part in gates[name].inputs:
-            yield part, 1
-
-
-def _part(name: str, state: FunctionState, level: int) -> str:
-    gates = {gate.name: gate for gate in state.tree.gates}
+def _part(
+    name: str,
+    state: FunctionState,
+    fails: Mapping[str, Probability],
+    gates: Mapping[str, Gate],
+    *,
+    level: int,
+) -> str:
+    """Return the row of a part; `fails` has the probability of each node of the tree."""
+    gate, shown, whole = gates.get(name), f"{'- ' * level}{name}", number(fails[name].p)
+    if gate is not None and any(part in gates for part in gate.inputs):
+        return f"| {shown} | | | | {whole} |"
     events = {event.name: event for event in state.tree.events}
-    fails = state.tree.node_probabilities(state.probabilities)[name].p
-    gate, shown = gates.get(name), f"{'- ' * level}{name}"
-    if gate is None:
-        p = number(state.probabilities[events[name].parameter])
-        return f"| {shown} | 1 | 1 | {p} | {number(fails)} |"
-    if any(part in gates for part in gate.inputs):
-        return f"| {shown} | | | | {number(fails)} |"
-    p = number(state.probabilities[events[gate.inputs[0]].parameter])
-    return f"| {shown} | {len(gate.inputs)} | {gate.threshold} | {p} | {number(fails)} |"
+    unit = name if gate is None else gate.inputs[0]
+    p = number(state.probabilities[events[unit].parameter])
+    n_units, threshold = (1, 1) if gate is None else (len(gate.inputs), gate.threshold)
+    return f"| {shown} | {n_units} | {threshold} | {p} | {whole} |"
 
 
 def _mission(

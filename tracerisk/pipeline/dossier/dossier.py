@@ -20,6 +20,7 @@ from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.dossier.calculation import hand_calculation
 from tracerisk.pipeline.dossier.environment import environment
 from tracerisk.pipeline.dossier.guide import CONSTRAINTS, guide, packed_name, warning_of
+from tracerisk.pipeline.dossier.record import file_bytes
 from tracerisk.pipeline.dossier.sheet import sheet
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.hybrid.mission_tree import MissionTree, mission_tree
@@ -161,10 +162,7 @@ def _bytes_of(file: RecordedFile, report: ReportInput, root: Path) -> bytes:
         assert report.hardware is not None, "a shipped description is one"
         return shipped_bytes(report.hardware)
     path = root / file.path
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", Location(str(path))) from error
+    data = file_bytes(path)
     if sha256(data) != file.sha256:
         raise InputError(
             "has changed while the dossier was made; make it again", Location(str(path))

@@ -61,7 +61,7 @@ def make_record(
         RecordedFile(
             role,
             from_root(root, path),
-            sha256(texts[path] if path in texts else _bytes(path)),
+            sha256(texts[path] if path in texts else file_bytes(path)),
             states.get(path, ""),
         )
         for path, role in roles.items()
@@ -81,7 +81,8 @@ def make_record(
     )
 
 
-def _bytes(path: Path) -> bytes:
+def file_bytes(path: Path) -> bytes:
+    """Return the bytes of a file; InputError with its place where it cannot be read."""
     with readable(path):
         return path.read_bytes()
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.sources.write import atomic_write
-from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.binding import elements_by_component
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
@@ -48,10 +48,7 @@ def write_pictures(
     from tracerisk.report.png.pictures import LEGEND, legend_data, make_pictures
 
     hardware = load_hardware(settings, trace.robot)
-    components = {
-        bound_component.component.name: bound_component.elements
-        for bound_component in bind(hardware, trace.elements)
-    }
+    components = elements_by_component(hardware, trace.elements)
     pictures = make_pictures(trace, components, run)
     files = dict(
         zip(

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.common.dependencies import install_command, is_installed
-from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.binding import elements_by_component
 from tracerisk.errors import Location, LogError, readable
 from tracerisk.pipeline.freshness.trace_cache import MOST_REPLAY_BYTES, TraceCache
 from tracerisk.pipeline.trace.run_files import ROBOT, RunRequest
@@ -38,10 +38,7 @@ def run_section(
 
     if not trace.end.simulated_s or all(visit.duration_s is None for visit in trace.visits):
         return None
-    components = {
-        bound_component.component.name: bound_component.elements
-        for bound_component in bind(hardware, trace.elements)
-    }
+    components = elements_by_component(hardware, trace.elements)
     if isinstance(run, str):
         return timeline_section(trace, components, no_replay=run, faults=faults)
     replay = make_replay(run, trace.end.simulated_s)

@@ -218,7 +218,7 @@ def wrong_since(points: Sequence[HistoryPoint]) -> HistoryPoint | None:
     """Return the commit since which runs go wrong or never end; `None` if the last is well."""
     since: HistoryPoint | None = None
     for point in points:
-        is_wrong = point.verdict is not None and point.verdict.kind in ("faulted", "stuck")
+        is_wrong = point.verdict is not None and point.verdict.is_bad
         since = (since or point) if is_wrong else None
     return since
 

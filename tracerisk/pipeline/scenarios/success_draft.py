@@ -46,7 +46,7 @@ def draft_success(
     run = nominal_run(controller, settings, RunOptions(progress=progress))
     verdict, outcome = run.trace.verdict, run.trace.outcome
     conditions: tuple[DraftedCondition, ...] = ()
-    if outcome is not None and verdict is not None and verdict.kind in ("complete", "partial"):
+    if outcome is not None and verdict is not None and not verdict.is_bad:
         goals = load_scene(run.request.scene).goals
         is_over = run.trace.end.cause in _OVER
         conditions = drafted_conditions(outcome, goals, scenario.success, is_over=is_over)

@@ -89,8 +89,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None, is_replayed: bool =
         if beside is None:
             active, visits = with_sensors(seen, recording, active, visits)
         active, visits, contacts = with_contacts(seen, ran.folder, robot, active, visits)
-        shown = until(samples, end_ns)
-        if is_replayed and shown.n_steps:
+        if is_replayed and (shown := until(samples, end_ns)).n_steps:
             scene = simulated_scene(ran.scene, settings.scenario)
             declared = read_declared(ran.folder)
             replay = packed_run(shown, robot, scene, declared, activity)

@@ -67,12 +67,12 @@ def placed_findings(findings: Sequence[Finding], controller: Controller) -> tupl
 def _placed(finding: Finding, controller: Controller) -> Finding:
     root = controller.root.resolve()
 
-    def from_root(name: str) -> str:
+    def shortened(name: str) -> str:
         file = Path(name)
         is_below = file.is_absolute() and file.is_relative_to(root)
         return file.relative_to(root).as_posix() if is_below else name
 
-    placed = finding.with_files(from_root)
+    placed = finding.with_files(shortened)
     if placed.location is None:
         return placed
     return replace(placed, function=function_of(controller, placed.location))

@@ -28,8 +28,6 @@ def elements_of(robot: Robot, settings: Settings) -> tuple[Element, ...]:
     """Return what a run watches: the robot's elements, then the sensors of its scenario."""
     if settings.scenario is None:
         return robot.elements
-    # Few runs have one, and reading it takes more modules than all else here.
-
     return (*robot.elements, *scenario_elements(robot, read_scenario(Path(settings.scenario))))
 
 

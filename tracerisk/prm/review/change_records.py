@@ -262,7 +262,7 @@ def _is_news(verdicts: RunVerdicts) -> bool:
 
 
 def _is_whole(verdict: Verdict | None, is_there: bool) -> bool:
-    return not is_there or (verdict is not None and verdict.kind in ("complete", "partial"))
+    return not is_there or (verdict is not None and not verdict.is_bad)
 
 
 def _only_in(

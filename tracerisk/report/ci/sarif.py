@@ -145,7 +145,7 @@ RULES: tuple[Rule, ...] = (
         "unjustified-pin",
         "warning",
         "A value is set by hand without a reason.",
-        "Write why behind `;`: who decided, and on what ground. The next engineer cannot check "
+        "Write why behind `!`: who decided, and on what ground. The next engineer cannot check "
         "the figure otherwise.",
     ),
     Rule(

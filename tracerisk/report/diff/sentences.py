@@ -105,7 +105,7 @@ def _is_wrong(diff: RiskDiff) -> bool:
     verdicts = diff.verdicts
     if verdicts is None or not verdicts.in_after:
         return False
-    is_whole = verdicts.after is not None and verdicts.after.kind in ("complete", "partial")
+    is_whole = verdicts.after is not None and not verdicts.after.is_bad
     return not is_whole or verdicts.does_less
 
 

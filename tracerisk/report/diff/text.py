@@ -82,9 +82,13 @@ def _missions(diff: RiskDiff, room: int) -> Iterator[str]:
     missions = diff.before, diff.after
     whole = [None if mission is None else mission.failure_probability for mission in missions]
     cycle = [None if mission is None else mission.cycle_failure_probability for mission in missions]
-    rows = [("  mission failure", (*_cells(*whole)[:2], sentences.compared(diff, *whole)))]
+    figures = {"  mission failure": whole}
     if sentences.has_cycles(diff):
-        rows.append(("  per cycle", (*_cells(*cycle)[:2], sentences.compared(diff, *cycle))))
+        figures["  per cycle"] = cycle
+    rows = [
+        (label, (*map(_cell, both), sentences.compared(diff, *both)))
+        for label, both in figures.items()
+    ]
     widths = (*_FIGURES[:2], max(_FIGURES[2], *(len(cells[2]) for _, cells in rows)))
     yield from _row(sentences.name_of(diff), ("before", "after", "ratio"), room, widths)
     for label, cells in rows:
@@ -137,11 +141,12 @@ def _visits(function: FunctionChange) -> str:
 
 
 def _cells(before: float | None, after: float | None) -> tuple[str, str, str]:
-    return (
-        "-" if before is None else sentences.probability(before),
-        "-" if after is None else sentences.probability(after),
-        "" if before is None or after is None else sentences.ratio(before, after),
-    )
+    ratio = "" if before is None or after is None else sentences.ratio(before, after)
+    return _cell(before), _cell(after), ratio
+
+
+def _cell(figure: float | None) -> str:
+    return "-" if figure is None else sentences.probability(figure)
 
 
 def _row(

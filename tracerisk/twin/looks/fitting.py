@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tracerisk.common.geometry.frames import rotation
-from tracerisk.twin.looks.look import Look, Piece, Point, scaled
+from tracerisk.twin.looks.look import Look, Piece, Point, is_called, scaled
 from tracerisk.twin.looks.shipped_looks import shipped_looks
 from tracerisk.twin.robots.robot import Attachment, Robot, load_robot
 
@@ -51,7 +51,7 @@ def _fit(robot: Robot, look: Look) -> _Fit | None:
     """Return how a look fits a robot; `None` where it does not."""
     links: dict[str, str] = {}
     for name in look.links:
-        named = [link for link in robot.link_names if _ends(link, name)]
+        named = [link for link in robot.link_names if is_called(link, name)]
         if not named:
             return None
         links[name] = min(named, key=len)
@@ -111,9 +111,4 @@ def _turned_alike(one: Attachment, other: Attachment) -> bool:
 
 def _named(link: str, look: Look) -> str | None:
     """Return what a look calls a link; `None` where it draws nothing of it."""
-    return next((name for name in look.links if _ends(link, name)), None)
-
-
-def _ends(link: str, name: str) -> bool:
-    """Return whether a link is called so, whatever stands before its name."""
-    return link == name or link.endswith((f"_{name}", f"/{name}"))
+    return next((name for name in look.links if is_called(link, name)), None)

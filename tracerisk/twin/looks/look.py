@@ -66,3 +66,8 @@ def scaled(pieces: Iterable[Piece], along: Point, across: float) -> tuple[Piece,
         )
         for piece in pieces
     )
+
+
+def is_called(link: str, name: str) -> bool:
+    """Return whether a link is called so, whatever stands before its name."""
+    return link == name or link.endswith((f"_{name}", f"/{name}"))

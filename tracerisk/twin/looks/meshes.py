@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tracerisk.common.geometry.frames import roll_pitch_yaw, rotation, triple
 from tracerisk.common.geometry.shapes import Shape
-from tracerisk.twin.looks.look import Piece
+from tracerisk.twin.looks.look import Piece, is_called
 from tracerisk.twin.robots.robot import Robot
 
 Matrix = NDArray[np.float64]
@@ -130,5 +130,5 @@ def _link_for(robot: Robot, name: str, joint: str | None) -> str:
     """
     together = [link for link in robot.links if _moved_by(robot, link.name) == joint]
     solid = [link.name for link in together if link.shapes] or [link.name for link in together]
-    alike = [link for link in solid if link == name or link.endswith((f"_{name}", f"/{name}"))]
+    alike = [link for link in solid if is_called(link, name)]
     return (alike or solid)[0]

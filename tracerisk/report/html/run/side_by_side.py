@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from tracerisk.adder.blocks.model_names import model_names
-from tracerisk.common.hardware.binding import bind
+from tracerisk.common.hardware.binding import elements_by_component
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import EarlierRun, ReportInput, SideBySide, SourceFile
 from tracerisk.report.html.run.in_step import Difference, InStep, in_step
@@ -107,10 +107,7 @@ def side_by_side(
     components = (
         {}
         if report.hardware is None
-        else {
-            bound.component.name: bound.elements
-            for bound in bind(report.hardware, before.trace.elements)
-        }
+        else elements_by_component(report.hardware, before.trace.elements)
     )
     data = {
         "before": timeline_data(before.trace, components, names, replay),
