@@ -12,6 +12,7 @@ from tracerisk.common.outcome.outcome import ObjectOutcome, Outcome, rest_of
 from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.common.text.plain_data import plain_data
 from tracerisk.common.verdict import Coverage, Reason, Verdict
+from tracerisk.pipeline.review.alerts import review_alerts
 from tracerisk.pipeline.review.review import review
 
 ARM = Arm(
@@ -325,3 +326,11 @@ def test_of_another_mission_it_is_said_how_often_functions_run(repository, annot
         plain = " ".join(out.replace("\\", "").split())
         assert "second_cup is new in the scene and is moved by 200 mm, ends on table" in plain
         assert "place: 2 visits, before: 1" in plain
+
+
+def test_alerts_name_files_from_the_top_wherever_a_user_stands(both, monkeypatch):
+    repository = both(WHOLE, HALF)
+    (repository.folder / "below").mkdir()
+    monkeypatch.chdir(repository.folder / "below")
+    alerts = review_alerts(review(["HEAD", "../pick.py"]))
+    assert {alert.file for alert in alerts} == {"pick.py"}

@@ -214,3 +214,15 @@ def test_a_changed_description_is_said_with_old_and_new_figures_and_sources(cell
     base = ("--format", "markdown", "--link-base", "https://git.example/cell/blob")
     markdown = cell.run("diff", *base, f"{before}..HEAD").out
     assert f"[hw.yaml:2](https://git.example/cell/blob/{commit}/hw.yaml#L2)" in markdown
+
+
+def test_other_line_ends_of_a_text_make_no_version_stale(cell):
+    plain = "<mujoco>\n</mujoco>\n"
+    lock = cell.read("tracerisk.lock").decode()
+    cell.write("tracerisk.lock", lock.replace(sha256(b"<mujoco/>"), sha256(plain.encode())))
+    cell.write("scene.xml", plain)
+    cell.commit()
+    cell.write("scene.xml", plain.replace("\n", "\r\n"))
+    cell.commit()
+    outcome = cell.run("diff", "HEAD~1..HEAD", "--max-failure-probability", "0.5")
+    assert outcome.code == 0, outcome.err
