@@ -116,18 +116,13 @@ def _agreed(options: argparse.Namespace) -> bool:
 
 
 def _answer(options: argparse.Namespace, question: str) -> str:
-    """Return what a user types, in lower case; nothing where there is nobody to ask any more."""
-    if (
-        options.json
-        or getattr(options, "is_over", False)
-        or not (sys.stdin.isatty() and sys.stdout.isatty())
-    ):
+    """Return what a user types, in lower case; nothing where there is nobody to ask."""
+    if options.json or not (sys.stdin.isatty() and sys.stdout.isatty()):
         return ""
     try:
         return input(question).strip().lower()
-    except EOFError:  # Ctrl-D: no further question
+    except EOFError:  # Ctrl-D
         show("")
-        options.is_over = True
         return ""
 
 
