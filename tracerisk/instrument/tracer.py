@@ -20,7 +20,7 @@ from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.marks.call_log import CallLog, Place, Site, place_of
-from tracerisk.instrument.marks.caught_exceptions import CaughtFailure, caught_failure
+from tracerisk.instrument.marks.caught_exceptions import STAND_INS, CaughtFailure, caught_failure
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.state_instances import StateEntries
@@ -139,6 +139,8 @@ class Tracer:
         self.on_iteration: Callable[[str, int], None] | None = None
         self.on_source: Callable[[str, bytes], None] | None = None
         self.on_caught: Callable[[CaughtFailure], None] | None = None
+        self.ros_libraries: tuple[str, ...] = STAND_INS
+        """The folders of the ROS libraries whose exceptions `on_caught` is called with."""
         self.on_behalf: Callable[[], tuple[Frame, ...]] | None = None
         self._ran: dict[FunctionRef, int] = {}
         self._files: dict[str, str] = {}
@@ -195,8 +197,8 @@ class Tracer:
 
     @hide
     def note_caught(self, error: BaseException) -> None:
-        """Record an exception with which the controller goes on, if a stand-in raised it."""
-        failure = caught_failure(error, self._files)
+        """Record an exception with which the controller goes on, if a ROS library raised it."""
+        failure = caught_failure(error, self._files, self.ros_libraries)
         if failure is not None:
             self.calls.raised(failure.location)
             if self.on_caught is not None:
@@ -283,6 +285,10 @@ class Tracer:
             return None
         line, column = _site(frame)
         return Location(self._files[frame.f_code.co_filename], line, column or None)
+
+    def is_controllers(self, frame: FrameType | None) -> bool:
+        """Return whether the code of a frame is the controller's own."""
+        return frame is not None and frame.f_code.co_filename in self._files
 
     def where_failed(self, error: BaseException) -> Location | None:
         """Return the innermost controller line that an exception passed, `None` if it passed none.

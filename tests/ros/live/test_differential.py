@@ -63,7 +63,7 @@ def assert_same(live: Trace, twin: Trace, *, near: float = 1e-3) -> None:
     assert not twin.is_measured
     assert live.end.cause == twin.end.cause, live.end.message
     assert _steps(live) == _steps(twin)
-    # What is asked for in vain, or raises within rospy, is followed by stand-ins alone.
+    # What is waited for in vain is followed by stand-ins alone.
     assert {r.code for r in live.verdict.reasons} <= {r.code for r in twin.verdict.reasons}
     if not twin.functions:
         return  # the arm holds still, for as long as the program lasts

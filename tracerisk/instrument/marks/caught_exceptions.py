@@ -1,4 +1,4 @@
-"""Report what a stand-in raised and the controller caught: a run that goes on hides it.
+"""Report what a ROS library raised and the controller caught: a run that goes on hides it.
 
 Each `except` clause of the controller reports what it caught, and `contextlib.suppress` what it
 suppressed. Reported is a call that could never succeed (an unknown group, a wrong type), not one
@@ -29,7 +29,8 @@ from tracerisk.trace import Finding, RunEnd
 CAUGHT = "__tracerisk_caught__"
 """The name of the report in instrumented code; not mangled in classes, hidden from `*`."""
 
-_STAND_INS = (f"{Path(tracerisk.__file__).parent}/ros/",)
+STAND_INS = (f"{Path(tracerisk.__file__).parent}/ros/",)
+"""Where the code of the ROS libraries lies that a controller calls on the stand-ins."""
 # Whether a package is installed is a question, and an exception its answer.
 _QUESTIONS = tuple(
     f"{Path(tracerisk.__file__).parent}/ros/stand_ins/{library}/"
@@ -49,7 +50,7 @@ REFUSED = "call_raised"
 
 @dataclass(frozen=True, slots=True)
 class CaughtFailure:
-    """An exception by which a stand-in refused a call."""
+    """An exception by which a ROS library refused a call."""
 
     location: Location
     """The controller's line."""
@@ -75,10 +76,13 @@ def mark_handlers(tree: ast.Module, module: str) -> None:
     import_into(tree, module, {"caught": CAUGHT} if handlers else {})
 
 
-def caught_failure(error: BaseException, files: Mapping[str, str]) -> CaughtFailure | None:
-    """Return the call that a stand-in refused by an exception, `None` for any other exception.
+def caught_failure(
+    error: BaseException, files: Mapping[str, str], libraries: tuple[str, ...] = STAND_INS
+) -> CaughtFailure | None:
+    """Return the call that a ROS library refused by an exception, `None` for any other exception.
 
-    `files` are the controller's files by the names that code objects have for them.
+    `files` are the controller's files by the names that code objects have for them, `libraries`
+    the folders of the ROS libraries.
     """
     if type(error).__name__ not in _MISUSE:
         return None
@@ -90,7 +94,7 @@ def caught_failure(error: BaseException, files: Mapping[str, str]) -> CaughtFail
     refused = [
         entry.tb_frame
         for entry in entries[own[-1] + 1 :]
-        if entry.tb_frame.f_code.co_filename.startswith(_STAND_INS)
+        if entry.tb_frame.f_code.co_filename.startswith(libraries)
     ]
     if not refused or refused[0].f_code.co_filename.startswith(_QUESTIONS):
         return None

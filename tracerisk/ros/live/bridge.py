@@ -143,7 +143,7 @@ class Bridge:
     def _on_change(self, change: Change, name: str, type_name: str) -> None:
         if name in (CLOCK, *_OF_LOGGING):
             return
-        if change == "advertised":
+        if change == "advertised" and not self._making:
             for publication in self._graph.publications(name):
                 if publication not in self._ours:
                     self._advertise(name, type_name, latch=publication.latch)
@@ -153,7 +153,7 @@ class Bridge:
             self._offer(name)
 
     def _advertise(self, topic: str, type_name: str, *, latch: bool) -> None:
-        if topic in self._advertised or self._making:
+        if topic in self._advertised:
             return
         kind = self._class(topic, type_name)
         if kind is None:
@@ -221,7 +221,8 @@ class Bridge:
         if publication in self._ours:
             return  # real ROS carries it from the one node to the other
         self._advertise(topic, publication.type_name, latch=publication.latch)
-        self._relay.send({"do": "publish", "topic": topic}, _bytes(message))
+        if topic in self._advertised:
+            self._relay.send({"do": "publish", "topic": topic}, _bytes(message))
 
     def _message(self, topic: str, caller: str, body: bytes) -> None:
         publication = self._publications.get((topic, caller))

@@ -1,4 +1,4 @@
-"""What a controller's rospy is made to report: which functions are active at each message and call.
+"""What a controller's rospy is made to report: active functions at each message, and failures.
 
 Nothing is changed of what is sent or when: each hook calls what was there. A message's or request's
 bytes are known by their digest to whoever receives them.
@@ -8,18 +8,27 @@ from __future__ import annotations
 
 import hashlib
 import importlib
+import inspect
 import io
+import logging
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import FrameType
 from typing import Any
 
+from tracerisk.errors import Location
 from tracerisk.instrument.hidden_frames import hide
+from tracerisk.instrument.marks.caught_exceptions import REFUSED
 from tracerisk.instrument.tracer import Frame, Tracer
+from tracerisk.ros.graph.failures import CALLBACK_FAILED, ERROR_LOGGED, plain_line
 
 _CLOCK_S = 10.0
 _LOOK_S = 0.005
+_LOGGING = frozenset({"logging", "rosgraph", "rospy", "tracerisk"})
 
 Report = Callable[[dict[str, Any]], None]
 """Passes a header on to the twin's side."""
@@ -54,9 +63,11 @@ def install(tracer: Tracer, report: Report, private: Mapping[str, Any]) -> None:
     _threads_inherit(tracer)
     _report_publishers(tracer, report)
     _report_calls(tracer, report)
-    _callbacks_are_roots(tracer)
+    failures = _Failures(tracer, report)
+    failures.watch()
+    _callbacks_are_roots(tracer, failures)
     _report_spins(report)
-    _nodes_begin_with_the_clock(private)
+    _nodes_begin_with_the_clock(private, failures)
 
 
 def _threads_inherit(tracer: Tracer) -> None:
@@ -134,59 +145,159 @@ def _report_calls(tracer: Tracer, report: Report) -> None:
     kind.__init__, kind.call = init, call
 
 
-def _callbacks_are_roots(tracer: Tracer) -> None:
+class _Failures(logging.Handler):
+    """Reports what fails in the controller's code and with which rospy goes on."""
+
+    def __init__(self, tracer: Tracer, report: Report) -> None:
+        super().__init__(logging.ERROR)
+        self._tracer, self._report = tracer, report
+
+    def watch(self) -> None:
+        """Report threads that die, lines of the log that are errors, and calls refused in vain."""
+        rospy: Any = importlib.import_module("rospy")
+        folder = Path(rospy.__file__).parents[1]
+        names = (*_libraries_replaced(), "genpy")
+        self._tracer.ros_libraries = tuple(f"{folder}/{name}/" for name in names)
+        self._tracer.on_caught = lambda failure: self._tell(
+            REFUSED, failure.words, failure.location, failure.call
+        )
+        real = threading.excepthook
+
+        def notify(failure: threading.ExceptHookArgs) -> None:
+            error, thread = failure.exc_value, failure.thread
+            if error is not None and not isinstance(error, SystemExit) and self._counts(error):
+                name = "" if thread is None else f" {thread.name}"
+                words = f"thread{name} died of {_words(error)}, and the controller went on"
+                self._tell("thread_failed", words, self._tracer.where_failed(error))
+            real(failure)
+
+        threading.excepthook = notify
+        self.listen()
+
+    def listen(self) -> None:
+        """Take the lines that the controller logs; setting up a node removes who took them."""
+        logging.getLogger("rosout").addHandler(self)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Report a line of the log that the controller's own code wrote."""
+        frame = sys._getframe(1)
+        while frame.f_back is not None and _package(frame) in _LOGGING:
+            frame = frame.f_back
+        if not self._tracer.is_controllers(frame):
+            return
+        first = (record.getMessage().strip().splitlines() or [""])[0]
+        severity = "FATAL" if record.levelno >= logging.CRITICAL else "ERROR"
+        words = f"it logged {severity}: {first}"
+        self._tell(ERROR_LOGGED, words, self._tracer.where(), plain_line(first))
+
+    def of_callback(self, what: str, error: Exception) -> None:
+        """Report that a callback raised an error with which the library goes on."""
+        if self._counts(error):
+            words = f"{what} raised {type(error).__name__}: {error}"
+            place = self._tracer.where_failed(error)
+            self._tell(CALLBACK_FAILED, words, place, type(error).__name__)
+
+    def _counts(self, error: BaseException) -> bool:
+        rospy: Any = importlib.import_module("rospy")
+        return not (rospy.is_shutdown() and isinstance(error, rospy.ROSException))
+
+    def _tell(self, kind: str, message: str, place: Location | None, about: str = "") -> None:
+        data = None if place is None else [place.file, place.line, place.column]
+        self._report(
+            {"is": "failed", "kind": kind, "message": message, "location": data, "object": about}
+        )
+
+
+def _libraries_replaced() -> Iterator[str]:
+    """Yield the packages of ROS that have a stand-in."""
+    folder = Path(str(importlib.import_module("tracerisk.ros").__file__)).with_name("stand_ins")
+    asked = ("ament_index_python", "rospkg")
+    """Their exceptions are answers: whether a package is installed."""
+    yield from (path.name for path in sorted(folder.iterdir()) if path.name not in asked)
+
+
+def _package(frame: FrameType) -> str:
+    return str(frame.f_globals.get("__name__", "")).partition(".")[0]
+
+
+def _words(error: BaseException) -> str:
+    return " ".join("".join(traceback.format_exception_only(error)).split())
+
+
+def _callbacks_are_roots(tracer: Tracer, failures: _Failures) -> None:
     topics: Any = importlib.import_module("rospy.topics")
     services: Any = importlib.import_module("rospy.impl.tcpros_service")
     timers: Any = importlib.import_module("rospy.timer")
-    real_invoke = topics._SubscriberImpl._invoke_callback
-    real_timer, real_service = timers.Timer.__init__, services.ServiceImpl.__init__
 
-    @hide
-    def invoke(self: Any, message: Any, callback: Any, arguments: Any) -> None:
-        with tracer.root("callback"):
-            real_invoke(self, message, callback, arguments)
+    def rooted(owner: Any, method: str, kinds: Mapping[str, str], what: str) -> None:
+        _callback_is_root(tracer, failures, owner, method, kinds, what)
 
-    @hide
-    def timer(self: Any, period: Any, callback: Any, *args: Any, **kwargs: Any) -> None:
-        real_timer(self, period, _rooted(tracer, "timer", callback), *args, **kwargs)
-
-    @hide
-    def service(self: Any, name: str, kind: Any, handler: Any, *args: Any, **kwargs: Any) -> None:
-        real_service(self, name, kind, _rooted(tracer, "service", handler), *args, **kwargs)
-
-    topics._SubscriberImpl._invoke_callback = invoke
-    timers.Timer.__init__, services.ServiceImpl.__init__ = timer, service
-    if importlib.util.find_spec("actionlib") is not None:
-        _actions_are_roots(tracer)
-
-
-def _actions_are_roots(tracer: Tracer) -> None:
+    rooted(
+        topics._SubscriberImpl,
+        "_invoke_callback",
+        {"cb": "callback"},
+        "a callback of {0.resolved_name}",
+    )
+    # What a timer's callback raises ends the timer's thread.
+    rooted(timers.Timer, "__init__", {"callback": "timer"}, "")
+    rooted(
+        services.ServiceImpl,
+        "__init__",
+        {"handler": "service"},
+        "the handler of service {0.resolved_name}",
+    )
+    if importlib.util.find_spec("actionlib") is None:
+        return
     clients: Any = importlib.import_module("actionlib.action_client")
     servers: Any = importlib.import_module("actionlib.simple_action_server")
-    real_send = clients.GoalManager.init_goal
-    real_server = servers.SimpleActionServer.__init__
+    on_goal = dict.fromkeys(("transition_cb", "feedback_cb"), "done_callback")
+    rooted(clients.GoalManager, "init_goal", on_goal, "a callback of an action")
+    rooted(
+        servers.SimpleActionServer,
+        "__init__",
+        {"execute_cb": "callback"},
+        "the execute callback of an action server",
+    )
+
+
+def _callback_is_root(
+    tracer: Tracer,
+    failures: _Failures,
+    owner: Any,
+    method: str,
+    parameters: Mapping[str, str],
+    what: str,
+) -> None:
+    """Make the callbacks that a method takes start stacks of their own.
+
+    `parameters` are those of the method that take one, with the kind of root, however passed.
+    `what` names in a finding the callback that raised, of the object that fills `{0}`; empty: none.
+    """
+    real = getattr(owner, method)
+    signature = inspect.signature(real)
+
+    def failed(of: Any, error: Exception) -> None:
+        failures.of_callback(what.format(of), error)
 
     @hide
-    def init_goal(self: Any, goal: Any, transition_cb: Any = None, feedback_cb: Any = None) -> Any:
-        return real_send(
-            self,
-            goal,
-            _rooted(tracer, "done_callback", transition_cb),
-            _rooted(tracer, "done_callback", feedback_cb),
-        )
+    def taking(*args: Any, **kwargs: Any) -> Any:
+        try:
+            bound = signature.bind(*args, **kwargs)
+        except TypeError:
+            return real(*args, **kwargs)  # says what is wrong with the call
+        for name, kind in parameters.items():
+            if bound.arguments.get(name) is not None:
+                callback = _rooted(tracer, kind, bound.arguments[name])
+                if what:
+                    callback = _watched(callback, lambda error: failed(args[0], error))
+                bound.arguments[name] = callback
+        return real(*bound.args, **bound.kwargs)
 
-    @hide
-    def server(self: Any, name: str, spec: Any, execute_cb: Any = None, *more: Any) -> None:
-        real_server(self, name, spec, _rooted(tracer, "callback", execute_cb), *more)
-
-    clients.GoalManager.init_goal = init_goal
-    servers.SimpleActionServer.__init__ = server
+    setattr(owner, method, taking)
 
 
 def _rooted(tracer: Tracer, kind: Any, callback: Any) -> Any:
     """Return `callback` such that it is called by no function of the controller."""
-    if callback is None:
-        return None
 
     @hide
     def called(*args: Any, **kwargs: Any) -> Any:
@@ -196,7 +307,21 @@ def _rooted(tracer: Tracer, kind: Any, callback: Any) -> Any:
     return called
 
 
-def _nodes_begin_with_the_clock(private: Mapping[str, Any]) -> None:
+def _watched(callback: Any, failed: Callable[[Exception], None]) -> Any:
+    """Return `callback` such that `failed` is called with what it raises."""
+
+    @hide
+    def called(*args: Any, **kwargs: Any) -> Any:
+        try:
+            return callback(*args, **kwargs)
+        except Exception as error:
+            failed(error)
+            raise
+
+    return called
+
+
+def _nodes_begin_with_the_clock(private: Mapping[str, Any], failures: _Failures) -> None:
     """Make `init_node` wait for the first time of the clock: before, it is 0."""
     rospy: Any = importlib.import_module("rospy")
     client: Any = importlib.import_module("rospy.client")
@@ -205,6 +330,7 @@ def _nodes_begin_with_the_clock(private: Mapping[str, Any]) -> None:
     @hide
     def init_node(*args: Any, **kwargs: Any) -> None:
         real(*args, **kwargs)
+        failures.listen()
         until = time.monotonic() + _CLOCK_S
         while rospy.get_rostime().is_zero() and time.monotonic() < until:
             time.sleep(_LOOK_S)

@@ -61,6 +61,7 @@ class ActionTopics(TwinNode):
             self._hear(
                 f"{action}/cancel", _GOAL_ID, lambda message, _: self._cancel(action, message)
             )
+            self._offer_reports(action, kind)
 
     def _serve_if_of_bring_up(self, action: str) -> None:
         """Serve an action that the bring-up has, for who listens and sends no goal."""
@@ -89,11 +90,14 @@ class ActionTopics(TwinNode):
         if change == "served" and server is not None:
             server.on_message = self._pass_on
             self._goals.setdefault(name, {})
-            if name in self._sent_by_topic:
-                # Who sends by topic looks for their publishers before it sends.
-                self._publication(f"{name}/feedback", f"{type_name}ActionFeedback")
-                self._publication(f"{name}/result", f"{type_name}ActionResult")
+            self._offer_reports(name, type_name)
             self._report_status(name)
+
+    def _offer_reports(self, action: str, kind: str) -> None:
+        """Publish what a server reports of goals sent by topic: who sends looks for it before."""
+        if action in self._goals and action in self._sent_by_topic:
+            self._publication(f"{action}/feedback", f"{kind}ActionFeedback")
+            self._publication(f"{action}/result", f"{kind}ActionResult")
 
     def _pass_on(self, goal: ActionGoal, what: str, message: Any) -> None:
         name, kind = goal.client.name, goal.client.type_name

@@ -34,6 +34,7 @@ from tracerisk.pipeline.trace.run_files import (
 )
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.project import Project
+from tracerisk.ros.graph.failures import ERROR_LOGGED
 from tracerisk.ros.graph.parameter_files import private_of
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.graph.runtime import activate
@@ -204,6 +205,8 @@ class _LiveRun:
         elif what == "looped":
             self._threads.baton.of = header["thread"]
             self._watch.looped(header["file"], header["line"])
+        elif what == "failed":
+            self._failed(header)
         elif what == "begins":
             self._recorder.note(STARTED)
             self._threads.main.ident = header["thread"]
@@ -213,6 +216,17 @@ class _LiveRun:
             self._end = header
         elif what == "refused":
             self._refused = {key: header[key] for key in ("error", "message", "location")}
+
+    def _failed(self, header: dict[str, Any]) -> None:
+        place = None if header["location"] is None else Location(*header["location"])
+        about = header["object"]
+        if header["kind"] == ERROR_LOGGED:  # once, however often
+            asker = None if place is None else (place.file, place.line)
+            self._recorder.failed(
+                ERROR_LOGGED, header["message"], place, asker=asker, object_name=about
+            )
+        else:
+            self._recorder.finding(header["kind"], header["message"], place, object_name=about)
 
     def _give_parameters(self) -> None:
         parameters: ParameterTree = self._runtime.graph.parameters

@@ -22,7 +22,7 @@ _MEASURED = f"{MEASURED} live, on real rospy with the twin as a node"
 _LOST = (
     "repeatability: threads, connections and waits on the wall clock take the time that they take",
     "other nodes of the workspace, drafted values and answers to input(): none are given",
-    "what is asked for in vain or fails within rospy: no reason of the verdict speaks of it",
+    "transforms, messages and services waited for in vain: no reason of the verdict speaks of it",
     "services and actions of the controller itself: no scenario calls them",
 )
 
