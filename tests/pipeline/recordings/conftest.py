@@ -19,6 +19,20 @@ TEXT = "std_msgs/msg/String"
 ARM = tuple(f"panda_joint{n}" for n in range(1, 8))
 KINDS = ("bag", "db3", "mcap", "mcap of ROS 1")
 
+POINT = "trajectory_msgs/msg/JointTrajectoryPoint"
+CONTROLLER = "control_msgs/msg/JointTrajectoryControllerState"
+DYNAMIC = "control_msgs/msg/DynamicJointState"
+VALUES = "control_msgs/msg/InterfaceValue"
+CONTROL_MSGS = {
+    CONTROLLER: "std_msgs/Header header\nstring[] joint_names\n"
+    "trajectory_msgs/JointTrajectoryPoint desired\n"
+    "trajectory_msgs/JointTrajectoryPoint {measured}\n"
+    "trajectory_msgs/JointTrajectoryPoint error\n",
+    VALUES: "string[] interface_names\nfloat64[] values\n",
+    DYNAMIC: "std_msgs/Header header\nstring[] joint_names\n"
+    "control_msgs/InterfaceValue[] interface_values\n",
+}
+
 Message = tuple[int, str, str, Any]
 """Time [ns], topic, type and value."""
 
@@ -40,6 +54,10 @@ class Mission:
     set_back_s: float = 0.0
     """By how much the robot's clock is set back after 2 s."""
     topic: str = "/joint_states"
+    form: str = STATE
+    """The type of the messages that hold the joint states."""
+    measured: str = "actual"
+    """What a controller's state calls what is measured."""
     silent: tuple[float, float] = (0.0, 0.0)
     """From when to when nothing was recorded [s]."""
     more: tuple[Message, ...] = field(default=())
@@ -67,22 +85,26 @@ class Mission:
             velocities[0] = v if self.velocity == "measured" else 0.0
             efforts = np.zeros(len(self.joints))
             efforts[1] = self.load
-            none = np.zeros(0)
-            found.append(
-                (
-                    at,
-                    self.topic,
-                    STATE,
-                    types[STATE](
-                        header(types, self._stamp(at)),
-                        list(self.joints),
-                        positions,
-                        none if self.velocity == "none" else velocities,
-                        efforts,
-                    ),
-                )
-            )
+            speeds = np.zeros(0) if self.velocity == "none" else velocities
+            state = self._message(types, self._stamp(at), positions, speeds, efforts)
+            found.append((at, self.topic, self.form, state))
         return found
+
+    def _message(self, types: Any, stamp_ns: int, *measured: Any) -> Any:
+        head, names = header(types, stamp_ns), list(self.joints)
+        if self.form == STATE:
+            return types[STATE](head, names, *measured)
+        if self.form == DYNAMIC:
+            kinds = ["position", "velocity", "effort"]
+            rows = [types[VALUES](kinds, np.array(row)) for row in zip(*measured, strict=True)]
+            return types[DYNAMIC](head, names, rows)
+        place, speed, effort = measured
+        at_once = types["builtin_interfaces/msg/Duration"](0, 0)
+        wanted, is_at = (
+            types[POINT](values, speed, np.zeros(0), effort, at_once)
+            for values in (place + 9, place)
+        )
+        return types[CONTROLLER](head, names, wanted, is_at, wanted)
 
 
 def motion(times: Any) -> tuple[Any, Any]:
@@ -152,10 +174,12 @@ class Recorder:
         self.folder = folder
 
     def write(self, mission: Mission, kind: str = "mcap", more: Sequence[Any] = ()) -> Path:
-        from rosbags.typesys import Stores, get_typestore
+        from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
         is_1 = kind in ("bag", "mcap of ROS 1")
         store = get_typestore(Stores.ROS1_NOETIC if is_1 else Stores.ROS2_HUMBLE)
+        for name, definition in CONTROL_MSGS.items():
+            store.register(get_types_from_msg(definition.format(measured=mission.measured), name))
         types = store.types
         extra = [each(types) if callable(each) else each for each in (*mission.more, *more)]
         messages = sorted([*mission.states(store, types), *extra], key=lambda each: each[0])

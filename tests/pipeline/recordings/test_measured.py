@@ -11,6 +11,8 @@ from rosbags.typesys import Stores, get_typestore
 from tests.pipeline.recordings.conftest import (
     ARM,
     COMMANDS,
+    CONTROLLER,
+    DYNAMIC,
     KINDS,
     START_NS,
     Mission,
@@ -61,6 +63,27 @@ def test_every_kind_of_recording_says_the_same(recorder, panda, kind):
     kinds = {each.kind for each in trace.elements}
     assert kinds == {"joint", "sensor"}
     assert trace_json.loads(trace_json.dumps(trace), "") == trace
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+@pytest.mark.parametrize(
+    ("form", "measured"), [(CONTROLLER, "actual"), (CONTROLLER, "feedback"), (DYNAMIC, "actual")]
+)
+def test_the_state_of_a_controller_is_one_of_joints(recorder, panda, kind, form, measured):
+    plain = measured_trace(recorder.write(Mission(), kind, commanded()), panda, NM)
+    mission = Mission(form=form, measured=measured, topic="/arm_controller/state")
+    trace = measured_trace(recorder.write(mission, kind, commanded()), panda, NM)
+    assert trace.visits == plain.visits
+    assert trace.active == plain.active
+
+
+def test_joint_states_go_before_a_controllers(recorder, panda):
+    types = get_typestore(Stores.ROS2_HUMBLE).types
+    more = Mission(topic="/measured", load=12.0).states(None, types)
+    mission = Mission(form=CONTROLLER, topic="/arm_controller/state", more=tuple(more))
+    trace = measured_trace(recorder.write(mission, more=commanded()), panda, NM)
+    limit = panda.joint("panda_joint2").torque_limit
+    assert trace.active["panda_joint2"].torque_rms == pytest.approx(12.0 / limit)
 
 
 def test_the_clock_begins_with_the_first_command_and_ends_with_the_last_motion(recorder, panda):

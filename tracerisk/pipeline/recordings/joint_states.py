@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,11 @@ Array = NDArray[np.float64]
 Times = NDArray[np.int64]
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
+_OF_CONTROLLERS = (
+    "control_msgs/msg/JointTrajectoryControllerState",
+    "control_msgs/msg/DynamicJointState",
+)
+"""What else says where joints are: what a controller measures beside what it wants."""
 STEP_NS = 5_000_000
 """The step to which joint states are interpolated [ns]."""
 MOST_S = 2 * 3600.0
@@ -166,8 +172,12 @@ def read_joint_states(file: RecordingFile, robot: Robot, declared: Declared) -> 
 
 
 def _read(file: RecordingFile, topic: str | None) -> dict[str, dict[str, _Joint]]:
-    """Return the joints of each topic of joint states, by name."""
-    wanted = file.of_type(JOINT_STATE)
+    """Return the joints of each topic of joint states, by name; those of controllers last."""
+    # Their fields have changed: only the recording itself says which it has.
+    of_controllers = (
+        name for name in file.of_type(*_OF_CONTROLLERS) if file.topics[name].definition
+    )
+    wanted = (*file.of_type(JOINT_STATE), *of_controllers)
     if topic is not None:
         if topic not in wanted:
             raise LogError(
@@ -176,8 +186,9 @@ def _read(file: RecordingFile, topic: str | None) -> dict[str, dict[str, _Joint]
             )
         wanted = (topic,)
     if not wanted:
+        known = ", ".join((JOINT_STATE, *_OF_CONTROLLERS))
         raise LogError(
-            f"has no topic of joint states ({JOINT_STATE}); its topics are "
+            f"has no topic of joint states ({known}); its topics are "
             f"{', '.join(list(file.topics)[:12]) or 'none'}",
             file.place,
         )
@@ -186,13 +197,7 @@ def _read(file: RecordingFile, topic: str | None) -> dict[str, dict[str, _Joint]
         state, table = message.value, tables[message.topic]
         stamp = state.header.stamp
         stamp_ns = stamp.sec * _SECOND_NS + stamp.nanosec
-        count = len(state.name)
-        if len(state.position) != count:
-            continue
-        speeds = state.velocity if len(state.velocity) == count else [np.nan] * count
-        efforts = state.effort if len(state.effort) == count else [np.nan] * count
-        rows = zip(state.name, state.position, speeds, efforts, strict=True)
-        for name, place, speed, effort in rows:
+        for name, place, speed, effort in _rows(state):
             if not math.isfinite(place):
                 continue
             joint = table.get(name)
@@ -206,6 +211,27 @@ def _read(file: RecordingFile, topic: str | None) -> dict[str, dict[str, _Joint]
     return tables
 
 
+def _rows(state: Any) -> Iterator[tuple[str, float, float, float]]:
+    """Yield name, position, velocity and effort of each joint of a message; NaN for none."""
+    if hasattr(state, "interface_values"):
+        for name, values in zip(state.joint_names, state.interface_values, strict=False):
+            known = dict(zip(values.interface_names, values.values, strict=False))
+            yield name, *(known.get(key, math.nan) for key in ("position", "velocity", "effort"))
+        return
+    if hasattr(state, "joint_names"):
+        # Newer controllers call it feedback, and say beside it what they want.
+        names, measured = state.joint_names, getattr(state, "feedback", None) or state.actual
+        place, speed, effort = measured.positions, measured.velocities, measured.effort
+    else:
+        names, place, speed, effort = state.name, state.position, state.velocity, state.effort
+    if len(place) == len(names):
+        none = [math.nan] * len(names)
+        speeds, efforts = (
+            values if len(values) == len(names) else none for values in (speed, effort)
+        )
+        yield from zip(names, place, speeds, efforts, strict=True)
+
+
 def _own_topic(
     file: RecordingFile, robot: Robot, tables: Mapping[str, Mapping[str, _Joint]]
 ) -> tuple[str, dict[str, str]]:
@@ -213,6 +239,8 @@ def _own_topic(
     arm = [arm_joint.name for arm_joint in robot.arm_joints]
     fitting = {topic: _matched(arm, list(table)) for topic, table in tables.items()}
     names_by_topic = {topic: names for topic, names in fitting.items() if names is not None}
+    measured = {t: names for t, names in names_by_topic.items() if t in file.of_type(JOINT_STATE)}
+    names_by_topic = measured or names_by_topic
     plain = [t for t, names in names_by_topic.items() if all(a == b for a, b in names.items())]
     # Set-points are joint states too: only the name of the topic says which is measured.
     usual = [t for t in plain or names_by_topic if t.rpartition("/")[2] == "joint_states"]
