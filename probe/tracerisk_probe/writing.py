@@ -19,7 +19,7 @@ from tracerisk_probe.stacks import Frame
 FORMAT = "tracerisk-probe/1"
 TOPIC = "/tracerisk/commands"
 MOST_WAITING = 100_000
-"""How many objects may wait to be written; more are counted and dropped."""
+"""How many objects may wait to be written; more are dropped, and their count is written."""
 WAIT_FOR_READER_S = 5.0
 """How long the first commands wait for somebody to subscribe to the topic [s]."""
 _POLL_S = 0.05
@@ -86,6 +86,7 @@ class Output:
         self.before_sending: Callable[[], None] = lambda: None
         self._dropped = 0
         self._reported = 0
+        self._last: dict[str, Any] = {}
         self._start()
         os.register_at_fork(after_in_child=self._forked)
 
@@ -94,20 +95,28 @@ class Output:
         if self._queue.qsize() >= MOST_WAITING:
             self._dropped += 1
             return
+        self._say_dropped(fields)
         self._queue.put((fields, stack))
+        self._last = fields
 
     def flush(self, timeout_s: float = 2.0) -> None:
         """Return when all that was put is written, or time is over."""
         if threading.current_thread() is self._thread or not self._thread.is_alive():
             return
+        self._say_dropped(self._last)
         done = threading.Event()
         self._queue.put(done)
         done.wait(timeout_s)
-        if self._dropped > self._reported:
-            _report(
-                f"{self._dropped} objects were dropped: they came faster than they were written"
-            )
-            self._reported = self._dropped
+
+    def _say_dropped(self, at: dict[str, Any]) -> None:
+        """Have it written how many objects were dropped, at the time of another object."""
+        count = self._dropped - self._reported
+        if not count:
+            return
+        self._reported += count
+        _report(f"{count} objects were dropped: they came faster than they were written")
+        said: dict[str, Any] = {name: at[name] for name in ("t", "pid") if name in at}
+        self._queue.put(({**said, "kind": "dropped", "count": count}, ()))
 
     def _start(self) -> None:
         self._thread = threading.Thread(target=self._run, name="tracerisk-probe", daemon=True)

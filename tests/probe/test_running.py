@@ -44,6 +44,18 @@ def test_an_old_python_runs_it(probed):
     assert probed.names == [["<module>", "pick"]]
 
 
+def test_what_comes_too_fast_is_counted_in_the_file(probed):
+    probed.write("act.py", ACT + "from tracerisk_probe import writing\nwriting.MOST_WAITING = 20\n")
+    body = "    for _ in range(3000):\n        act()\n"
+    probed.write("pick.py", f"from act import act\ndef pick():\n{body}pick()\n")
+    done = probed.python(*probed.command("pick.py"))
+    written = [found for found in probed.objects if found["kind"] in ("method", "end")]
+    counts = [found["count"] for found in probed.objects if found["kind"] == "dropped"]
+    assert counts, "nothing was dropped"
+    assert len(written) + sum(counts) == 2 * 3000  # each with its end
+    assert f"{counts[0]} objects were dropped" in done.stderr
+
+
 def test_the_format_is_what_its_page_says(probed):
     probed.write("act.py", ACT)
     probed.write("pick.py", "from act import act\ndef pick():\n    act()\npick()\n")

@@ -272,6 +272,12 @@ def test_the_probes_file_says_the_functions(recorder, panda, tmp_path):
     assert "the probe's file commands.jsonl" in trace.assumptions[0]
 
 
+def test_what_the_probe_dropped_is_said(recorder, panda):
+    dropped = {"t": COMMANDS[-1]["t"], "pid": 1, "kind": "dropped", "count": 5210}
+    trace = measured_trace(recorder.write(Mission(), more=commanded(*COMMANDS, dropped)), panda, NM)
+    assert "lost: 5210 commands and ends that the probe dropped" in "\n".join(trace.assumptions)
+
+
 def test_helpers_are_reported_from_steps_as_in_a_run(recorder, panda):
     def called(function: str, time_s: float, number: int, line: int):
         found = probe(function, time_s, number)

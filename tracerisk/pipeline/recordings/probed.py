@@ -66,7 +66,7 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
     """Read the probe's objects, with the time at which each was received [ns], if it is known."""
     commands: dict[tuple[int, int], Command] = {}
     pairs: list[tuple[int, int]] = []
-    controller, passed_over = "", 0
+    controller, passed_over, dropped = "", 0, 0
     last: Location | None = None
     for place, received, text in rows:
         last = place
@@ -77,6 +77,9 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
             kind = data["kind"]
             if kind == "begin":
                 controller = controller or str(data["controller"])
+                continue
+            if kind == "dropped":
+                dropped += int(data["count"])
                 continue
             t_ns = round(float(data["t"]) * _SECOND_NS)
             key = (int(data.get("pid", 0)), int(data["id"]))
@@ -102,8 +105,12 @@ def probed(rows: Iterable[tuple[Location, int | None, str]], robot: Robot) -> Bo
         )
     shift = _shift(pairs)
     moved = [command.with_times(lambda ns: ns + shift) for command in commands.values()]
-    lost = (f"{passed_over} messages and calls that move no robot were left out",)
-    return Boundaries(_numbered(moved), "", controller, lost if passed_over else ())
+    lost = []
+    if passed_over:
+        lost.append(f"{passed_over} messages and calls that move no robot were left out")
+    if dropped:
+        lost.append(f"{dropped} commands and ends that the probe dropped: they came too fast")
+    return Boundaries(_numbered(moved), "", controller, tuple(lost))
 
 
 def _shift(pairs: Sequence[tuple[int, int]]) -> int:
