@@ -50,7 +50,7 @@ def test_every_key_is_explained():
         return set(node.get("properties", ())).union(*map(keys, node.values()))
 
     prose = re.sub(r"^```.*?^```$", "", TEXT, flags=re.MULTILINE | re.DOTALL)
-    text = set(re.findall(r"\b[a-z_]+\b", " ".join(re.findall(r"`([^`]+)`", prose))))
+    text = set(re.findall(r"\b[a-z_0-9]+\b", " ".join(re.findall(r"`([^`]+)`", prose))))
     assert keys(SCHEMA) - text == set()
 
 

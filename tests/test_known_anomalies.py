@@ -11,7 +11,7 @@ import pytest
 from tracerisk import api
 from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 from tracerisk.common.trace_log import read_log
-from tracerisk.errors import HardwareError, LogError
+from tracerisk.errors import LogError
 from tracerisk.prm import FaultTree, HybridModel
 from tracerisk.prm.other_models.formats.conversion import logic_of_functions
 from tracerisk.prm.other_models.formats.openpra.writer import dumps_openpra
@@ -65,22 +65,6 @@ package Cell {
 """)
     (power,) = read_sysml(path).components
     assert not power.redundancy.is_redundant
-
-
-def test_a_rate_that_is_one_over_an_mtbf_is_refused(tmp_path):
-    path = tmp_path / "cell.sysml"
-    path.write_text("""\
-package Cell {
-    private import TraceriskHardware::*;
-    private import SI::*;
-    part arm { part motor {
-        attribute mtbf : ISQ::DurationValue = 50000 [h];
-        @FailureData { rate = 1 / mtbf; }
-    } }
-}
-""")
-    with pytest.raises(HardwareError, match="'/' has no finite value"):
-        read_sysml(path)
 
 
 def test_a_log_whose_call_sequence_is_wrapped_is_refused():

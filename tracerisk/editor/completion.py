@@ -260,7 +260,8 @@ def component_words(component: Component, hardware: Hardware | None) -> str:
     lines = [f"units: {count}"]
     for figure in component.figures:
         what = figure.kind.replace("_", " ")
-        lines.append(f"{what} {figure.value:g} per {figure.per.value}")
+        of = "" if figure.sheet is None else f" of {figure.sheet.text}"
+        lines.append(f"{what} {figure.value:g} per {figure.per.value}{of}")
     source = component.source or (None if hardware is None else hardware.source)
     return "; ".join([*lines, *([f"source: {source}"] if source else [])])
 

@@ -293,7 +293,7 @@ def test_a_figure_with_a_source_is_assumed_no_longer(example):
     ("row", "message"),
     [
         ("nothing,1e-6,,,,", "rates.csv:2: unknown component 'nothing'"),
-        ("motor,,,,,", "motor: expected one of failure_rate and probability"),
+        ("motor,,,,,", "motor: expected one of failure_rate, probability, mtbf"),
         ("motor,1e-6,1e-6,,,", "motor: expected one of"),
         ("motor,1e-6,,demand,,", "per: 'demand' is not allowed of a failure_rate; allowed: hour"),
         ("motor,x,,,,", "failure_rate: expected a number"),
@@ -327,7 +327,7 @@ def test_a_malformed_table_of_figures_is_named_and_nothing_is_written(field, row
         ("component,failures,hours\nbox,1,5\n", "brings one figure up to date"),
         ("component,failures,missions\nmotor,1,5\n", "need --field"),
         ("part,failures\nmotor,1\n", "unknown column 'part'"),
-        ("component,mtbf\nmotor,1\n", "of 886000 hours, give the rate 1 / 886000: failure_rate:"),
+        ("component,mtbf\nmotor,1\n", "unknown column 'mtbf'"),
         ("component,failures,hours\n", "has no row"),
     ],
 )

@@ -22,22 +22,54 @@ def _one(*lines: str) -> str:
 BROKEN = (
     Broken(
         _one("mtbf: 886000"),
-        "h.yaml:3:5: unknown key 'mtbf' in components.a; of 886000 hours, give the rate 1 / 886000: failure_rate: {value: 1.12867e-06, per: hour}",
+        "h.yaml:3:5: components.a.mtbf: the number 886000 has no unit; write {value: 886000, unit: hour}",
         True,
     ),
     Broken(
         _one("failure_rate: {MTTFd: 75000}"),
-        "h.yaml:3:20: unknown key 'MTTFd' in components.a.failure_rate; of 75000 hours, which counts dangerous failures alone, give the rate 1 / 75000: failure_rate: {value: 1.33333e-05, per: hour}",
+        "h.yaml:3:20: unknown key 'MTTFd' in components.a.failure_rate; write 'mttfd: {value: 75000, unit: hour}' among the keys of the component",
         True,
     ),
     Broken(
         _one("mtbf_h: {value: 886000, per: hour}"),
-        "h.yaml:3:5: unknown key 'mtbf_h' in components.a; of 886000 hours, give the rate 1 / 886000: failure_rate: {value: 1.12867e-06, per: hour}",
+        "h.yaml:3:5: unknown key 'mtbf_h' in components.a; write 'mtbf: {value: 886000, unit: hour}' among the keys of the component",
         True,
     ),
     Broken(
         _one("B10d: 2000000"),
-        "h.yaml:3:5: unknown key 'B10d' in components.a; of a B10d, give probability: {value: 0.1 / B10d, per: demand}, dangerous ones alone",
+        "h.yaml:3:5: unknown key 'B10d' in components.a; write 'b10d: {value: 2000000}' among the keys of the component",
+        True,
+    ),
+    Broken(
+        _one("mttf: {value: 0, unit: hour}"),
+        "h.yaml:3:12: components.a.mttf.value: is 0; give a number above 0",
+        True,
+    ),
+    Broken(
+        _one("mttf: {value: 7}"),
+        "h.yaml:3:11: 'unit' is missing in components.a.mttf; give it one",
+        True,
+    ),
+    Broken(
+        _one("mttf: {value: 7, unit: year, dangerous: 0.5}"),
+        "h.yaml:3:34: unknown key 'dangerous' in components.a.mttf; allowed: error_factor, source, temperature, unit, value, value_is",
+        True,
+    ),
+    Broken(
+        _one("twin: {gripper: true}", "b10: {value: 2e7, of: grasp, cycles: {value: 3, per: day}}"),
+        "h.yaml:4:23: components.a.b10.of: the cycles are given, so no demand is counted; remove one of them",
+        True,
+    ),
+    Broken(
+        _one("twin: {gripper: true}", "b10d: {value: 1, dangerous: 0.05}"),
+        "h.yaml:4:12: components.a.b10d.value: gives a probability per cycle above 1 with what stands beside it; mend one of them",
+        False,
+    ),
+    Broken(
+        _one(
+            "mtbf: {value: 7, unit: hour, temperature: {rated: 40, working: 900, activation_energy: 0.7}}"
+        ),
+        "h.yaml:3:59: components.a.mtbf.temperature.working: 900 is outside [-100, 400]",
         True,
     ),
     Broken(

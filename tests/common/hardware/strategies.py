@@ -14,6 +14,13 @@ from tracerisk.common.hardware.model import (
     default_detection,
 )
 from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy
+from tracerisk.common.hardware.units import (
+    CYCLE_KINDS,
+    DANGEROUS_KINDS,
+    SHEET_KINDS,
+    DataSheet,
+    Temperature,
+)
 from tracerisk.trace import WEAR_EXPONENTS
 
 SOURCES = st.none() | st.text(max_size=12) | st.just("assumed: as the others")
@@ -41,10 +48,40 @@ def uncertainty(draw) -> dict:
     return {"error_factor": factor, "value_is": meaning, "source": draw(SOURCES)}
 
 
+TEMPERATURES = st.builds(
+    Temperature, st.floats(-100.0, 400.0), st.floats(-100.0, 400.0), st.floats(0.0, 2.0)
+)
+
+
+@st.composite
+def of_data_sheets(draw, *, demands: list[str]) -> FailureFigure:
+    kind = draw(st.sampled_from([None, *SHEET_KINDS]))
+    unsure = draw(uncertainty())
+    if kind is not None and unsure["error_factor"] is None:
+        unsure["value_is"] = "mean"
+    shares = st.none() | st.floats(0.1, 1.0)
+    share = draw(shares) if kind in DANGEROUS_KINDS else None
+    if kind not in CYCLE_KINDS:
+        at = draw(TEMPERATURES if kind is None else st.none() | TEMPERATURES)
+        sheet = DataSheet(draw(st.floats(1e-3, 1e12)), kind, None, share, at)
+        span = draw(SPANS) if kind is None else Basis.HOUR
+        return FailureFigure("failure_rate", sheet.figure, span, sheet=sheet, **unsure)
+    cycles = draw(st.none() | st.floats(1e-6, 1e6)) if demands else draw(st.floats(1e-6, 1e6))
+    sheet = DataSheet(draw(st.floats(1.0, 1e12)), kind, cycles, share)
+    if cycles is not None:
+        return FailureFigure("failure_rate", sheet.figure, Basis.HOUR, sheet=sheet, **unsure)
+    demand = draw(st.sampled_from([None, *demands]))
+    return FailureFigure(
+        "probability", sheet.figure, Basis.DEMAND, demand=demand, sheet=sheet, **unsure
+    )
+
+
 @st.composite
 def figures(draw, *, demands: list[str], always: bool) -> FailureFigure:
-    kinds = ["probability", "failure_rate", "weibull"]
+    kinds = ["probability", "failure_rate", "weibull", "sheet"]
     kind = draw(st.sampled_from(kinds if always else [*kinds, "standby"]))
+    if kind == "sheet":
+        return draw(of_data_sheets(demands=demands))
     unsure = draw(uncertainty())
     if kind == "probability":
         bases = [basis for basis in Basis if demands or basis is not Basis.DEMAND]

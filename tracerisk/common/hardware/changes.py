@@ -8,14 +8,13 @@ from itertools import chain
 from typing import Any
 
 from tracerisk.common.hardware.description_data import component_data
-from tracerisk.common.hardware.model import Component, FailureFigure, Hardware
+from tracerisk.common.hardware.model import FIGURE_KEYS, Component, FailureFigure, Hardware
 
 _PER = {"minute": "/min", "hour": "/h"}
 _Sourced = tuple[FailureFigure, str]
 """A figure with the source that counts for it."""
 _Value = str | tuple[str, ...]
 """Another value of a component as text, or the names of a list."""
-_FIGURES = ("probability", "failure_rate", "weibull", "standby_rate")
 
 
 def description_changes(before: Hardware, after: Hardware) -> tuple[str, ...]:
@@ -112,7 +111,7 @@ def _figures(component: Component, hardware: Hardware) -> dict[str, list[_Source
     figures: dict[str, list[_Sourced]] = {}
     for figure in component.figures:
         source = figure.source or component.source or hardware.source or "no source"
-        figures.setdefault(_key(figure), []).append((figure, source))
+        figures.setdefault(figure.key, []).append((figure, source))
     return figures
 
 
@@ -164,7 +163,7 @@ def _values(component: Component) -> dict[str, _Value]:
     if not component.redundancy:
         usual["redundancy"] = "false"
     data = {**usual, **component_data(component)}
-    others = {key: value for key, value in data.items() if key not in (*_FIGURES, "source")}
+    others = {key: value for key, value in data.items() if key not in (*FIGURE_KEYS, "source")}
     return dict(_flat(others, ""))
 
 
@@ -184,16 +183,14 @@ def _all_figures(component: Component, hardware: Hardware) -> str:
     return ", ".join(f"{key} {_texts(given)}" for key, given in figures.items())
 
 
-def _key(figure: FailureFigure) -> str:
-    return "standby_rate" if figure.standby else figure.kind
-
-
 def _text(figure: FailureFigure) -> str:
     """Return a figure with its unit and its uncertainty: `2e-07/h, error factor 3`."""
     per = _PER.get(figure.per.value, f" per {figure.demand or figure.per.value}")
     text = f"{figure.value:.6g}{per}"
     if figure.kind == "weibull":
         text = f"shape {figure.shape:.6g}, scale {figure.value:.6g} {figure.per.value}s"
+    if figure.sheet is not None:
+        text += f" of {figure.sheet.text}"
     if figure.error_factor is not None:
         text += f", error factor {figure.error_factor:.6g}"
     return text

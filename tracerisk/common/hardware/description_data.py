@@ -14,7 +14,7 @@ from tracerisk.common.hardware.model import (
     TwinBinding,
     default_detection,
 )
-from tracerisk.common.hardware.units import SECONDS_PER
+from tracerisk.common.hardware.units import CYCLE_KINDS, SECONDS_PER, DataSheet
 
 _SPARES = {1.0: "hot", 0.0: "cold"}
 
@@ -85,21 +85,41 @@ def _redundancy(component: Component) -> dict[str, Any]:
 def _figures(figures: tuple[FailureFigure, ...]) -> dict[str, Any]:
     by_key: dict[str, list[dict[str, Any]]] = {}
     for figure in figures:
-        key: str = "standby_rate" if figure.standby else figure.kind
-        by_key.setdefault(key, []).append(figure_data(figure))
+        by_key.setdefault(figure.key, []).append(figure_data(figure))
     return {key: item[0] if len(item) == 1 else item for key, item in by_key.items()}
 
 
 def figure_data(figure: FailureFigure) -> dict[str, Any]:
     """Return one failure figure as plain data, with its unit."""
-    data: dict[str, Any] = {"value": figure.value}
+    sheet = figure.sheet
+    data: dict[str, Any] = {"value": figure.value if sheet is None else sheet.value}
     if figure.kind == "weibull":
         data = {"shape": figure.shape, "scale": figure.value}
-    data["per"] = figure.per.value
-    data |= _given("of", figure.demand) | _given("error_factor", figure.error_factor)
-    if figure.value_is != "median":
+    if sheet is None or sheet.kind is None:
+        data["per"] = figure.per.value
+    elif sheet.kind not in CYCLE_KINDS:
+        data["unit"] = "hour"
+    data |= _given("of", figure.demand)
+    if sheet is not None:
+        data |= _sheet(sheet)
+    data |= _given("error_factor", figure.error_factor)
+    if figure.value_is != figure.usual_statistic and figure.error_factor is not None:
         data["value_is"] = figure.value_is
     return data | _given("source", figure.source)
+
+
+def _sheet(sheet: DataSheet) -> dict[str, Any]:
+    data: dict[str, Any] = {}
+    if sheet.cycles_per_hour is not None:
+        data["cycles"] = {"value": sheet.cycles_per_hour, "per": "hour"}
+    data |= _given("dangerous", sheet.dangerous)
+    if (at := sheet.temperature) is not None:
+        data["temperature"] = {
+            "rated": at.rated,
+            "working": at.working,
+            "activation_energy": at.activation_energy,
+        }
+    return data
 
 
 def _time(seconds: float, key: str) -> dict[str, Any]:

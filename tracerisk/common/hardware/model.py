@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from tracerisk.common.hardware.redundancy import ALL_NEEDED, Detection, Redundancy
+from tracerisk.common.hardware.units import SHEET_KINDS, DataSheet
 from tracerisk.errors import Location
 from tracerisk.trace import ElementKind, SensorKind
 
@@ -67,6 +68,10 @@ POWER, CONTROL = "power", "control"
 """The units of the twin that are no element of the robot: its power supply and control unit."""
 
 
+FIGURE_KEYS = ("probability", "failure_rate", "standby_rate", "weibull", *SHEET_KINDS)
+"""The keys of a description that hold failure figures, in the order of the figures."""
+
+
 @dataclass(frozen=True, slots=True)
 class FailureFigure:
     """One term of a unit's failure probability."""
@@ -92,6 +97,20 @@ class FailureFigure:
     """Whether `value` is the median or the mean of that lognormal."""
     source: str | None = None
     """Where the figure is from; `None` for the component's source."""
+    sheet: DataSheet | None = None
+    """What a data sheet states, of which `value` is made; `None` where it is the value."""
+
+    @property
+    def key(self) -> str:
+        """The key of the figure in a description, one of `FIGURE_KEYS`."""
+        if self.sheet is not None and self.sheet.kind is not None:
+            return self.sheet.kind
+        return "standby_rate" if self.standby else self.kind
+
+    @property
+    def usual_statistic(self) -> Statistic:
+        """What a figure with an error factor is unless it says so: 1 / MTBF is a mean."""
+        return "median" if self.sheet is None or self.sheet.kind is None else "mean"
 
 
 @dataclass(frozen=True, slots=True)
@@ -243,11 +262,8 @@ def is_assumed(source: str) -> bool:
     return source.lstrip().lower().startswith("assumed")
 
 
-_KIND_ORDER = {"probability": 0, "failure_rate": 1, "weibull": 3}
-
-
 def _rank(figure: FailureFigure) -> int:
-    return 2 if figure.standby else _KIND_ORDER[figure.kind]
+    return FIGURE_KEYS.index(figure.key)
 
 
 def default_detection(figures: tuple[FailureFigure, ...], tested: bool) -> Detection:

@@ -14,7 +14,6 @@ from typing import Any
 from tracerisk.adder.quantify.posterior import Posterior, beta_posterior, gamma_posterior
 from tracerisk.common.field.profile import FieldProfile
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
-from tracerisk.common.hardware.units import mean_time_hint
 from tracerisk.errors import HardwareError, InputError, Location, one_of
 
 _COLUMNS = ("component", "failures", "hours", "demands", "missions")
@@ -112,9 +111,7 @@ def rows_of(
     unknown = [name for name in names if name not in columns]
     if unknown or not set(needed) <= set(names):
         wrong = f"unknown column '{unknown[0]}'" if unknown else "a column is missing"
-        advice = next(filter(None, map(mean_time_hint, unknown)), "")
-        message = f"{wrong}; expected {', '.join(columns)}{advice and f'; {advice}'}"
-        raise InputError(message, Location(str(path), 1))
+        raise InputError(f"{wrong}; expected {', '.join(columns)}", Location(str(path), 1))
     row = None
     for row in reader:
         given = {key: (row.get(key) or "").strip() for key in columns}
@@ -279,16 +276,26 @@ def updated_yaml(path: Path, changes: Sequence[Update]) -> str:
     for change in changes:
         entry = data["components"][change.component]
         key = "failure_rate" if change.after.kind == "failure_rate" else "probability"
-        old = entry.get(key) if isinstance(entry, CommentedMap) else None
+        given = change.before.key
+        old = entry.get(given) if isinstance(entry, CommentedMap) else None
         if isinstance(old, list) and len(old) == 1:
             old = old[0]
         if not isinstance(old, CommentedMap):
             raise InputError(
-                f"component '{change.component}': its {key} is not a mapping of its own "
+                f"component '{change.component}': its {given} is not a mapping of its own "
                 "({value: ..., per: ...}); write it so",
                 Location(str(path)),
             )
+        if given != key:
+            entry.insert(list(entry).index(given), key, old)
+            del entry[given]
+        for name in ("unit", "cycles", "dangerous", "temperature"):
+            old.pop(name, None)
         old["value"] = change.after.value
+        if "per" not in old:
+            old.insert(1, "per", change.after.per.value)
+        if change.after.demand is not None:
+            old["of"] = change.after.demand
         old["error_factor"] = change.after.error_factor
         old["value_is"] = change.after.value_is
         old["source"] = change.after.source

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.hardware.model import Hardware
+from tracerisk.common.hardware.model import FIGURE_KEYS, Hardware
+from tracerisk.common.hardware.units import CYCLE_KINDS, SHEET_KINDS
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.pipeline.failure_data.field_failures import number, rows_of
 
-_COLUMNS = ("component", "failure_rate", "probability", "per", "error_factor", "source")
-_PER = {"failure_rate": ("hour", "minute"), "probability": ("hour", "minute", "demand")}
+_PER: dict[str, tuple[str, ...]] = {
+    "failure_rate": ("hour", "minute"),
+    "probability": ("hour", "minute", "demand"),
+    **{kind: ("cycle",) if kind in CYCLE_KINDS else ("hour", "year") for kind in SHEET_KINDS},
+}
+_COLUMNS = ("component", *_PER, "per", "error_factor", "source")
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,11 +29,11 @@ class GivenFigure:
     component: str
     """The name of the component in the hardware description."""
     kind: str
-    """`failure_rate` or `probability`."""
+    """`failure_rate` or `probability`, or what a data sheet states: `mtbf`, `b10d` ..."""
     value: float
-    """The probability, or the rate, per basis."""
+    """The probability or the rate per basis, the mean time in it, or the cycles."""
     per: str
-    """`hour`, `minute` or `demand`."""
+    """`hour`, `minute` or `demand`; of a mean time `hour` or `year`, of cycles `cycle`."""
     error_factor: float | None
     """The ratio p95/p50 of a lognormal, at least 1; `None` where not given."""
     source: str
@@ -35,14 +41,28 @@ class GivenFigure:
 
     def __str__(self) -> str:
         """Return it in words."""
-        return f"{self.component}: {self.kind} {self.value:g} per {self.per} ({self.source})"
+        unit = f"{self.per}s" if self.kind in SHEET_KINDS else f"per {self.per}"
+        return f"{self.component}: {self.kind} {self.value:.10g} {unit} ({self.source})"
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The figure as a description has it under its kind."""
+        unit = {"unit": self.per} if self.kind in SHEET_KINDS else {"per": self.per}
+        more = {} if self.error_factor is None else {"error_factor": self.error_factor}
+        return {
+            "value": self.value,
+            **({} if self.kind in CYCLE_KINDS else unit),
+            **more,
+            "source": self.source,
+        }
 
 
 def read_figures(path: Path, hardware: Hardware) -> list[GivenFigure]:
     """Return the rows of a CSV file of figures, each of a component of the description.
 
-    Its columns are `component`, `failure_rate` or `probability`, and where they are given `per`
-    (an hour), `error_factor` and `source` (the name of the file).
+    Its columns are `component`, one of `failure_rate`, `probability`, `mtbf`, `mttf`, `mttfd`,
+    `b10` and `b10d`, and where they are given `per` (an hour, of a mean time too), `error_factor`
+    and `source` (the name of the file).
     Raises InputError with the line of what is malformed.
     """
     known = {component.name: component for component in hardware.components}
@@ -55,9 +75,9 @@ def read_figures(path: Path, hardware: Hardware) -> list[GivenFigure]:
             raise InputError(f"duplicate {name}; keep one row of it", where)
         kinds = [key for key in _PER if given[key]]
         if len(kinds) != 1:
-            raise InputError(f"{name}: expected one of {' and '.join(_PER)}", where)
+            raise InputError(f"{name}: expected one of {', '.join(_PER)}", where)
         (kind,) = kinds
-        per = given["per"] or "hour"
+        per = given["per"] or ("cycle" if kind in CYCLE_KINDS else "hour")
         if per not in _PER[kind]:
             raise InputError(
                 f"per: '{per}' is not allowed of a {kind}; {one_of(_PER[kind], per)}", where
@@ -65,6 +85,8 @@ def read_figures(path: Path, hardware: Hardware) -> list[GivenFigure]:
         value = number(given[kind], kind, where)
         if kind == "probability" and value > 1.0:
             raise InputError(f"probability: expected at most 1, not {value:g}", where)
+        if kind in SHEET_KINDS and value < (1.0 if kind in CYCLE_KINDS else math.ulp(0.0)):
+            raise InputError(f"{kind}: expected a number above 0, not {value:g}", where)
         if len(known[name].figures) > 1:
             raise InputError(f"{name} has several figures; change them in {hardware.file}", where)
         factor = (
@@ -97,12 +119,9 @@ def with_figures(path: Path, figures: Sequence[GivenFigure]) -> str:
                 f"component '{given_figure.component}' is not a mapping; write it so",
                 Location(str(path)),
             )
-        values: dict[str, Any] = {"value": given_figure.value, "per": given_figure.per}
-        if given_figure.error_factor is not None:
-            values["error_factor"] = given_figure.error_factor
-        figure = CommentedMap({**values, "source": given_figure.source})
+        figure = CommentedMap(given_figure.data)
         figure.fa.set_flow_style()
-        old = next((key for key in entry if key in ("probability", "failure_rate", "weibull")), "")
+        old = next((key for key in entry if key in FIGURE_KEYS and key != "standby_rate"), "")
         if old == given_figure.kind:
             entry[old] = figure
             continue

@@ -164,6 +164,11 @@ def _source(source: str | None) -> list[str]:
 
 
 def _figure(figure: FailureFigure, term: TermDerivation) -> str:
+    stated = "" if figure.sheet is None else f"{figure.sheet.text}; "
+    return stated + _computed_figure(figure, term)
+
+
+def _computed_figure(figure: FailureFigure, term: TermDerivation) -> str:
     per = figure.per.value
     rate = number(term.units[0].rate)
     if figure.kind == "weibull":

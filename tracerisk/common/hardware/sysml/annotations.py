@@ -30,6 +30,7 @@ KINDS = ("FailureData", "FailureMode", "HardwareData", "Redundancy", "TwinBindin
 _NESTED = {
     "weibull": "Weibull",
     "loadLaw": "LoadLaw",
+    "temperature": "Temperature",
     "totalRisk": "RiskLevel",
     "technicalRisk": "RiskLevel",
     "scheduleRisk": "RiskLevel",

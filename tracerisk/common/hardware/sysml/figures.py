@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, get_args
+from typing import Any, cast, get_args
 
 from tracerisk.common.hardware.load import unmeasured_exponent
 from tracerisk.common.hardware.model import (
@@ -12,6 +12,7 @@ from tracerisk.common.hardware.model import (
     FailureFigure,
     FailureMode,
     LoadLaw,
+    Statistic,
     TwinBinding,
     default_detection,
 )
@@ -26,13 +27,22 @@ from tracerisk.common.hardware.sysml.language.standard_names import (
     Standard,
 )
 from tracerisk.common.hardware.sysml.values import Amount
-from tracerisk.common.hardware.units import rate_from_fit
+from tracerisk.common.hardware.units import (
+    COLDEST_C,
+    CYCLE_KINDS,
+    DANGEROUS_KINDS,
+    HOTTEST_C,
+    SHEET_KINDS,
+    DataSheet,
+    SheetKind,
+    Temperature,
+    rate_from_fit,
+)
 from tracerisk.errors import HardwareError
 from tracerisk.trace import WEAR_EXPONENTS
 
-_VALUES = ("probability", "rate", "weibull")
+_VALUES = ("probability", "rate", "weibull", *SHEET_KINDS)
 _SPANS = {60.0: Basis.MINUTE, 3600.0: Basis.HOUR}
-_DEMANDS = frozenset(get_args(Demand))
 _SPARES: dict[str, float | None] = {"hot": 1.0, "warm": None, "cold": 0.0}
 
 
@@ -45,42 +55,120 @@ def read_figure(fields: Fields) -> FailureFigure:
     if len(given) != 1:
         what = " and ".join(f"'{key}'" for key in given) if given else "no figure"
         raise HardwareError(
-            f"FailureData gives {what}; give one of: probability, rate, weibull (several "
-            "FailureData on a part add up)",
+            f"FailureData gives {what}; give one of: {', '.join(_VALUES)} (several FailureData "
+            "on a part add up)",
             fields.place(given[1]) if given else fields.location,
         )
     kind = given[0]
-    if kind != "probability":
-        for key in ("per", "demand"):
-            if key in fields:
-                fields.fail(key, f"applies to a probability; remove it or '{kind}'")
+    applies = {
+        "per": ("probability",),
+        "demand": ("probability", *CYCLE_KINDS),
+        "cycles": CYCLE_KINDS,
+        "dangerous": DANGEROUS_KINDS,
+        "temperature": ("rate", *(name for name in SHEET_KINDS if name not in CYCLE_KINDS)),
+    }
+    for key, kinds in applies.items():
+        if key in fields and kind not in kinds:
+            fields.fail(key, f"applies to {' or '.join(kinds)}; remove it or '{kind}'")
     if kind != "rate" and fields.boolean("standby", default=False):
         fields.fail("standby", "applies to a rate; remove it")
     if kind == "probability":
         return _probability(fields)
+    for name in SHEET_KINDS:
+        if kind == name:
+            return _cycles(fields, name) if name in CYCLE_KINDS else _mean_time(fields, name)
     return _rate(fields) if kind == "rate" else _weibull(fields)
 
 
 def _probability(fields: Fields) -> FailureFigure:
     value = fields.number("probability", maximum=1.0)
     per = Basis(fields.word("per", "Basis")) if "per" in fields else Basis.VISIT
-    demand: Any = None
-    if "demand" in fields:
-        demand = fields.word("demand", "Use")
-        if demand not in _DEMANDS:
-            fields.fail(
-                "demand",
-                f"'{demand}' is not a demand; allowed: Use::start, Use::grasp, Use::release",
-            )
-        if per is not Basis.DEMAND:
-            fields.fail("demand", f"applies to demands, but the figure is per {per.value}")
+    demand = _demand(fields)
+    if demand is not None and per is not Basis.DEMAND:
+        fields.fail("demand", f"applies to demands, but the figure is per {per.value}")
     return FailureFigure("probability", value, per, demand=demand, **_uncertainty(fields))
+
+
+def _demand(fields: Fields) -> Demand | None:
+    if "demand" not in fields:
+        return None
+    word = fields.word("demand", "Use")
+    for demand in get_args(Demand):
+        if word == demand:
+            return cast("Demand", demand)
+    return fields.fail(
+        "demand", f"'{word}' is not a demand; allowed: Use::start, Use::grasp, Use::release"
+    )
+
+
+def _mean_time(fields: Fields, kind: SheetKind) -> FailureFigure:
+    time = fields.long_time(kind)
+    hours = float(time.number) * (time.unit.seconds / 3600.0)
+    sheet = DataSheet(hours, kind, dangerous=_dangerous(fields), temperature=_temperature(fields))
+    return FailureFigure(
+        "failure_rate",
+        _stated(fields, kind, sheet),
+        Basis.HOUR,
+        sheet=sheet,
+        **_uncertainty(fields, "mean"),
+    )
+
+
+def _cycles(fields: Fields, kind: SheetKind) -> FailureFigure:
+    """Return a B10 or B10d: per demand, or per hour where the cycles in an hour are given."""
+    value = fields.number(kind, minimum=1.0)
+    demand = _demand(fields)
+    per_hour = None
+    if "cycles" in fields:
+        if demand is not None:
+            fields.fail("demand", "the cycles are given, so no demand is counted; remove it")
+        cycles = fields.rate("cycles")
+        per_hour = float(cycles.number) * (3600.0 / cycles.unit.seconds)
+        if cycles.unit.is_fit or per_hour == 0.0:
+            fields.fail("cycles", "expected a number of cycles above 0, such as 120 [h^-1]")
+    sheet = DataSheet(value, kind, per_hour, _dangerous(fields))
+    return FailureFigure(
+        "probability" if per_hour is None else "failure_rate",
+        _stated(fields, kind, sheet),
+        Basis.DEMAND if per_hour is None else Basis.HOUR,
+        demand=demand,
+        sheet=sheet,
+        **_uncertainty(fields, "mean"),
+    )
+
+
+def _stated(fields: Fields, key: str, sheet: DataSheet) -> float:
+    """Return the rate or the probability that a data sheet states."""
+    if sheet.fault:
+        fields.fail(key, f"{sheet.fault} with what stands beside it; mend one of them")
+    return sheet.figure
+
+
+def _dangerous(fields: Fields) -> float | None:
+    return fields.positive("dangerous", maximum=1.0) if "dangerous" in fields else None
+
+
+def _temperature(fields: Fields) -> Temperature | None:
+    if "temperature" not in fields:
+        return None
+    at = fields.nested("temperature", "Temperature")
+    at.forbid_unknown(("rated", "working", "activationEnergy"))
+    rated, working = (
+        at.number(key, minimum=COLDEST_C, maximum=HOTTEST_C) for key in ("rated", "working")
+    )
+    return Temperature(rated, working, at.number("activationEnergy", maximum=2.0))
 
 
 def _rate(fields: Fields) -> FailureFigure:
     value, per = rate_per(fields.rate("rate"))
     standby = fields.boolean("standby", default=False)
-    return FailureFigure("failure_rate", value, per, standby=standby, **_uncertainty(fields))
+    sheet = None
+    if (temperature := _temperature(fields)) is not None:
+        sheet = DataSheet(value, temperature=temperature)
+        value = _stated(fields, "rate", sheet)
+    return FailureFigure(
+        "failure_rate", value, per, standby=standby, sheet=sheet, **_uncertainty(fields)
+    )
 
 
 def rate_per(amount: Amount) -> tuple[float, Basis]:
@@ -104,9 +192,9 @@ def _weibull(fields: Fields) -> FailureFigure:
     return FailureFigure("weibull", value, per, shape=shape, **_uncertainty(fields))
 
 
-def _uncertainty(fields: Fields) -> dict[str, Any]:
+def _uncertainty(fields: Fields, usual: Statistic = "median") -> dict[str, Any]:
     factor = fields.number("errorFactor", minimum=1.0) if "errorFactor" in fields else None
-    meaning = fields.word("valueIs", "Statistic") if "valueIs" in fields else "median"
+    meaning = fields.word("valueIs", "Statistic") if "valueIs" in fields else usual
     if "valueIs" in fields and factor is None:
         fields.fail("valueIs", "has no effect without 'errorFactor'; give it, or remove both")
     return {"error_factor": factor, "value_is": meaning, "source": fields.text("source")}

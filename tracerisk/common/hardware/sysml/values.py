@@ -267,6 +267,10 @@ def _applied(operator: str, left: Meaning, right: Meaning) -> Meaning:
         return _unit_of(operator, left, right)
     if isinstance(left, Amount) and _is_number(right) and operator in "*/":
         return Amount(_ARITHMETIC[operator](left.number, float(right)), left.unit)  # type: ignore[arg-type]
+    if isinstance(right, Amount) and _is_number(left) and operator == "/" and right.unit.power:
+        # The inverse of a mean time is a rate; FIT counts failures in 1e9 hours.
+        number = right.number * (1e-9 if right.unit.is_fit else 1.0)
+        return Amount(float(left) / number, Unit(right.unit.seconds, -right.unit.power))  # type: ignore[arg-type]
     if isinstance(right, Amount) and _is_number(left) and operator == "*":
         return Amount(_ARITHMETIC[operator](float(left), right.number), right.unit)  # type: ignore[arg-type]
     if _is_number(left) and _is_number(right):

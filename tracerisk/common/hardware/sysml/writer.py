@@ -16,6 +16,7 @@ from tracerisk.common.hardware.model import (
 )
 from tracerisk.common.hardware.sysml.language.standard_names import ENUMERATIONS, FEATURES, OURS
 from tracerisk.common.hardware.sysml.language.words import WORDS
+from tracerisk.common.hardware.units import CYCLE_KINDS, DataSheet, SheetKind
 
 _BASIC_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _ESCAPED = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
@@ -213,27 +214,48 @@ class _Writer:
 
     def _figure(self, figure: FailureFigure) -> dict[str, object]:
         values: dict[str, object] = {}
-        if figure.kind == "probability":
+        sheet = figure.sheet
+        if sheet is not None and sheet.kind is not None:
+            values |= self._sheet(sheet, sheet.kind)
+            if figure.demand is not None:
+                values["demand"] = self._word("Use", figure.demand)
+        elif figure.kind == "probability":
             values["probability"] = figure.value
             if figure.per is not Basis.VISIT:
                 values["per"] = self._word("Basis", figure.per.value)
             if figure.demand is not None:
                 values["demand"] = self._word("Use", figure.demand)
         elif figure.kind == "failure_rate":
-            values["rate"] = _Written(
-                f"{_operand(figure.value)} {self._unit(_UNIT[figure.per], '^-1')}"
-            )
+            rate = figure.value if sheet is None else sheet.value
+            values["rate"] = _Written(f"{_operand(rate)} {self._unit(_UNIT[figure.per], '^-1')}")
             if figure.standby:
                 values["standby"] = True
         else:
             life = f"{_operand(figure.value)} {self._unit(_UNIT[figure.per])}"
             values["weibull"] = {"shape": figure.shape, "characteristicLife": _Written(life)}
+        if sheet is not None and (at := sheet.temperature) is not None:
+            values["temperature"] = {
+                "rated": at.rated,
+                "working": at.working,
+                "activationEnergy": at.activation_energy,
+            }
         if figure.error_factor is not None:
             values["errorFactor"] = figure.error_factor
-            if figure.value_is != "median":
+            if figure.value_is != figure.usual_statistic:
                 values["valueIs"] = self._word("Statistic", figure.value_is)
         values["source"] = figure.source
         return values
+
+    def _sheet(self, sheet: DataSheet, kind: SheetKind) -> dict[str, object]:
+        values: dict[str, object] = {}
+        if kind in CYCLE_KINDS:
+            values[kind] = sheet.value
+        else:
+            values[kind] = _Written(f"{_operand(sheet.value)} {self._unit('h')}")
+        if sheet.cycles_per_hour is not None:
+            rate = f"{_operand(sheet.cycles_per_hour)} {self._unit('h', '^-1')}"
+            values["cycles"] = _Written(rate)
+        return {**values, "dangerous": sheet.dangerous}
 
     def _mode(self, mode: FailureMode) -> list[str]:
         values = {

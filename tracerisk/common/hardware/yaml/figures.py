@@ -6,14 +6,39 @@ from collections.abc import Mapping
 from typing import Any, TypeVar, get_args
 
 from tracerisk.common.hardware.model import Basis, Demand, FailureFigure, Statistic
-from tracerisk.common.hardware.units import SECONDS_PER, mean_time_hint, rate_from_fit
+from tracerisk.common.hardware.units import (
+    COLDEST_C,
+    CYCLE_KINDS,
+    DANGEROUS_KINDS,
+    HOTTEST_C,
+    HOURS_PER_YEAR,
+    SECONDS_PER,
+    SHEET_KINDS,
+    DataSheet,
+    SheetKind,
+    Temperature,
+    rate_from_fit,
+    sheet_hint,
+)
 from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import one_of
 
-FIGURE_KEYS = frozenset({"probability", "failure_rate", "standby_rate", "weibull"})
-
-_ALWAYS_KEYS = frozenset({"per", "error_factor", "value_is", "source"})
+_SURE_KEYS = frozenset({"error_factor", "value_is", "source"})
+_ALWAYS_KEYS = _SURE_KEYS | {"per"}
 _SPANS = (Basis.MINUTE, Basis.HOUR)
+
+_HOURS_PER = {"hour": 1.0, "year": HOURS_PER_YEAR}
+_CYCLES_PER_HOUR = {"minute": 60.0, "hour": 1.0, "day": 1.0 / 24.0, "year": 1.0 / HOURS_PER_YEAR}
+
+_EXAMPLES: dict[str, str] = {
+    "probability": "{value: 1e-7, per: hour}",
+    **dict.fromkeys(
+        ("failure_rate", "standby_rate"), "{value: 5.7e-6, per: hour} or {value: 5700, unit: FIT}"
+    ),
+    "weibull": "{shape: 2, scale: 30000, per: hour}",
+    **dict.fromkeys(SHEET_KINDS, "{value: 886000, unit: hour}"),
+    **dict.fromkeys(CYCLE_KINDS, "{value: 2e7}, in cycles"),
+}
 
 _Meant = TypeVar("_Meant")
 
@@ -32,6 +57,9 @@ def read_figures(entry: YamlMap) -> tuple[FailureFigure, ...]:
     figures += [_rate(yaml_map, standby=False) for yaml_map in _given(entry, "failure_rate")]
     figures += [_rate(yaml_map, standby=True) for yaml_map in _given(entry, "standby_rate")]
     figures += [_weibull(yaml_map) for yaml_map in _given(entry, "weibull")]
+    for kind in SHEET_KINDS:
+        read = _cycles if kind in CYCLE_KINDS else _mean_time
+        figures += [read(yaml_map, kind) for yaml_map in _given(entry, kind)]
     return tuple(figures)
 
 
@@ -61,11 +89,7 @@ def _given(entry: YamlMap, key: str) -> list[YamlMap]:
     if key not in entry:
         return []
     if not isinstance(entry.require(key), list):
-        example = {
-            "probability": "{value: 1e-7, per: hour}",
-            "weibull": "{shape: 2, scale: 30000, per: hour}",
-        }.get(key, "{value: 5.7e-6, per: hour} or {value: 5700, unit: FIT}")
-        return [_unit_map(entry, key, example)]
+        return [_unit_map(entry, key, _EXAMPLES[key])]
     if not (maps := entry.maps(key)):
         entry.fail(key, "is an empty list; give a figure, or remove it")
     return maps
@@ -78,7 +102,7 @@ def _unit_map(entry: YamlMap, key: str, example: str) -> YamlMap:
 
 
 def _probability(figure: YamlMap) -> FailureFigure:
-    figure.forbid_unknown(_ALWAYS_KEYS | {"value", "of"}, mean_time_hint)
+    figure.forbid_unknown(_ALWAYS_KEYS | {"value", "of"}, sheet_hint)
     value = figure.number("value", minimum=0.0, maximum=1.0)
     per = _basis(figure, tuple(Basis))
     demand = word_of(figure, "of", words(Demand)) if "of" in figure else None
@@ -88,7 +112,7 @@ def _probability(figure: YamlMap) -> FailureFigure:
 
 
 def _rate(figure: YamlMap, *, standby: bool) -> FailureFigure:
-    figure.forbid_unknown(_ALWAYS_KEYS | {"value", "unit"}, mean_time_hint)
+    figure.forbid_unknown(_ALWAYS_KEYS | {"value", "unit", "temperature"}, sheet_hint)
     value = figure.number("value", minimum=0.0)
     per = Basis.HOUR
     if "unit" in figure:
@@ -103,7 +127,76 @@ def _rate(figure: YamlMap, *, standby: bool) -> FailureFigure:
         value = rate_from_fit(value)
     else:
         per = _basis(figure, _SPANS)
-    return FailureFigure("failure_rate", value, per, standby=standby, **_uncertainty(figure))
+    sheet = None
+    if "temperature" in figure:
+        sheet = DataSheet(value, temperature=_temperature(figure))
+        value = _stated(figure, sheet)
+    return FailureFigure(
+        "failure_rate", value, per, standby=standby, sheet=sheet, **_uncertainty(figure)
+    )
+
+
+def _mean_time(figure: YamlMap, kind: SheetKind) -> FailureFigure:
+    dangerous = {"dangerous"} if kind in DANGEROUS_KINDS else set()
+    figure.forbid_unknown(_SURE_KEYS | {"value", "unit", "temperature"} | dangerous)
+    hours = _positive(figure, "value") * word_of(figure, "unit", _HOURS_PER)
+    temperature = _temperature(figure) if "temperature" in figure else None
+    sheet = DataSheet(hours, kind, dangerous=_dangerous(figure), temperature=temperature)
+    return FailureFigure(
+        "failure_rate",
+        _stated(figure, sheet),
+        Basis.HOUR,
+        sheet=sheet,
+        **_uncertainty(figure, "mean"),
+    )
+
+
+def _cycles(figure: YamlMap, kind: SheetKind) -> FailureFigure:
+    """Read a B10 or B10d: per demand, or per hour where the cycles in an hour are given."""
+    dangerous = {"dangerous"} if kind in DANGEROUS_KINDS else set()
+    figure.forbid_unknown(_SURE_KEYS | {"value", "of", "cycles"} | dangerous)
+    value = figure.number("value", minimum=1.0)
+    demand = word_of(figure, "of", words(Demand)) if "of" in figure else None
+    per_hour = None
+    if "cycles" in figure:
+        if demand is not None:
+            figure.fail("of", "the cycles are given, so no demand is counted; remove one of them")
+        cycles = _unit_map(figure, "cycles", "{value: 120, per: hour}")
+        cycles.forbid_unknown({"value", "per"})
+        per_hour = _positive(cycles, "value") * word_of(cycles, "per", _CYCLES_PER_HOUR)
+    sheet = DataSheet(value, kind, per_hour, _dangerous(figure))
+    return FailureFigure(
+        "probability" if per_hour is None else "failure_rate",
+        _stated(figure, sheet),
+        Basis.DEMAND if per_hour is None else Basis.HOUR,
+        demand=demand,
+        sheet=sheet,
+        **_uncertainty(figure, "mean"),
+    )
+
+
+def _stated(entry: YamlMap, sheet: DataSheet) -> float:
+    """Return the rate or the probability that a data sheet states."""
+    if sheet.fault:
+        entry.fail("value", f"{sheet.fault} with what stands beside it; mend one of them")
+    return sheet.figure
+
+
+def _dangerous(figure: YamlMap) -> float | None:
+    if "dangerous" not in figure:
+        return None
+    if (share := figure.number("dangerous", minimum=0.0, maximum=1.0)) == 0.0:
+        figure.fail("dangerous", "is 0; give the share of the failures that are dangerous")
+    return share
+
+
+def _temperature(figure: YamlMap) -> Temperature:
+    at = figure.map("temperature")
+    at.forbid_unknown({"rated", "working", "activation_energy"})
+    rated, working = (
+        at.number(key, minimum=COLDEST_C, maximum=HOTTEST_C) for key in ("rated", "working")
+    )
+    return Temperature(rated, working, at.number("activation_energy", minimum=0.0, maximum=2.0))
 
 
 def _weibull(figure: YamlMap) -> FailureFigure:
@@ -114,10 +207,10 @@ def _weibull(figure: YamlMap) -> FailureFigure:
     return FailureFigure("weibull", scale, per, shape=shape, **_uncertainty(figure))
 
 
-def _uncertainty(figure: YamlMap) -> dict[str, Any]:
+def _uncertainty(figure: YamlMap, usual: Statistic = "median") -> dict[str, Any]:
     """Return the fields of a figure of its uncertainty, and of its source."""
     factor = figure.number("error_factor", minimum=1.0) if "error_factor" in figure else None
-    meaning = word_of(figure, "value_is", words(Statistic)) if "value_is" in figure else "median"
+    meaning = word_of(figure, "value_is", words(Statistic)) if "value_is" in figure else usual
     if "value_is" in figure and factor is None:
         figure.fail("value_is", "has no effect without 'error_factor'; give it, or remove both")
     source = figure.optional_string("source")

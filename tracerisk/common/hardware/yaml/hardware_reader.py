@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from tracerisk.common.hardware.checks import check_component
-from tracerisk.common.hardware.model import Component, Hardware, TwinBinding
-from tracerisk.common.hardware.units import mean_time_hint
-from tracerisk.common.hardware.yaml.figures import FIGURE_KEYS, read_figures, read_time, word_of
+from tracerisk.common.hardware.model import FIGURE_KEYS, Component, Hardware, TwinBinding
+from tracerisk.common.hardware.units import sheet_hint
+from tracerisk.common.hardware.yaml.figures import read_figures, read_time, word_of
 from tracerisk.common.hardware.yaml.redundancy import REDUNDANCY_KEYS, read_redundancy
 from tracerisk.common.hardware.yaml.twin import read_twin
 from tracerisk.common.hardware.yaml.use import read_load_law, read_modes
@@ -19,7 +19,7 @@ ROBOTS_NUMBER = "*"
 
 _TOP_KEYS = frozenset({"components", "robot", "source"})
 _COMPONENT_KEYS = (
-    FIGURE_KEYS
+    frozenset(FIGURE_KEYS)
     | REDUNDANCY_KEYS
     | {"quantity", "age", "load_law", "modes", "twin", "active", "source"}
 )
@@ -50,7 +50,7 @@ def read_hardware(path: Path, *, shown: str | None = None) -> Hardware:
 
 
 def _component(name: str, entry: YamlMap, location: Location) -> Component:
-    entry.forbid_unknown(_COMPONENT_KEYS, mean_time_hint)
+    entry.forbid_unknown(_COMPONENT_KEYS, sheet_hint)
     figures = read_figures(entry)
     redundancy, test_interval_s = read_redundancy(entry, figures)
     twin = read_twin(entry)

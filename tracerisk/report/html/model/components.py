@@ -199,6 +199,8 @@ def _figure(figure: FailureFigure) -> str:
         text = f"Weibull, life {figure.value:.4g} {figure.per.value}s, shape {figure.shape:.4g}"
     if figure.standby:
         text += ", in standby"
+    if figure.sheet is not None:
+        text += f", of {figure.sheet.text}"
     if figure.error_factor is not None:
         text += f", error factor {figure.error_factor:.4g}"
     return text

@@ -12,6 +12,14 @@ FEATURES: dict[str, tuple[str, ...]] = {
         "probability",
         "rate",
         "weibull",
+        "mtbf",
+        "mttf",
+        "mttfd",
+        "b10",
+        "b10d",
+        "cycles",
+        "dangerous",
+        "temperature",
         "per",
         "demand",
         "standby",
@@ -45,6 +53,7 @@ FEATURES: dict[str, tuple[str, ...]] = {
     ),
     "LoadLaw": ("referenceLoad", "wearingShare", "exponent", "referenceSpeed", "source"),
     "Weibull": ("shape", "characteristicLife"),
+    "Temperature": ("rated", "working", "activationEnergy"),
 }
 """The features of our metadata, and of the values within them."""
 

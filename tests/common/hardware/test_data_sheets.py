@@ -1,0 +1,146 @@
+"""What data sheets state becomes the rate or the probability that its source says."""
+
+import mpmath
+import pytest
+
+from tracerisk.common.hardware.formats import read_description
+from tracerisk.common.hardware.model import Basis
+from tracerisk.pipeline.failure_data.field_failures import read_failures, updated_yaml, updates
+from tracerisk.pipeline.failure_data.supplier_table import read_figures, with_figures
+from tracerisk.report.hardware_table import figure_text
+
+
+def only_figure(tmp_path, text, name="h.yaml"):
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    (component,) = read_description(path).components
+    (figure,) = component.figures
+    return figure
+
+
+def of_yaml(tmp_path, figure):
+    return only_figure(tmp_path, f"components:\n  a: {{twin: {{gripper: true}}, {figure}}}\n")
+
+
+def of_sysml(tmp_path, figure):
+    return only_figure(
+        tmp_path,
+        "package C { private import TraceriskHardware::*; private import SI::*;\n"
+        f"part s {{ part a {{ attribute life : ISQ::DurationValue = 50000 [h]; @FailureData {{ "
+        f"{figure} }} @TwinBinding {{ gripper = true; }} }} }} }}",
+        "h.sysml",
+    )
+
+
+YEAR = mpmath.mpf(365) * 24
+RATES = [
+    ("mtbf: {value: 886000, unit: hour}", "mtbf = 886000 [h];", 1 / mpmath.mpf(886000)),
+    ("mttf: {value: 40, unit: year}", "mttf = 14600 [SI::d];", 1 / (40 * YEAR)),
+    (
+        "mttfd: {value: 150, unit: year, dangerous: 0.25}",
+        "mttfd = 1314000 [h]; dangerous = 0.25;",
+        4 / (150 * YEAR),
+    ),
+    (
+        "b10d: {value: 2e7, cycles: {value: 219000, per: year}}",
+        "b10d = 20000000; cycles = 25 [h^-1];",
+        mpmath.mpf(25) / 10 / 20000000,
+    ),
+    (
+        "b10: {value: 1e6, cycles: {value: 2, per: minute}}",
+        "b10 = 1000000; cycles = 2 [min^-1];",
+        mpmath.mpf(120) / 10 / 10**6,
+    ),
+]
+
+
+@pytest.mark.parametrize(("yaml", "sysml", "rate"), RATES)
+def test_a_mean_time_or_cycles_per_time_is_a_rate(tmp_path, yaml, sysml, rate):
+    for figure in (of_yaml(tmp_path, yaml), of_sysml(tmp_path, sysml)):
+        assert (figure.kind, figure.per, figure.value_is) == ("failure_rate", Basis.HOUR, "mean")
+        assert figure.value == pytest.approx(float(rate), rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("yaml", "sysml", "demand"),
+    [
+        ("b10: {value: 4e5, of: release}", "b10 = 400000; demand = Use::release;", "release"),
+        ("b10d: {value: 4e5}", "b10d = 400000;", None),
+    ],
+)
+def test_cycles_alone_count_demands(tmp_path, yaml, sysml, demand):
+    for figure in (of_yaml(tmp_path, yaml), of_sysml(tmp_path, sysml)):
+        assert (figure.kind, figure.per, figure.demand) == ("probability", Basis.DEMAND, demand)
+        assert figure.value == pytest.approx(2.5e-7, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("rated", "working", "energy"), [(40, 55, 0.7), (25, 25, 1), (60, 20, 0.3)]
+)
+def test_a_temperature_multiplies_by_arrhenius(tmp_path, rated, working, energy):
+    with mpmath.workdps(30):
+        # k of the exact SI constants: 1.380649e-23 J/K over 1.602176634e-19 C.
+        boltzmann = mpmath.mpf("1.380649e-23") / mpmath.mpf("1.602176634e-19")
+        kelvin = [mpmath.mpf("273.15") + value for value in (rated, working)]
+        factor = mpmath.exp(energy / boltzmann * (1 / kelvin[0] - 1 / kelvin[1]))
+    yaml = f"temperature: {{rated: {rated}, working: {working}, activation_energy: {energy}}}"
+    at = f"rated = {rated}; working = {working}; activationEnergy = {energy};"
+    for figure in (
+        of_yaml(tmp_path, f"failure_rate: {{value: 500, unit: FIT, {yaml}}}"),
+        of_sysml(tmp_path, f"rate = 500 [FIT]; temperature {{ {at} }}"),
+    ):
+        assert figure.value == pytest.approx(float(5e-7 * factor), rel=1e-9)
+    mean = of_yaml(tmp_path, f"mtbf: {{value: 2e6, unit: hour, {yaml}}}")
+    assert mean.value == pytest.approx(float(5e-7 * factor), rel=1e-9)
+
+
+def test_the_inverse_of_a_time_is_a_rate_in_sysml(tmp_path):
+    figure = of_sysml(tmp_path, "rate = 1 / life;")
+    assert (figure.value, figure.per) == (pytest.approx(2e-5), Basis.HOUR)
+    assert of_sysml(tmp_path, "mtbf = 1 / (500 [FIT]);").value == pytest.approx(5e-7)
+
+
+def test_what_was_given_is_shown_beside_the_rate(tmp_path):
+    figure = of_yaml(tmp_path, "mttfd: {value: 150, unit: year, dangerous: 0.5, error_factor: 3}")
+    assert figure_text(figure) == (
+        "1.52207e-06 per hour (rate), of MTTFd 1314000 h = 150 years, 50 % of the failures "
+        "dangerous, error factor 3 of the mean"
+    )
+
+
+TWO = "components:\n  a: {twin: {gripper: true}, mtbf: {value: 1e5, unit: hour}}  # mine\n"
+
+
+@pytest.mark.parametrize(
+    ("row", "line"),
+    [
+        ("a,mttf,,20,year,", "mttf: {value: 20.0, unit: year, source: rates.csv}"),
+        ("a,b10d,,3e6,,2", "b10d: {value: 3000000.0, error_factor: 2.0, source: rates.csv}"),
+    ],
+)
+def test_a_table_gives_what_data_sheets_state(tmp_path, row, line):
+    (tmp_path / "h.yaml").write_text(TWO)
+    name, kind, _, value, per, factor = row.split(",")
+    table = tmp_path / "rates.csv"
+    table.write_text(f"component,{kind},per,error_factor\n{name},{value},{per},{factor}\n")
+    figures = read_figures(table, read_description(tmp_path / "h.yaml"))
+    text = with_figures(tmp_path / "h.yaml", figures)
+    assert line in text
+    assert "mtbf" not in text
+    assert "# mine" in text
+
+
+def test_failures_in_the_field_replace_a_mean_time_by_its_rate(tmp_path):
+    for figure in (
+        "mtbf: {value: 1e5, unit: hour}",
+        "failure_rate: {value: 10000, unit: FIT}",
+    ):
+        path = tmp_path / "h.yaml"
+        path.write_text(f"components:\n  a:\n    twin: {{gripper: true}}\n    {figure}\n")
+        (tmp_path / "f.csv").write_text("component,failures,hours\na,4,1000000\n")
+        observed = read_failures(tmp_path / "f.csv")
+        changes = updates(read_description(path), observed, str(tmp_path / "f.csv"))
+        path.write_text(updated_yaml(path, changes))
+        (component,) = read_description(path).components
+        assert component.figures == (changes[0].after,)
+        assert component.figures[0].value == pytest.approx(4.5e-6, rel=1e-3)
