@@ -172,12 +172,16 @@ def mission_sentence(assessment: Assessment) -> str:
 
 def undetected_sentence(assessment: Assessment) -> str:
     """Return how much of the mission's failure nobody notices; empty where that is not known."""
-    undetected = assessment.mission.undetected_probability
-    if undetected is None:
+    mission = assessment.mission
+    undetected, late = mission.undetected_probability, mission.stopped_late_probability
+    safely = mission.stopped_safely_probability
+    if undetected is None or late is None or safely is None:
         return ""
     text = f"Of which undetected, or with harm before the stop: {_probability(undetected)}"
-    risk = assessment.mission.failure_probability
-    return f"{text} ({share_text(undetected / risk)})." if risk > 0.0 else f"{text}."
+    risk = mission.failure_probability
+    text += f" ({share_text(undetected / risk)})" if risk > 0.0 else ""
+    text += f"; of that stopped late: {_probability(late)}."
+    return f"{text} Stopped safely: {_probability(safely)}."
 
 
 _SEEN = 1e-4

@@ -21,10 +21,10 @@ from tracerisk.prm import (
     build_model,
     solve,
 )
+from tracerisk.prm.numbers.absorption import absorption
 from tracerisk.prm.numbers.distributions import Beta, Gamma, Lognormal, Normal, Uniform
 from tracerisk.prm.numbers.strata import LatinHypercube
 from tracerisk.prm.questions.draws import MOST_TOGETHER, InputDraws, UncertainInput
-from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.questions.sampled_mission import failure_samples
 from tracerisk.prm.questions.set_values import with_values
 from tracerisk.prm.questions.sobol import first_order_shares
@@ -174,7 +174,7 @@ def test_a_chain_with_loops_is_solved_for_each_draw(exact):
         for target, weight in zip(targets, weights / weights.sum(axis=0), strict=True):
             row[str(target)] = row.get(str(target), 0.0) + weight
         rows[name] = row
-    found = absorption_samples(rows, "s0")
+    found = absorption(rows, "s0")
     for draw in range(draws):
         ways = exact.normalised(
             {name: {t: float(p[draw]) for t, p in row.items()} for name, row in rows.items()}

@@ -28,6 +28,10 @@ def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
 
 
 def mission_to_json(mission: dict[str, Any]) -> dict[str, Any]:
-    """Return a mission's figures without the undetected ones where no model says what they are."""
-    undetected = ("undetected_probability", "undetected_geometric")
-    return {k: value for k, value in mission.items() if value is not None or k not in undetected}
+    """Return a mission's figures without those of its ends where no model says what they are."""
+    ends = ("undetected_", "stopped_")
+    return {
+        key: value
+        for key, value in mission.items()
+        if value is not None or not key.startswith(ends)
+    }

@@ -133,6 +133,16 @@ class MissionFigures:
     that holds; `None` where nothing is said of what follows a failure."""
     undetected_geometric: float | None = None
     """The same of the chain itself."""
+    stopped_late_probability: float | None = None
+    """Probability that the mission does harm before it stops, a part of the undetected failure, in
+    the reading that holds; `None` as above."""
+    stopped_late_geometric: float | None = None
+    """The same of the chain itself."""
+    stopped_safely_probability: float | None = None
+    """Probability that the mission stops before any harm, in the reading that holds; `None` as
+    above."""
+    stopped_safely_geometric: float | None = None
+    """The same of the chain itself."""
 
     @property
     def undetected_or_all(self) -> float:
@@ -149,6 +159,8 @@ class MissionFigures:
             done_probability=1.0 - failure,
             reading=GEOMETRIC,
             undetected_probability=self.undetected_geometric,
+            stopped_late_probability=self.stopped_late_geometric,
+            stopped_safely_probability=self.stopped_safely_geometric,
         )
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from tracerisk.common.strong_components import joined_parts
 from tracerisk.prm.hybrid.assessment import FIXED, GEOMETRIC, MissionFigures, Reading
-from tracerisk.prm.hybrid.fates.resolved import chain_model, has_fates, leads_back
-from tracerisk.prm.hybrid.fates.undetected import UndetectedChain, bounding_model
+from tracerisk.prm.hybrid.fates.ends import FatedChain, MissionEnds
+from tracerisk.prm.hybrid.fates.resolved import LATE, SAFE, chain_model, has_fates, leads_back
+from tracerisk.prm.hybrid.fates.undetected import EndingChain, bounding_model
 from tracerisk.prm.hybrid.fixed_cycles import (
     Loop,
     Passage,
@@ -52,6 +54,9 @@ class SolvedMission:
     """Probability that one visit fails, over the visits of a mission, by function."""
     grouped: Grouped | None = None
     """The redundant groups, solved one by one; `None` where one chain holds all."""
+    ends: MissionEnds | None = None
+    """How missions end, with all that they remember; `None` where nothing is said of that, or the
+    states are too many."""
 
     @property
     def states(self) -> HiddenStates:
@@ -69,7 +74,27 @@ def solve_mission(model: HybridModel, *, limit: int = MOST_STATES) -> SolvedMiss
     states = hidden_states(chain_model(model), limit)
     if states.most is not None and len(groups_of(states)) > 1:
         return _solved_by_groups(Grouped(states))
-    return solved_chain(HiddenChain(states))
+    solved = solved_chain(HiddenChain(states))
+    return _with_ends(model, solved, limit) if has_fates(model) else solved
+
+
+def _with_ends(model: HybridModel, solved: SolvedMission, limit: int) -> SolvedMission:
+    """Return the mission with its ends, which hold its failure where failures lead back."""
+    chain = FatedChain(model, limit)
+    if not chain.is_whole:
+        return solved
+    ends = chain.ends()
+    if not leads_back(model):
+        return replace(solved, ends=ends)
+    failure = Probability(float(ends.failed), float(ends.done))
+    scale = failure.p / solved.failure.p if solved.failure.p > 0.0 else 1.0
+    return replace(
+        solved,
+        failure=failure,
+        least=failure.p,
+        absorption={name: p * scale for name, p in solved.absorption.items()},
+        ends=ends,
+    )
 
 
 def solved_chain(chain: HiddenChain) -> SolvedMission:
@@ -134,7 +159,7 @@ def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures
         fixed = _straight(cycles, lambda rounds: grouped.cycles(whole, rounds))
     else:
         fixed = _mean_cycles(chain, cycle, whole, cycles)
-    undetected, undetected_chain = _undetected(model, solved)
+    held, of_chain = _ends(model, solved) if has_fates(model) else (_Ends(), _Ends())
     return MissionFigures(
         failure_probability=mission.p,
         done_probability=mission.q,
@@ -144,25 +169,51 @@ def mission_figures(model: HybridModel, solved: SolvedMission) -> MissionFigures
         expected_cycles=cycles,
         fixed_cycles=fixed,
         visits_as_run=0.0 - math.expm1(_log_survival_as_run(all_units, visits)),
-        undetected_probability=undetected,
-        undetected_geometric=undetected_chain,
+        undetected_probability=held.undetected,
+        undetected_geometric=of_chain.undetected,
+        stopped_late_probability=held.stopped_late,
+        stopped_late_geometric=of_chain.stopped_late,
+        stopped_safely_probability=held.stopped_safely,
+        stopped_safely_geometric=of_chain.stopped_safely,
     )
 
 
-def _undetected(
-    model: HybridModel, solved: SolvedMission
-) -> tuple[float, float] | tuple[None, None]:
-    """Return the undetected failure in the reading that holds, and that of the chain itself."""
-    if not has_fates(model):
-        return None, None
+class _Ends(NamedTuple):
+    """How likely a mission fails in some ways; `None` where nothing is said of them."""
+
+    undetected: float | None = None
+    """Nobody notices, or harm comes before the stop."""
+    stopped_late: float | None = None
+    """Harm comes before the stop."""
+    stopped_safely: float | None = None
+    """It stops before any harm."""
+
+
+def _ends(model: HybridModel, solved: SolvedMission) -> tuple[_Ends, _Ends]:
+    """Return the ends in the reading that holds, and those of the chain itself.
+
+    Where hidden states are left out, the undetected failure is a bound from above, and what they
+    hold is in no stop; of groups that are solved one by one, stops are those without groups.
+    """
+    passage, known = _held_passage(model, solved), solved.ends
+    late, safe = (EndingChain(solved.chain, model, stop) for stop in (LATE, SAFE))
+
+    def of(undetected: float, passage: Passage | None) -> _Ends:
+        return _Ends(undetected, late.failure(passage), safe.failure(passage))
+
     if solved.grouped is not None:
         bounding = bounding_model(model)
         groups = solve_mission(bounding)
-        return held_reading(bounding, groups)[1].p, groups.failure.p
-    chain = UndetectedChain(solved.chain, model)
-    geometric = chain.failure(None)
-    passage = _held_passage(model, solved)
-    return (geometric if passage is None else chain.failure(passage)), geometric
+        unseen = held_reading(bounding, groups)[1].p
+        return of(unseen, passage), of(groups.failure.p, None)
+    if known is not None:
+        ends = (known.undetected, known.stopped_late, known.stopped_safely)
+        of_chain = _Ends(*map(float, ends))
+    else:
+        of_chain = of(EndingChain(solved.chain, model).failure(None), None)
+    if passage is None:
+        return of_chain, of_chain
+    return of(EndingChain(solved.chain, model).failure(passage), passage), of_chain
 
 
 def _held_passage(model: HybridModel, solved: SolvedMission) -> Passage | None:

@@ -64,7 +64,14 @@ def build_model(
     _check_end(ordered, steps)
     for block in ordered:
         _check_components(block)
-        _check_failures(block, names)
+    latent = {
+        entry.name: block.name
+        for block in ordered
+        for entry in block.components
+        if not entry.omitted and latent_units(entry)
+    }
+    for block in ordered:
+        _check_failures(block, names, latent)
     states = [function_state(block, block.components, steps[block.name]) for block in ordered]
     entries = [entry for block in ordered for entry in block.components]
     counted = is_counted(blocks) and not chosen
@@ -304,7 +311,11 @@ def _check_components(block: RiskBlock) -> None:
             _fail(block, f"{where}: required {required} of {number}; allowed: 1 to {number}", place)
 
 
-def _check_failures(block: RiskBlock, names: Collection[str]) -> None:
+def _check_failures(block: RiskBlock, names: Collection[str], latent: Mapping[str, str]) -> None:
+    """Raise BlockError where failures may not be said to lead to what a section says.
+
+    `latent` gives a function in which units of a component fail unseen, by component.
+    """
     for entry in block.components:
         place = entry.failures.location or entry.location
         where = f"what follows failures of '{entry.name}'"
@@ -315,6 +326,14 @@ def _check_failures(block: RiskBlock, names: Collection[str]) -> None:
                 block,
                 f"{where} can be given only where each unit is needed, and it is redundant; "
                 "delete its `@Failure`",
+                place,
+            )
+        if entry.name in latent:
+            _fail(
+                block,
+                f"{where} can be given only where each unit is needed, and it is redundant in "
+                f"'{latent[entry.name]}', where its units may have failed unseen; delete its "
+                "`@Failure`",
                 place,
             )
         for mode in entry.failures.value:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.prm.hybrid.elements import DONE, FunctionState
+from tracerisk.prm.hybrid.fates.ends import FatedChain, WayShares
 from tracerisk.prm.hybrid.fates.resolved import (
     chain_model,
-    splits_of,
+    has_fates,
+    leads_back,
     undetected_model,
-    ways_on,
 )
 from tracerisk.prm.hybrid.groups.group_chain import groups_of, states_with
 from tracerisk.prm.hybrid.hidden.hidden_states import (
@@ -24,10 +25,10 @@ from tracerisk.prm.hybrid.hidden.hidden_states import (
     with_more,
 )
 from tracerisk.prm.hybrid.hybrid import HybridModel
+from tracerisk.prm.numbers.absorption import absorption
 from tracerisk.prm.numbers.arrays import np
-from tracerisk.prm.numbers.probability import Probability, at_least
+from tracerisk.prm.numbers.probability import Probability, any_of, at_least
 from tracerisk.prm.numbers.quantities import check_parameters
-from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.trees.sampled_tree import samples_of, tree_samples
 
 if TYPE_CHECKING:
@@ -43,42 +44,23 @@ MOST_STATES = 2_000
 
 _FAILED = "failed"
 
-_Ways = Sequence[tuple[int | str, "Values"]]
+_Ways = Sequence[tuple[int | str, float]]
 """What follows a visit that did not fail, functions by number, each with its probability."""
 
 _Rests = Sequence[tuple[Probability, Mapping[str, "Values"], _Ways]]
 """For each function the failure of its tree less the latent units, its parameters, what follows."""
 
 
-class _Fated:
-    """What follows failures, drawn: how likely visits lead back, or end in a safe stop."""
+class FailureSampler(Protocol):
+    """The mission's failure probability for draws of its parameters."""
 
-    def __init__(self, model: HybridModel, *, stops_end_well: bool) -> None:
-        self._splits = splits_of(model)
-        self._states = {state.name: state for state in model.states}
-        self._stops_end_well = stops_end_well
-        self._before = {parameter.name: parameter.theta for parameter in model.parameters}
+    def __call__(self, thetas: Mapping[str, Samples], shares: WayShares | None = None) -> Samples:
+        """Return it for each draw, (n,).
 
-    def ways(
-        self, function: Function, number_of: Mapping[str, int], drawn: Mapping[str, Samples]
-    ) -> _Ways | None:
-        """Return what follows a visit of a function; `None` where draws change nothing of it."""
-        name = function.state.name
-        if name not in self._splits:
-            return None
-        state = self._states[name]
-        values = _values(state, self._before, drawn)
-        ways = ways_on(state, self._splits[name], values, stops_end_well=self._stops_end_well)
-        left: Values = 1.0
-        for way in ways.values():
-            left = left - way
-        steps: dict[int | str, Values] = {
-            number_of.get(step.target, DONE): left * float(step.weight) for step in state.next
-        }
-        for target, way in ways.items():
-            key = number_of.get(target, DONE)
-            steps[key] = steps[key] + way if key in steps else way
-        return tuple(steps.items())
+        `thetas` gives the drawn parameters their values, (n,) each, and `shares` what follows
+        failures; what is not given keeps its value.
+        """
+        ...
 
 
 def failure_samples(
@@ -93,13 +75,17 @@ def failure_samples(
     return failure_sampler(model, undetected=undetected)(thetas)
 
 
-def failure_sampler(
-    model: HybridModel, *, undetected: bool = False
-) -> Callable[[Mapping[str, Samples]], Samples]:
-    """Return `failure_samples` of a model, for block after block of draws."""
+def failure_sampler(model: HybridModel, *, undetected: bool = False) -> FailureSampler:
+    """Return `failure_samples` of a model, for block after block of draws.
+
+    What follows failures is only drawn where the states hold all that missions remember.
+    """
+    if has_fates(model) and (undetected or leads_back(model)):
+        chain = FatedChain(model, MOST_STATES)
+        if chain.is_whole:
+            return _ends_sampler(model, chain, undetected=undetected)
     solved = undetected_model(model) if undetected else chain_model(model)
     states = hidden_states(solved, MOST_STATES)
-    fated = _Fated(model, stops_end_well=undetected) if solved is not model else None
     groups: list[HiddenStates] = []
     if states.most is not None and len(found := groups_of(states)) > 1:
         groups = [states_with(states, group) for group in found]
@@ -107,38 +93,96 @@ def failure_sampler(
     layers = max(len(item.hidden) for item in (states, *groups))
     ways = sum(len(function.steps) + 4 for function in states.functions)
     step = max(64, _CELLS // (ways * layers))
+    before = {parameter.name: parameter.theta for parameter in solved.parameters}
+
+    def figure(drawn: Mapping[str, Samples], _: WayShares | None) -> Values:
+        rests = _rests(states, before, drawn)
+        failed = _failed(states, rests)
+        if groups:
+            more = [np.maximum(_failed(item, rests) - failed, 0.0) for item in groups]
+            failed = np.minimum(failed + sum(more), 1.0)
+        return failed
+
+    return _in_passes(figure, step)
+
+
+def _ends_sampler(model: HybridModel, chain: FatedChain, *, undetected: bool) -> FailureSampler:
     before = {parameter.name: parameter.theta for parameter in model.parameters}
 
-    def samples(thetas: Mapping[str, Samples]) -> Samples:
+    def figure(drawn: Mapping[str, Samples], shares: WayShares | None) -> Values:
+        ends = chain.ends(_DrawnVisits(chain, before, drawn), shares)
+        return ends.undetected if undetected else ends.failed
+
+    ways = sum(len(function.steps) + 4 for function in chain.states.functions)
+    copies = chain.size // len(chain.functions) * len(chain.states.hidden)
+    return _in_passes(figure, max(64, _CELLS // (ways * copies)))
+
+
+def _in_passes(
+    figure: Callable[[Mapping[str, Samples], WayShares | None], Values], step: int
+) -> FailureSampler:
+    """Return the sampler that draws a figure in passes of so many draws."""
+
+    def samples(thetas: Mapping[str, Samples], shares: WayShares | None = None) -> Samples:
         parts = []
         for start in range(0, len(next(iter(thetas.values()))), step):
-            drawn = {name: values[start : start + step] for name, values in thetas.items()}
-            rests = _rests(states, before, drawn, fated)
-            failed = _failed(states, rests)
-            if groups:
-                more = [np.maximum(_failed(item, rests) - failed, 0.0) for item in groups]
-                failed = np.minimum(failed + sum(more), 1.0)
-            parts.append(np.broadcast_to(failed, len(next(iter(drawn.values())))))
+            taken = slice(start, start + step)
+            drawn = {name: values[taken] for name, values in thetas.items()}
+            of_pass = None if shares is None else _taken(shares, taken)
+            count = len(next(iter(drawn.values())))
+            parts.append(np.broadcast_to(figure(drawn, of_pass), count))
         return np.concatenate(parts)
 
     return samples
+
+
+def _taken(shares: WayShares, taken: slice) -> WayShares:
+    """Return the shares of some draws."""
+    return {
+        state: {
+            name: {way: p if isinstance(p, float) else p[taken] for way, p in row.items()}
+            for name, row in rows.items()
+        }
+        for state, rows in shares.items()
+    }
+
+
+class _DrawnVisits:
+    """The visits of a chain, drawn."""
+
+    def __init__(
+        self, chain: FatedChain, before: Mapping[str, float], drawn: Mapping[str, Samples]
+    ) -> None:
+        self._states = chain.states
+        self._number_of = {hidden: number for number, hidden in enumerate(chain.states.hidden)}
+        self.values: Sequence[Mapping[str, Values]] = [
+            _values(state, before, drawn) for state in chain.functions
+        ]
+
+    def rest(self, number: int, values: Mapping[str, Values]) -> Probability:
+        return tree_samples(self._states.functions[number].rest, values)
+
+    def latent(self, number: int, layer: int) -> tuple[Probability, Sequence[tuple[int, Values]]]:
+        function, hidden = self._states.functions[number], self._states.hidden[layer]
+        if not survives(function.parts, hidden):
+            return Probability(1.0, 0.0), ()
+        units = {c: self.values[number][name] for c, name in function.parameters.items()}
+        fails, spread = _visit(self._states, number, hidden, units)
+        return any_of(fails), [(self._number_of[after], weight) for after, weight in spread]
 
 
 def _rests(
     states: HiddenStates,
     before: Mapping[str, float],
     drawn: Mapping[str, Samples],
-    fated: _Fated | None,
 ) -> _Rests:
     rests = []
-    number_of = {function.state.name: number for number, function in enumerate(states.functions)}
     for function in states.functions:
         values = _values(function.state, before, drawn)
         # Of the values only those of latent units are asked for again.
         units = {name: values[name] for name in _latent_parameters(function)}
-        ways = None if fated is None else fated.ways(function, number_of, drawn)
-        if ways is None:
-            ways = [*function.steps, *([(DONE, function.done)] if function.done > 0.0 else [])]
+        ways: list[tuple[int | str, float]] = [*function.steps]
+        ways += [(DONE, function.done)] if function.done > 0.0 else []
         rests.append((tree_samples(function.rest, values), units, ways))
     return rests
 
@@ -154,7 +198,7 @@ def _failed(states: HiddenStates, rests: _Rests) -> Values:
     for number in range(len(states.functions)):
         _add_rows(rows, states, number, rests)
     entry = (states.entry, states.hidden[0])
-    return absorption_samples(rows, entry).get(_FAILED, 0.0)
+    return absorption(rows, entry).get(_FAILED, 0.0)
 
 
 def _add_rows(

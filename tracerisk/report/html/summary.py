@@ -65,10 +65,15 @@ def _headline(report: ReportInput) -> tuple[str, str, str]:
 
 def _undetected(report: ReportInput) -> str:
     """Return how much of that nobody notices; empty where that is not known."""
-    undetected = report.assessment.mission.undetected_probability
-    if undetected is None:
+    mission = report.assessment.mission
+    undetected, late = mission.undetected_probability, mission.stopped_late_probability
+    safely = mission.stopped_safely_probability
+    if undetected is None or late is None or safely is None:
         return ""
-    return f"Of which undetected, or with harm before the stop: {figures.powered(undetected)}."
+    return (
+        f"Of which undetected, or with harm before the stop: {figures.powered(undetected)}; of "
+        f"that stopped late: {figures.powered(late)}. Stopped safely: {figures.powered(safely)}."
+    )
 
 
 def _cause(report: ReportInput) -> str:

@@ -17,8 +17,8 @@ from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve, solve_figures
 from tracerisk.prm.trees.fault_tree import FaultTree
 
-FAILED, UNSEEN = "failed", "failed unseen"
-LEVELS = {"unaware": 0, "stopped_late": 0, "stopped_safely": 1, "back": 2}
+UNAWARE, LATE, SAFE = "unaware", "stopped_late", "stopped_safely"
+LEVELS = {UNAWARE: 0, LATE: 1, SAFE: 2, "back": 3}
 
 
 def solved_exactly(
@@ -39,13 +39,21 @@ def solved_exactly(
     return {target: p / (1 - stays) for target, p in row.items()}
 
 
+Known = tuple[str, str, str]
+"""What follows a failure: its kind, the function it leads back to, and where it shows."""
+UNNOTICED: Known = (UNAWARE, "", "")
+
+
 class Exact:
-    """The chain of a model by its definition: functions, failed units of one pair, each fate."""
+    """The chain of a model by its definition: functions, failed units, what is remembered."""
 
     def __init__(self, model: HybridModel) -> None:
         self.model = model
         self.states = {state.name: state for state in model.states}
         self.rank = {state.name: number for number, state in enumerate(model.states)}
+        gates = [gate for state in model.states for gate in state.tree.gates if gate.name == "pair"]
+        self.size = len(gates[0].inputs) if gates else 2
+        self.fails_at = gates[0].threshold if gates else 2
 
     def units(self, state: FunctionState) -> list[tuple[str, Fraction]]:
         return [
@@ -55,84 +63,85 @@ class Exact:
         ]
 
     def pair(self, state: FunctionState, lost: int) -> dict[int, Fraction]:
-        """Return how many units of the pair have failed after a visit."""
+        """Return how many units of the group have failed after a visit."""
         if "pair" not in state.probabilities:
             return {lost: Fraction(1)}
         p = Fraction(state.probabilities["pair"])
-        if lost:
-            return {1: 1 - p, 2: p}
-        return {0: (1 - p) ** 2, 1: 2 * p * (1 - p), 2: p * p}
-
-    def survives(self, state: FunctionState) -> Fraction:
-        alive = 1 - self.pair(state, 0).get(2, Fraction(0))
-        for _, p in self.units(state):
-            alive *= 1 - p
-        return alive
-
-    def shows(self, source: str, target: str) -> Fraction:
-        """Return how likely a mission gets from behind one function to another."""
-        rows: dict[object, dict[object, Fraction]] = {}
-        for name, state in self.states.items():
-            alive = self.survives(state)
-            row: dict[object, Fraction] = {FAILED: 1 - alive}
-            for step in state.next:
-                key = ("hit",) if step.target == target else step.target
-                row[key] = row.get(key, Fraction(0)) + alive * step.weight
-            rows[name] = row
-        rows["start"] = {
-            ("hit",) if step.target == target else step.target: step.weight
-            for step in self.states[source].next
+        left = self.size - lost
+        return {
+            lost + more: math.comb(left, more) * p**more * (1 - p) ** (left - more)
+            for more in range(left + 1)
         }
-        return solved_exactly(rows, "start").get(("hit",), Fraction(0))
 
-    def fates(self, state: FunctionState, name: str) -> list[tuple[tuple[int, str], Fraction]]:
-        """Return the fates of one failed unit, each as its rank and function, with its share."""
+    def badness(self, known: Known) -> tuple[int, bool, int, int]:
+        """Return how bad what follows is, the worst least."""
+        kind, target, shows_in = known
+        later = bool(shows_in) if kind != "back" else not shows_in
+        return (LEVELS[kind], later, self.rank.get(target, -1), self.rank.get(shows_in, -1))
+
+    def fates(self, state: FunctionState, name: str) -> list[tuple[Known, Fraction]]:
+        """Return what follows the failure of one unit, each with its share."""
         found = []
         rest = Fraction(1)
         for fate in state.fates.get(name, ()):
             rest -= fate.share
-            shows = self.shows(state.name, fate.shows_in) if fate.shows_in else Fraction(1)
-            found.append(((LEVELS[fate.kind], fate.target), fate.share * shows))
-            found.append(((0, ""), fate.share * (1 - shows)))
-        return [*found, ((0, ""), rest)]
+            known = (fate.kind, fate.target, fate.shows_in)
+            found.append((UNNOTICED if fate.kind == UNAWARE else known, fate.share))
+        return [*found, (UNNOTICED, rest)]
 
-    def visit(self, state: FunctionState, lost: int) -> Iterator[tuple[object, Fraction]]:
-        """Yield where a visit leads."""
-        none = (9, "")
-        outcomes = {none: Fraction(1)}
+    def visit(self, state: FunctionState) -> dict[Known | None, Fraction]:
+        """Return the worst of what follows the failures in a visit; `None` for none."""
+        outcomes: dict[Known | None, Fraction] = {None: Fraction(1)}
         for name, p in self.units(state):
-            ways = [(none, 1 - p), *((fate, p * w) for fate, w in self.fates(state, name))]
-            grown: dict[tuple[int, str], Fraction] = {}
+            ways: list[tuple[Known | None, Fraction]] = [(None, 1 - p)]
+            ways += [(known, p * share) for known, share in self.fates(state, name)]
+            grown: dict[Known | None, Fraction] = {}
             for (one, weight), (other, share) in product(outcomes.items(), ways):
-                worst = min(one, other, key=lambda item: (item[0], self.rank.get(item[1], 0)))
+                failed = [known for known in (one, other) if known is not None]
+                worst = min(failed, key=self.badness, default=None)
                 grown[worst] = grown.get(worst, Fraction(0)) + weight * share
             outcomes = grown
-        for after, chance in self.pair(state, lost).items():
-            for (level, target), weight in outcomes.items():
-                p = chance * weight
-                if after == 2 or level == 0:
-                    yield UNSEEN, p
-                elif level == 1:
-                    yield FAILED, p
-                elif level == 2:
-                    yield (target, after), p
-                else:
-                    for step in state.next:
-                        key = DONE if step.target == DONE else (step.target, after)
-                        yield key, p * step.weight
+        return outcomes
 
-    def figures(self) -> tuple[Fraction, Fraction]:
-        """Return the failure of the mission, and the undetected one."""
+    def onward(self, state: FunctionState, memory: Known | None) -> Iterator[tuple[object, ...]]:
+        """Yield where a visit leads that goes on, what is remembered then, and how likely."""
+        for step in state.next:
+            if step.target == DONE:
+                yield (DONE if memory is None else UNAWARE), None, step.weight
+            elif memory is not None and memory[2] == step.target:
+                yield (memory[1] or memory[0]), None, step.weight
+            else:
+                yield step.target, memory, step.weight
+
+    def row(self, name: str, lost: int, memory: Known | None) -> dict[object, Fraction]:
+        state = self.states[name]
+        row: dict[object, Fraction] = {}
+        for after, chance in self.pair(state, lost).items():
+            for known, weight in self.visit(state).items():
+                gone = after >= self.fails_at and "pair" in state.probabilities
+                if gone or known == UNNOTICED or (memory is not None and known is not None):
+                    ways = [(UNAWARE, None, Fraction(1))]
+                elif known is not None and not known[2]:
+                    ways = [(known[1] or known[0], None, Fraction(1))]
+                else:
+                    ways = list(self.onward(state, memory or known))
+                for target, kept, share in ways:
+                    key = (target, after, kept) if target in self.states else target
+                    row[key] = row.get(key, Fraction(0)) + chance * weight * share
+        return row
+
+    def ends(self) -> dict[str, Fraction]:
+        """Return how likely each end of a mission is."""
+        start = (self.model.entry, 0, None)
         rows: dict[object, dict[object, Fraction]] = {}
-        for state in self.states.values():
-            for lost in (0, 1):
-                row: dict[object, Fraction] = {}
-                for key, p in self.visit(state, lost):
-                    row[key] = row.get(key, Fraction(0)) + p
-                rows[state.name, lost] = row
-        ends = solved_exactly(rows, (self.model.entry, 0))
-        unseen = ends.get(UNSEEN, Fraction(0))
-        return ends.get(FAILED, Fraction(0)) + unseen, unseen
+        waiting = [start]
+        while waiting:
+            now = waiting.pop()
+            if now not in rows:
+                rows[now] = self.row(*now)
+                waiting += [key for key in rows[now] if isinstance(key, tuple)]
+        ends = solved_exactly(rows, start)
+        return {end: ends.get(end, Fraction(0)) for end in (UNAWARE, LATE, SAFE)}
 
 
 def random_fates(draw: random.Random, names: list[str]) -> tuple[Fate, ...]:
@@ -140,7 +149,7 @@ def random_fates(draw: random.Random, names: list[str]) -> tuple[Fate, ...]:
     weights = [draw.randint(1, 5) for _ in range(count + draw.randint(0, 1))]
     fates = []
     for weight in weights[:count]:
-        kind = draw.choice(["stopped_safely", "stopped_late", "unaware", "back", "stopped_safely"])
+        kind = draw.choice([SAFE, LATE, UNAWARE, "back", SAFE])
         fates.append(
             Fate(
                 kind,  # type: ignore[arg-type]
@@ -154,10 +163,12 @@ def random_fates(draw: random.Random, names: list[str]) -> tuple[Fate, ...]:
 
 def random_model(draw: random.Random, *, may_lead_back: bool = True) -> HybridModel:
     names = [f"f{number}" for number in range(draw.randint(1, 4))]
-    has_pair = draw.random() < 0.3
+    has_pair = draw.random() < 0.4
+    units = draw.choice([2, 2, 3])
+    fails_at = draw.randint(2, units)
     trees, values = {}, {}
     for name in ("a", "b"):
-        values[name] = draw.choice([0.5, 0.2, 0.01, 1e-5, 1e-9]) * draw.uniform(0.2, 1.0)
+        values[name] = 2.0 ** -draw.choice([1, 2, 7, 17, 30]) * draw.randint(2, 8) / 8
     for name in names:
         parts: dict[str, tuple[str, ...]] = {}
         used: list[str] = [part for part in "ab" if draw.random() < 0.8] or ["a"]
@@ -167,7 +178,7 @@ def random_model(draw: random.Random, *, may_lead_back: bool = True) -> HybridMo
             parts["a"] = ("or", "a[1]", "a[2]")
         if has_pair and draw.random() < 0.7:
             inputs.append("pair")
-            parts["pair"] = ("and", "pair[1]", "pair[2]")
+            parts["pair"] = group(units, fails_at)
         trees[name] = (top, inputs, parts)
     following: dict[str, dict[str, Fraction]] = {}
     for number, name in enumerate(names):
@@ -178,7 +189,7 @@ def random_model(draw: random.Random, *, may_lead_back: bool = True) -> HybridMo
             targets[other] = targets.get(other, 0) + draw.randint(1, 3)
         whole = sum(targets.values())
         following[name] = {target: Fraction(count, whole) for target, count in targets.items()}
-    model = built(names, trees, following, {**values, "pair": draw.uniform(0.01, 0.3)})
+    model = built(names, trees, following, {**values, "pair": draw.randint(1, 10) / 32})
     states = []
     for state in model.states:
         fates = {}
@@ -194,6 +205,12 @@ def random_model(draw: random.Random, *, may_lead_back: bool = True) -> HybridMo
     return replace(model, states=tuple(states))
 
 
+def group(units: int, fails_at: int) -> tuple[str, ...]:
+    """Return a group of units that fails where so many of them have."""
+    names = tuple(f"pair[{number}]" for number in range(1, units + 1))
+    return ("and" if fails_at == units else f"atleast {fails_at}", *names)
+
+
 def built(
     names: list[str],
     trees: Mapping[str, tuple[str, list[str], Mapping[str, tuple[str, ...]]]],
@@ -204,7 +221,8 @@ def built(
     from tracerisk.prm.trees.events import BasicEvent
     from tracerisk.prm.trees.gates import Gate, GateKind
 
-    states, latent = [], False
+    states: list[FunctionState] = []
+    latent: tuple[str, ...] = ()
     for rank, name in enumerate(names, 1):
         top, inputs, parts = trees[name]
         gates = [Gate(top, GateKind.OR, tuple(inputs))]
@@ -212,9 +230,12 @@ def built(
         for part in inputs:
             if part in parts:
                 kind, *units = parts[part]
-                gates.append(Gate(part, GateKind(kind), tuple(units)))
+                kind, _, least = kind.partition(" ")
+                gates.append(
+                    Gate(part, GateKind(kind), tuple(units), int(least) if least else None)
+                )
                 events += [BasicEvent(unit, part, component=part) for unit in units]
-                latent = latent or part == "pair"
+                latent = tuple(units) if part == "pair" else latent
             else:
                 events.append(BasicEvent(part, part, component=part))
         tree = FaultTree(top, tuple(gates), tuple(events))
@@ -233,7 +254,7 @@ def built(
         names[0],
         tuple(states),
         tuple(Parameter(name, values[name]) for name in sorted(used)),
-        ("pair[1]", "pair[2]") if latent else (),
+        latent,
     )
 
 
@@ -243,10 +264,14 @@ def test_random_models_agree_with_rationals(block: int) -> None:
     for _ in range(500):
         model = random_model(draw)
         mission = solve_figures(model).mission
-        failure, undetected = Exact(model).figures()
-        assert mission.geometric_cycles == pytest.approx(float(failure), rel=1e-10)
-        if mission.undetected_geometric is not None:
-            assert mission.undetected_geometric == pytest.approx(float(undetected), rel=1e-10)
+        ends = Exact(model).ends()
+        assert mission.geometric_cycles == pytest.approx(float(sum(ends.values())), rel=1e-10)
+        if mission.undetected_geometric is None:
+            continue
+        undetected = float(ends[UNAWARE] + ends[LATE])
+        assert mission.undetected_geometric == pytest.approx(undetected, rel=1e-10)
+        assert mission.stopped_late_geometric == pytest.approx(float(ends[LATE]), rel=1e-10)
+        assert mission.stopped_safely_geometric == pytest.approx(float(ends[SAFE]), rel=1e-10)
 
 
 def test_without_ways_back_the_failure_of_the_mission_is_as_without_fates() -> None:
@@ -260,71 +285,61 @@ def test_without_ways_back_the_failure_of_the_mission_is_as_without_fates() -> N
         assert without.undetected_probability is None
 
 
-def drawn(model: HybridModel, missions: int, seed: int) -> tuple[int, int]:
-    """Return how many of so many drawn missions failed, and how many of them unnoticed."""
+def drawn(model: HybridModel, missions: int, seed: int) -> dict[str, int]:
+    """Return how many of so many drawn missions end in each way."""
     draw = random.Random(seed)
-    states = {state.name: state for state in model.states}
-    rank = {state.name: number for number, state in enumerate(model.states)}
-    failed = unseen = 0
+    exact = Exact(model)
+    ends: dict[str, int] = {}
     for _ in range(missions):
-        now, remembered = model.entry, None
-        while True:
-            if remembered is not None and now == remembered.shows_in:
-                # The failure shows, and what follows is now known.
-                kind, target = remembered.kind, remembered.target
-                remembered = None
-            else:
-                state = states[now]
-                worst = None
-                for event in state.tree.events:
-                    if draw.random() >= state.probabilities[event.parameter]:
-                        continue
-                    fate = drawn_fate(draw, state.fates.get(event.parameter, ()))
-                    key = (LEVELS[fate.kind], rank.get(fate.target, 0))
-                    if worst is None or key < worst[0]:
-                        worst = (key, fate)
-                if worst is None:
-                    steps = state.next
-                    now = draw.choices([s.target for s in steps], [float(s.weight) for s in steps])[
-                        0
-                    ]
-                    if now == DONE:
-                        failed += remembered is not None
-                        unseen += remembered is not None
-                        break
-                    continue
-                fate = worst[1]
-                if remembered is not None:
-                    kind, target = "unaware", ""
-                elif fate.shows_in and LEVELS[fate.kind]:
-                    remembered = fate
-                    steps = state.next
-                    now = draw.choices([s.target for s in steps], [float(s.weight) for s in steps])[
-                        0
-                    ]
-                    if now == DONE:
-                        failed += 1
-                        unseen += 1
-                        break
-                    continue
-                else:
-                    kind, target = fate.kind, fate.target
-            if kind == "back":
-                now = target
+        end = drawn_end(draw, model, exact)
+        ends[end] = ends.get(end, 0) + 1
+    return ends
+
+
+def drawn_end(draw: random.Random, model: HybridModel, exact: Exact) -> str:
+    """Return how one drawn mission ends."""
+    now, memory = model.entry, None
+    gone: set[str] = set()
+    while True:
+        state = exact.states[now]
+        failed = []
+        for event in state.tree.events:
+            if event.name in gone or draw.random() >= state.probabilities[event.parameter]:
                 continue
-            failed += 1
-            unseen += LEVELS[kind] == 0
-            break
-    return failed, unseen
+            if event.name in model.latent:
+                gone.add(event.name)
+            else:
+                failed.append(drawn_fate(draw, state.fates.get(event.parameter, ())))
+        if "pair" in state.probabilities and len(gone) >= exact.fails_at:
+            return UNAWARE
+        if failed:
+            known = min(failed, key=exact.badness)
+            if memory is not None or known[0] == UNAWARE:
+                return UNAWARE
+            if known[2]:
+                memory = known
+            elif known[0] == "back":
+                now = known[1]
+                continue
+            else:
+                return known[0]
+        steps = state.next
+        now = draw.choices([s.target for s in steps], [float(s.weight) for s in steps])[0]
+        if now == DONE:
+            return DONE if memory is None else UNAWARE
+        if memory is not None and now == memory[2]:
+            if memory[0] != "back":
+                return memory[0]
+            now, memory = memory[1], None
 
 
-def drawn_fate(draw: random.Random, fates: tuple[Fate, ...]) -> Fate:
+def drawn_fate(draw: random.Random, fates: tuple[Fate, ...]) -> Known:
     at = draw.random()
     for fate in fates:
         at -= float(fate.share)
         if at < 0.0:
-            return fate
-    return Fate("unaware", Fraction(1))
+            return UNNOTICED if fate.kind == UNAWARE else (fate.kind, fate.target, fate.shows_in)
+    return UNNOTICED
 
 
 RECOVERING = built(
@@ -348,6 +363,23 @@ def with_fates(model: HybridModel, **fates: Mapping[str, tuple[Fate, ...]]) -> H
     return replace(model, states=tuple(states))
 
 
+WORN = built(
+    ["pick", "look", "place"],
+    {
+        "pick": ("pick fails", ["a", "pair"], {"pair": group(3, 2)}),
+        "look": ("look fails", ["b"], {}),
+        "place": ("place fails", ["b", "pair"], {"pair": group(3, 2)}),
+    },
+    {
+        "pick": {"look": Fraction(1)},
+        "look": {"place": Fraction(1)},
+        "place": {"pick": Fraction(3, 4), DONE: Fraction(1, 4)},
+    },
+    {"a": 0.04, "b": 0.02, "pair": 0.02},
+)
+
+
+@pytest.mark.parametrize("model", [RECOVERING, WORN], ids=["plain", "with a worn group"])
 @pytest.mark.parametrize(
     "fates",
     [
@@ -355,37 +387,57 @@ def with_fates(model: HybridModel, **fates: Mapping[str, tuple[Fate, ...]]) -> H
         {
             "a": (
                 Fate("back", Fraction(1, 2), target="pick", shows_in="look"),
-                Fate("stopped_safely", Fraction(3, 8), shows_in="place"),
+                Fate("stopped_safely", Fraction(1, 4), shows_in="place"),
+                Fate("stopped_late", Fraction(1, 8), shows_in="pick"),
                 Fate("stopped_late", Fraction(1, 16)),
             )
         },
     ],
     ids=["retries", "shown later"],
 )
-def test_drawn_missions_fail_as_often_as_is_solved(fates: Mapping[str, tuple[Fate, ...]]) -> None:
+def test_drawn_missions_end_as_often_as_is_solved(
+    model: HybridModel, fates: Mapping[str, tuple[Fate, ...]]
+) -> None:
     missions = 100_000
-    model = with_fates(RECOVERING, pick=fates, look={"b": (Fate("stopped_safely", Fraction(1)),)})
+    noticed = {"b": (Fate("stopped_safely", Fraction(2, 3)), Fate("stopped_late", Fraction(1, 6)))}
+    model = with_fates(model, pick=fates, look=noticed)
     mission = solve_figures(model).mission
-    for count, p in zip(
-        drawn(model, missions, 7),
-        (mission.geometric_cycles, mission.undetected_geometric or 0.0),
-        strict=True,
+    ends = drawn(model, missions, 7)
+    undetected = ends.get(UNAWARE, 0) + ends.get(LATE, 0)
+    for count, p in (
+        (missions - ends[DONE], mission.geometric_cycles),
+        (undetected, mission.undetected_geometric),
+        (ends.get(LATE, 0), mission.stopped_late_geometric),
+        (ends.get(SAFE, 0), mission.stopped_safely_geometric),
     ):
+        assert p is not None
         assert abs(count / missions - p) < 3.0 * (p * (1.0 - p) / missions) ** 0.5
 
 
-def test_with_fixed_cycles_what_is_undetected_counts_over_all_of_them() -> None:
-    model = replace(
-        with_fates(RECOVERING, pick={"a": (Fate("stopped_safely", Fraction(1, 4)),)}), counted=True
-    )
+def test_with_fixed_cycles_each_end_counts_over_all_of_them() -> None:
+    fates = (Fate("stopped_safely", Fraction(1, 4)), Fate("stopped_late", Fraction(1, 8)))
+    model = replace(with_fates(RECOVERING, pick={"a": fates}), counted=True)
     mission = solve_figures(model).mission
-    alive, unseen = 1.0, 0.0
-    for p, noticed in [(0.04, 0.25), (0.02, 0.0), (0.02, 0.0)] * 4:
-        unseen += alive * p * (1.0 - noticed)
+    alive, unseen, late, safely = 1.0, 0.0, 0.0, 0.0
+    for p, stops, harm in [(0.04, 0.25, 0.125), (0.02, 0.0, 0.0), (0.02, 0.0, 0.0)] * 4:
+        unseen += alive * p * (1.0 - stops)
+        late += alive * p * harm
+        safely += alive * p * stops
         alive *= 1.0 - p
     assert mission.reading == "fixed cycles"
     assert mission.failure_probability == pytest.approx(1.0 - alive, rel=1e-12)
     assert mission.undetected_probability == pytest.approx(unseen, rel=1e-12)
+    assert mission.stopped_late_probability == pytest.approx(late, rel=1e-12)
+    assert mission.stopped_safely_probability == pytest.approx(safely, rel=1e-12)
+
+
+def test_of_too_many_states_the_rest_counts_as_undetected() -> None:
+    fates = {"a": (Fate("stopped_safely", Fraction(1, 4)), Fate("stopped_late", Fraction(1, 8)))}
+    model = with_fates(WORN, pick=fates)
+    exact, bound = solve(model).mission, solve(model, limit=3).mission
+    for name in ("undetected", "stopped_late", "stopped_safely"):
+        one, other = (getattr(mission, f"{name}_probability") for mission in (exact, bound))
+        assert other > one if name == "undetected" else 0.5 * one < other < one
 
 
 def split(model: HybridModel, name: str, share: float) -> HybridModel:
@@ -407,13 +459,15 @@ def split(model: HybridModel, name: str, share: float) -> HybridModel:
 
 
 @pytest.mark.parametrize("rewriting", range(20))
-def test_the_law_of_refactoring_holds_for_both_figures(rewriting: int) -> None:
+def test_the_law_of_refactoring_holds_for_each_figure(rewriting: int) -> None:
     draw = random.Random(rewriting)
     fates = {
         "a": (
             Fate("stopped_safely", Fraction(1, 3)),
             Fate("back", Fraction(1, 5), target="pick", shows_in="place"),
             Fate("stopped_safely", Fraction(1, 7), shows_in="look"),
+            Fate("stopped_late", Fraction(1, 11)),
+            Fate("stopped_late", Fraction(1, 13), shows_in="place"),
         )
     }
     values = {"a": 4e-6, "b": 7e-7}
@@ -431,8 +485,9 @@ def test_the_law_of_refactoring_holds_for_both_figures(rewriting: int) -> None:
         if f"{name}_rest" not in {state.name for state in model.states}:
             model = split(model, name, draw.uniform(0.1, 0.9))
     after = solve_figures(model).mission
-    assert after.failure_probability == pytest.approx(before.failure_probability, rel=1e-4)
-    assert after.undetected_probability == pytest.approx(before.undetected_probability, rel=1e-4)
+    for name in ("failure", "undetected", "stopped_late", "stopped_safely"):
+        one, other = (getattr(mission, f"{name}_probability") for mission in (before, after))
+        assert other == pytest.approx(one, rel=1e-4), name
 
 
 def test_a_redundant_unit_cannot_have_fates() -> None:
@@ -468,7 +523,7 @@ def test_draws_of_the_parameters_give_what_each_gives_alone() -> None:
     draw = random.Random(3)
     for _ in range(60):
         model = random_model(draw)
-        if shown(model) or not any(state.fates for state in model.states):
+        if not any(state.fates for state in model.states):
             continue
         values = {
             p.name: np.array([p.theta * 0.3, p.theta, p.theta * 0.8]) for p in model.parameters
@@ -481,10 +536,6 @@ def test_draws_of_the_parameters_give_what_each_gives_alone() -> None:
                 ).mission
                 alone = one.undetected_geometric if undetected else one.geometric_cycles
                 assert samples[number] == pytest.approx(alone, rel=1e-9)
-
-
-def shown(model: HybridModel) -> bool:
-    return any(f.shows_in for s in model.states for fs in s.fates.values() for f in fs)
 
 
 def test_a_function_that_only_a_way_back_reaches_is_solved_exactly() -> None:
@@ -505,8 +556,9 @@ def test_a_function_that_only_a_way_back_reaches_is_solved_exactly() -> None:
     fates = {"a": (Fate("back", Fraction(1, 2), target="mend"),)}
     model = replace(with_fates(model, pick=fates), entry="pick")
     mission = solve_figures(model).mission
-    failure, undetected = Exact(model).figures()
-    assert mission.geometric_cycles == pytest.approx(float(failure), rel=1e-12)
-    assert mission.undetected_geometric == pytest.approx(float(undetected), rel=1e-12)
+    ends = Exact(model).ends()
+    undetected = float(ends[UNAWARE] + ends[LATE])
+    assert mission.geometric_cycles == pytest.approx(float(sum(ends.values())), rel=1e-12)
+    assert mission.undetected_geometric == pytest.approx(undetected, rel=1e-12)
     # Without a failure nobody comes to `mend`.
     assert mission.expected_cycles == pytest.approx(4.0)

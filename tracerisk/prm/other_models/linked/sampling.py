@@ -7,6 +7,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import ModelError, TooLargeError
+from tracerisk.prm.numbers.absorption import absorption
 from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.numbers.strata import LatinHypercube
@@ -24,7 +25,6 @@ from tracerisk.prm.other_models.linked.links import Absorption, ElementKey, Link
 from tracerisk.prm.other_models.linked.model import LinkedModel
 from tracerisk.prm.other_models.linked.occupancy import SPARE, poisson_weights
 from tracerisk.prm.other_models.linked.tree_solution import TreeToSolve
-from tracerisk.prm.questions.sampled_chain import absorption_samples
 from tracerisk.prm.trees.sampled_tree import top_samples
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ class SampledModel:
         rows: dict[Hashable, Mapping[Hashable, Values]] = {
             state: _row(made, state, inputs) for state in made.rows
         }
-        absorbed = absorption_samples(rows, chain.entry)
+        absorbed = absorption(rows, chain.entry)
         p: Values = 0.0
         q: Values = 0.0
         for state in chain.absorbing:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from tracerisk.prm.numbers.distributions import Values
 
 
-def absorption_samples(
+def absorption(
     rows: Mapping[Hashable, Mapping[Hashable, Values]], entry: Hashable
 ) -> Mapping[Hashable, Values]:
     """Return for each absorbing state the probability of ending there from `entry`: (n,).
