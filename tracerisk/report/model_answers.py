@@ -10,7 +10,7 @@ from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.prm.hybrid.assessment import ComponentImportance
 from tracerisk.prm.questions.pair_importance import PairImportance
 from tracerisk.prm.questions.set_values import SetValue, Sweep
-from tracerisk.prm.questions.uncertainty import Uncertainty
+from tracerisk.prm.questions.uncertainty import InputShare, Uncertainty
 from tracerisk.report.tables import MEASURES, part_of, render_parts, table_of
 
 if TYPE_CHECKING:
@@ -92,12 +92,10 @@ def render_uncertainty(
     title = f"{figure}, {found.samples} samples, seed {found.seed}"
     numbers = ("point", "mean", *headings, "std. deviation")
     spread = table_of(title, (), numbers, rows, overflow="ellipsis")
-    rows = []
-    for input_share in found.inputs:
-        cells = [f"{value:.3e}" for value in (input_share.value, *input_share.percentiles)]
-        rows.append([input_share.name, *cells, f"{100.0 * input_share.share:.3g} %"])
-    title, numbers = "Share of each input in that spread", ("point", *headings, "share")
-    inputs = table_of(title, ["parameter"], numbers, rows, overflow="ellipsis")
+    inputs = [_input_shares("Share of each input in that spread", found.inputs, headings)]
+    if {item.name for item in found.undetected_inputs} - {item.name for item in found.inputs}:
+        title = "Share of each input in the spread of the undetected failure"
+        inputs.append(_input_shares(title, found.undetected_inputs, headings))
     cut = [
         f"{input_share.name}: {input_share.cut} of {found.samples} samples above 1 were set to 1; "
         "is its error factor meant?"
@@ -133,7 +131,16 @@ def render_uncertainty(
             f"The mean is {found.mean / found.point:.3g} times the point, in which each parameter "
             "has its own value: the median of its distribution, unless it says otherwise."
         )
-    return render_parts([spread, *lines, inputs, *cut], paper)
+    return render_parts([spread, *lines, *inputs, *cut], paper)
+
+
+def _input_shares(title: str, inputs: Sequence[InputShare], headings: Sequence[str]) -> Table:
+    rows = []
+    for item in inputs:
+        cells = [f"{value:.3e}" for value in (item.value, *item.percentiles)]
+        rows.append([item.name, *cells, f"{100.0 * item.share:.3g} %"])
+    numbers = ("point", *headings, "share")
+    return table_of(title, ["parameter"], numbers, rows, overflow="ellipsis")
 
 
 def _sweep(swept: Sweep) -> Table:

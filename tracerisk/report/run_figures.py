@@ -73,3 +73,13 @@ def set_by_hand(blocks: Iterable[RiskBlock]) -> list[str]:
                 is_tools = not (block.added or entry.added or entry.probability.pinned)
                 computed[entry.name] = computed.get(entry.name, False) or is_tools
     return [name for name, is_tools in computed.items() if not is_tools]
+
+
+def outcomes_set_by_hand(blocks: Iterable[RiskBlock]) -> list[str]:
+    """Return the components of which a user says in some block what follows their failures."""
+    by_hand: dict[str, None] = {}
+    for block in blocks:
+        for entry in block.components:
+            if entry.failures.is_stated and (block.added or entry.added or entry.failures.pinned):
+                by_hand[entry.name] = None
+    return list(by_hand)

@@ -316,3 +316,24 @@ def test_masses_widen_nothing_that_has_no_load_law(modelled):
     model, hardware, instances = modelled(motor(PER_MINUTE))
     plain = hardware_spreads(model, hardware, instances)
     assert hardware_spreads(model, hardware, instances, load_factor=2.0) == plain
+
+
+def test_what_few_failures_say_of_what_follows_them_is_uncertain_too(modelled):
+    seen = shown({"one": 8, "two": 8}).evidence
+    fates = ("stopped_safely", "unaware", "stopped_safely", "stopped_late")
+    cells = [
+        replace(cell, fate=fates[index % 4] if cell.fails else "carried_out")
+        for index, cell in enumerate(seen.cells)
+    ]
+    found = EvidenceShares(replace(seen, cells=tuple(cells)))
+    model, hardware, instances = modelled(motor("{value: 1e-6, per: minute}"), found)
+    spreads = hardware_spreads(model, hardware, instances)
+    assert spreads.outcomes == {"motor": pytest.approx(16.0)}
+    drawn = propagate(model, samples=4000, figures=spreads.figures, outcomes=spreads.outcomes)
+    rng = np.random.default_rng(3)
+    undetected = 2e-6 * rng.beta(16.5, 24.5, 400_000) * rng.beta(9.0, 8.5, 400_000)
+    assert drawn.undetected == pytest.approx(np.percentile(undetected, (5, 50, 95)), rel=0.03)
+    names = {item.name for item in drawn.undetected_inputs}
+    assert "motor: share of its failures that nobody notices" in names
+    certain = hardware_spreads(model, hardware, instances, outcomes_by_hand=["motor"])
+    assert certain.outcomes == {} and certain.figures == spreads.figures

@@ -31,7 +31,7 @@ from tracerisk.pipeline.pictures.run_section import replay_of, run_section
 from tracerisk.pipeline.review.alerts import run_alerts
 from tracerisk.prm.formats import model_json
 from tracerisk.report.html.report import render_report
-from tracerisk.report.run_figures import run_figures, set_by_hand
+from tracerisk.report.run_figures import outcomes_set_by_hand, run_figures, set_by_hand
 from tracerisk.trace import RunFailedError
 
 if TYPE_CHECKING:
@@ -108,6 +108,7 @@ def finish_run(
                 instances,
                 set_by_hand(blocks),
                 options,
+                outcomes_by_hand=outcomes_set_by_hand(blocks),
                 robot=done.trace.robot,
                 seed=done.settings.seed,
             ),

@@ -257,6 +257,7 @@ def uncertainty_of(
         seed=options.seed or 0,
         distributions=parse_error_factors(options.error_factors, groups_of(model), known),
         figures=None if spreads is None else spreads.figures,
+        outcomes=None if spreads is None else spreads.outcomes,
     )
 
 
@@ -323,7 +324,7 @@ def what_if_data(
     if found is not None:
         data["uncertainty"] = asdict(found)
         if not found.undetected:
-            del data["uncertainty"]["undetected"]
+            del data["uncertainty"]["undetected"], data["uncertainty"]["undetected_inputs"]
     return data
 
 

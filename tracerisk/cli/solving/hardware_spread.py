@@ -74,16 +74,25 @@ def spreads_of_files(
     hardware = read_description(Path(options.hardware))
     instances: Sequence[ComponentInstances] | None = None
     by_hand: Sequence[str] = ()
+    outcomes_by_hand: Sequence[str] = ()
     robot = ""
     sources = [name for name in files if Path(name).suffix == ".py"]
     if sources:
         from tracerisk.pipeline.model import blocks_of
-        from tracerisk.report.run_figures import set_by_hand
+        from tracerisk.report.run_figures import outcomes_set_by_hand, set_by_hand
 
-        blocks = blocks_of({name: read_file(name) for name in sources})
-        by_hand = set_by_hand(block for _, block in blocks)
+        blocks = [block for _, block in blocks_of({name: read_file(name) for name in sources})]
+        by_hand, outcomes_by_hand = set_by_hand(blocks), outcomes_set_by_hand(blocks)
         instances, robot = _kept_instances(sources, hardware)
-    return _checked(model, hardware, instances, by_hand, robot=robot, is_needed=is_needed)
+    return _checked(
+        model,
+        hardware,
+        instances,
+        by_hand,
+        outcomes_by_hand=outcomes_by_hand,
+        robot=robot,
+        is_needed=is_needed,
+    )
 
 
 def uncertainty_of_run(
@@ -93,6 +102,7 @@ def uncertainty_of_run(
     by_hand: Sequence[str],
     options: argparse.Namespace,
     *,
+    outcomes_by_hand: Sequence[str] = (),
     robot: str = "",
     seed: int,
 ) -> Uncertainty | None:
@@ -105,13 +115,16 @@ def uncertainty_of_run(
         return None
     from tracerisk.prm.questions.uncertainty import SAMPLES, propagate
 
-    spreads = _checked(model, hardware, instances, by_hand, robot=robot)
+    spreads = _checked(
+        model, hardware, instances, by_hand, outcomes_by_hand=outcomes_by_hand, robot=robot
+    )
     print_spreads(spreads, options)
     return propagate(
         model,
         samples=SAMPLES if options.samples is None else options.samples,
         seed=seed,
         figures=spreads.figures,
+        outcomes=spreads.outcomes,
     )
 
 
@@ -134,13 +147,21 @@ def _checked(
     instances: Sequence[ComponentInstances] | None,
     by_hand: Sequence[str],
     *,
+    outcomes_by_hand: Sequence[str] = (),
     robot: str = "",
     is_needed: bool = True,
 ) -> HardwareSpreads:
     from tracerisk.pipeline.failure_data.figure_spreads import hardware_spreads, load_factor_of
 
     load_factor = load_factor_of(robot)
-    spreads = hardware_spreads(model, hardware, instances, by_hand=by_hand, load_factor=load_factor)
+    spreads = hardware_spreads(
+        model,
+        hardware,
+        instances,
+        by_hand=by_hand,
+        outcomes_by_hand=outcomes_by_hand,
+        load_factor=load_factor,
+    )
     if is_needed and not spreads.figures:
         raise InputError(
             "has no error factor for a component of the model; give its figures one, as "

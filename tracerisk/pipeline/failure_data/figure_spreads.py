@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 from tracerisk.common.hardware.model import Component, FailureFigure, Hardware
@@ -27,6 +27,8 @@ class HardwareSpreads:
     """The distributions of each component's figures, by component."""
     notes: tuple[str, ...]
     """What was left out or assumed, as sentences."""
+    outcomes: Mapping[str, float] = field(default_factory=dict)
+    """In how many equal draws it was counted what follows a component's failures, by component."""
 
 
 def hardware_spreads(
@@ -35,6 +37,7 @@ def hardware_spreads(
     instances: Sequence[ComponentInstances] | None = None,
     *,
     by_hand: Iterable[str] = (),
+    outcomes_by_hand: Iterable[str] = (),
     load_factor: float = 1.0,
 ) -> HardwareSpreads:
     """Return how far the figures of the model's components may be off.
@@ -42,7 +45,9 @@ def hardware_spreads(
     `instances` are those of a run, which give the part that each of several figures has and how
     well evidence knows the share that ends the mission; without one, the figures of a component
     are taken to be off together, by the widest factor of them.
-    Components that `by_hand` names have no figure of the description. `load_factor` is how far
+    Components that `by_hand` names have no figure of the description, and of those that
+    `outcomes_by_hand` names a user said what follows their failures, which is certain.
+    `load_factor` is how far
     the load of a joint may be off, by masses on which public sources disagree; the share of a
     figure that wears by a load law of exponent k is off by its k-th power, beside its own factor.
     """
@@ -81,7 +86,14 @@ def hardware_spreads(
                 f"{name}: only a run shows which part each of its {len(component.figures)} figures "
                 f"has; here all of it is off by the widest error factor, {_factor(widest):g}"
             )
-    return HardwareSpreads(figure_spreads, tuple(notes))
+    certain = {*left_out, *outcomes_by_hand}
+    said = {name for state in model.states for name in state.fates} - certain
+    outcomes = {
+        name: of.share * of.cells
+        for name, of in ending.items()
+        if of is not None and of.share > 0.0 and name in said
+    }
+    return HardwareSpreads(figure_spreads, tuple(notes), outcomes)
 
 
 def _with_load(component: Component, load_factor: float) -> Component:

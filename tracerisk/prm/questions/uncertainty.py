@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
-from tracerisk.prm.hybrid.fates.resolved import has_fates
+from tracerisk.prm.hybrid.fates.resolved import leads_back
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve_figures
 from tracerisk.prm.numbers.distributions import Distribution
@@ -23,6 +23,7 @@ from tracerisk.prm.questions.tails import intervals, tail_mean
 
 if TYPE_CHECKING:
     from tracerisk.prm.numbers.distributions import Samples
+    from tracerisk.prm.questions.sampled_mission import FailureSampler
 
 SAMPLES = 10_000
 """How many samples are drawn unless it is said."""
@@ -101,6 +102,9 @@ class Uncertainty:
     undetected: tuple[float, ...] = ()
     """The undetected failure at each level, (n_levels,); empty where nothing is said of what
     follows a failure."""
+    undetected_inputs: tuple[InputShare, ...] = ()
+    """Uncertain parameters, the greatest share in the spread of the undetected failure first; empty
+    as above."""
 
     @classmethod
     def of_draws(
@@ -143,15 +147,18 @@ def propagate(
     seed: int = 0,
     distributions: Mapping[str, Distribution] | None = None,
     figures: Mapping[str, Sequence[FigureSpread]] | None = None,
+    outcomes: Mapping[str, float] | None = None,
 ) -> Uncertainty:
     """Draw the parameters and return the spread of the mission's failure probability.
 
     `distributions` stand in for those of the model, by the names of parameters or components;
-    for a component that they do not name, its `figures` stand in instead.
+    for a component that they do not name, its `figures` stand in instead. `outcomes` says in how
+    many failures of a component it was counted what follows them; else that is certain.
     Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is below
     2.
     """
     from tracerisk.prm.numbers.arrays import np
+    from tracerisk.prm.questions.fate_draws import FateDraws
     from tracerisk.prm.questions.sampled_mission import failure_sampler
 
     given, groups = {}, groups_of(model)
@@ -195,7 +202,7 @@ def propagate(
             part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
         }
 
-    failures = failure_sampler(model)
+    fated = FateDraws(model, outcomes or {})
 
     def thetas_of(drawn: Mapping[str, Samples]) -> dict[str, Samples]:
         thetas = {}
@@ -205,21 +212,36 @@ def propagate(
                 total = np.minimum(total * (drawn[key] / usual), 1.0)
             for part, share in shares[name].items():
                 thetas[part] = total * share if share != 1.0 else total
+        if not thetas:
+            count = len(next(iter(drawn.values())))
+            thetas = {part.name: np.full(count, part.theta) for part in model.parameters[:1]}
         return thetas
 
-    point = solve_figures(model).mission.geometric_cycles
+    def figure(sampler: FailureSampler) -> Callable[[Mapping[str, Samples]], Samples]:
+        return lambda drawn: sampler(thetas_of(drawn), fated.shares(drawn))
+
+    mission = solve_figures(model).mission
+    # What follows failures moves the mission's failure only where some of them lead back.
+    with_fates = {**inputs, **fated.inputs}
+    moving = with_fates if leads_back(model) or not inputs else inputs
+    failures = failure_sampler(model)
     spread = spread_of(
-        lambda drawn: failures(thetas_of(drawn)), point, inputs, samples=samples, seed=seed
+        figure(failures) if moving is with_fates else lambda drawn: failures(thetas_of(drawn)),
+        mission.geometric_cycles,
+        moving,
+        samples=samples,
+        seed=seed,
     )
-    if not has_fates(model):
+    if mission.undetected_geometric is None:
         return spread
-    unnoticed = failure_sampler(model, undetected=True)
-    draws = InputDraws(inputs, samples, seed)
-    if draws.are_many:
-        results, _ = in_blocks(lambda drawn: unnoticed(thetas_of(drawn)), draws)
-    else:
-        results = unnoticed(thetas_of(draws.whole(tuple(inputs))))
-    return replace(spread, undetected=percentiles_of(results))
+    unnoticed = spread_of(
+        figure(failure_sampler(model, undetected=True)),
+        mission.undetected_geometric,
+        with_fates,
+        samples=samples,
+        seed=seed,
+    )
+    return replace(spread, undetected=unnoticed.percentiles, undetected_inputs=unnoticed.inputs)
 
 
 def spread_of(
