@@ -61,8 +61,9 @@ def evidence(fates, *, whole_s=10.0, shows_in=""):
             replace(
                 base,
                 stretch=moved(whole_s / count),
-                fails=fate is not None,
+                fails=fate not in (None, "recovered"),
                 fate=fate or "carried_out",
+                next_function="step_0" if fate == "recovered" else "",
                 shows_in=shows_in,
             )
         )
@@ -131,3 +132,49 @@ def test_a_failure_that_shows_later_leads_there():
     assert mode.outcomes[0][:3] == ("stopped safely", "", "step_1")
     assert mode.share == Fraction(1)
     assert second.components[0].failures.text == "dead 1: stopped safely 1"
+
+
+RECOVERED = ["recovered"] * 6 + ["stopped_safely"] * 3 + ["unaware"] * 3 + [None] * 12
+
+
+def test_a_recovery_leads_back_and_fails_no_mission():
+    found = evidence(RECOVERED)
+    (block,) = blocks(found, 10.0)
+    (entry,) = block.components
+    assert entry.failures.text == "dead 1: back to step_0 0.5, stopped safely 0.25, unaware 0.25"
+    # Half of the failures matter: a quarter leads back, a quarter ends the mission.
+    assert entry.probability.value == pytest.approx(5e-6, rel=1e-3)
+    assert figures(found, 10.0) == pytest.approx((2.5e-6, 1.25e-6), rel=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_recoveries_stay_however_the_code_is_divided(seed):
+    draw = random.Random(seed)
+    kinds = ["stopped_safely", "unaware", "stopped_late", "recovered", "recovered", None]
+    found = evidence([draw.choice(kinds) for _ in range(40)])
+    cuts = sorted(draw.uniform(0.0, 10.0) for _ in range(draw.randint(1, 6)))
+    lengths = [b - a for a, b in zip([0.0, *cuts], [*cuts, 10.0], strict=True)]
+    before, after = figures(found, 10.0), figures(found, *lengths)
+    assert after == pytest.approx(before, rel=2e-3)
+
+
+def test_a_recovery_to_no_function_of_the_trace_is_left_out_as_before():
+    cells = [replace(cell, next_function="gone") for cell in evidence(RECOVERED).cells]
+    found = replace(evidence(RECOVERED), cells=tuple(cells))
+    (entry,) = blocks(found, 10.0)[0].components
+    assert entry.failures.text == "dead 1: stopped safely 0.5, unaware 0.5"
+    assert figures(found, 10.0) == pytest.approx((2.5e-6, 1.25e-6), rel=1e-3)
+
+
+def test_recoveries_never_stand_for_failures_of_which_too_few_were_tried():
+    # Of five tries none ended the mission: up to 45 % may.
+    found = evidence(["recovered"] * 2 + [None] * 3)
+    failure, undetected = figures(found, 10.0)
+    assert failure == pytest.approx(undetected) == pytest.approx(4.507e-6, rel=1e-3)
+
+
+def test_recoveries_lower_no_failure_that_figures_took_before():
+    found = evidence(["recovered"] * 6 + [None] * 14)
+    before = {("joint_1", "dead", False): 0.1}
+    failure, _ = figures(replace(found, before=before), 10.0)
+    assert failure == pytest.approx(1e-6, rel=1e-3)

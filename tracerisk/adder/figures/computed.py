@@ -85,7 +85,7 @@ def compute_blocks(
     """Return the block of each relevant function of the trace.
 
     A profile pins the `next` of the functions it names. With `evidence` the values count only
-    failures that end the mission, and the blocks say so.
+    failures that end the mission, or from which it recovers, and the blocks say so.
     Raises HardwareError where the description does not fit the robot or describes nothing that it
     has, or a figure needs an exposure that the trace does not hold; InputError where the profile
     names a function that the trace does not.
@@ -106,10 +106,11 @@ def compute_blocks(
     used = [use_of(bound_component, trace, active, evidence) for bound_component in bound]
     uses = [function_uses(component_use, visits) for component_use in used]
     shows_in = later_functions({names[ref]: row for ref, row in counts.items()})
+    known = None if evidence is None else evidence.among(trace)
     entries = [
         _entries(
             *pair,
-            lambda one, ref: failure_outcomes(one, evidence, visits[ref], names[ref], shows_in),
+            lambda one, ref: failure_outcomes(one, known, visits[ref], names[ref], shows_in),
         )
         for pair in zip(used, uses, strict=True)
     ]
@@ -155,7 +156,7 @@ def compute_blocks(
         )
         for component_use, use in zip(used, uses, strict=True)
     )
-    assumed = (*assumptions_of(used), *_evidence_words(evidence, used))
+    assumed = (*assumptions_of(used), *_evidence_words(known, used))
     return ComputedBlocks(blocks, exposures, observed, assumed, instances)
 
 
@@ -170,8 +171,16 @@ def _evidence_words(
     )
     if evidence is None or not names:
         return ()
+    leads_back = any(
+        outcome.is_back
+        for component_use in used
+        for unit in component_use.units
+        for outcome in evidence.outcomes(component_use.bound, unit.element)
+    )
+    ended = "ended the mission of the scenario"
+    ended += ", or led back to a function," if leads_back else ""
     words = [
-        f"evidence: {', '.join(names)} count only what ended the mission of the scenario in "
+        f"evidence: {', '.join(names)} count only what {ended} in "
         f"{evidence.evidence.drawn} drawn failures on the twin ({EVIDENCE_NAME}); redundant "
         "components count in full"
     ]

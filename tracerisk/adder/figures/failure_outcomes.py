@@ -1,6 +1,6 @@
-"""What follows the failures that end a mission, function by function, as evidence shows it.
+"""What follows failures that end a mission, or from which it recovers, as evidence shows it.
 
-Each failing cell stands for the same stretch of its unit's use as in `evidence_shares`. The share
+Each such cell stands for the same stretch of its unit's use as in `evidence_shares`. The share
 of an outcome in a function is that of the hazard near cells with this outcome; so what it adds up
 to over a mission does not depend on how the run is divided into functions.
 """
@@ -18,6 +18,7 @@ from tracerisk.adder.blocks.values import DONE
 from tracerisk.adder.quantify.component_activity import ComponentUse, FunctionVisits, UnitUse
 from tracerisk.adder.quantify.evidence_shares import CellOutcome, EvidenceShares
 from tracerisk.adder.quantify.probability import Term
+from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.strong_components import reached
 
 ShowsIn = Callable[[str, str], str]
@@ -42,30 +43,40 @@ def failure_outcomes(
         return unsaid
     if used.component.redundancy.is_redundant and used.bound.quantity > 1:
         return unsaid
-    whole = known = 0.0
+    whole = known = ending = 0.0
     found: dict[CellOutcome, float] = {}
     for unit, count in _distinct(used.units):
-        now = [_hazard(unit, here, [term]) for term in unit.terms]
-        whole += count * math.fsum(now)
-        known += count * math.fsum(
-            hazard for hazard, term in zip(now, unit.terms, strict=True) if term.ends
-        )
-        plain = [replace(term, ends=()) for term in unit.terms]
+        plain = replace(unit, terms=tuple(replace(term, ends=()) for term in unit.terms))
+        whole += count * _hazard(unit, here, unit.terms)
+        known += count * _hazard(unit, here, [term for term in unit.terms if term.ends])
+        ending += count * _near(plain, here, evidence.of_failures, used.bound)
         for outcome in evidence.outcomes(used.bound, unit.element):
-            only = replace(evidence, only=outcome)
-            terms = only.applied(used.bound, unit.element, plain, unit.uses)
-            hazard = _hazard(unit, here, [term for term in terms if term.ends])
-            key = outcome._replace(shows_in=shows_in(name, outcome.shows_in))
-            found[key] = found.get(key, 0.0) + count * hazard
-    ending = math.fsum(found.values())
-    if not (ending > 0.0 and 0.0 < known <= whole < math.inf):
+            hazard = count * _near(plain, here, replace(evidence, only=outcome), used.bound)
+            later = "" if outcome.is_back else shows_in(name, outcome.shows_in)
+            key = outcome._replace(shows_in=later)
+            found[key] = found.get(key, 0.0) + hazard
+    if not 0.0 < known <= whole < math.inf:
         return unsaid
+    # Cells that ended missions stand for all that does, those that recovered for what is left.
+    parts = {False: min(known, ending), True: max(0.0, known - ending)}
+    near = {
+        is_back: math.fsum(hazard for key, hazard in found.items() if key.is_back == is_back)
+        for is_back in parts
+    }
     shares: ShareTexts = {}
     for outcome, hazard in sorted(found.items()):
-        if hazard > 0.0:
-            row = shares.setdefault(outcome.mode, {})
-            row[outcome.kind, outcome.shows_in] = known / whole * hazard / ending
-    return failures_of(shares)
+        if hazard > 0.0 and parts[outcome.is_back] > 0.0:
+            share = parts[outcome.is_back] / whole * hazard / near[outcome.is_back]
+            shares.setdefault(outcome.mode, {})[outcome.kind, outcome.shows_in] = share
+    return failures_of(shares) if shares else unsaid
+
+
+def _near(
+    unit: UnitUse, here: FunctionVisits, evidence: EvidenceShares, bound: BoundComponent
+) -> float:
+    """Return the hazard of a unit near the cells that count."""
+    terms = evidence.applied(bound, unit.element, unit.terms, unit.uses)
+    return _hazard(unit, here, [term for term in terms if term.ends])
 
 
 def _distinct(units: Sequence[UnitUse]) -> list[tuple[UnitUse, int]]:

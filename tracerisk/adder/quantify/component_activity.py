@@ -206,11 +206,13 @@ def component_use(
 ) -> ComponentUse:
     """Return what the units of a component do in the visits of a trace.
 
-    With `evidence` each unit's hazard is that which ends the mission.
+    With `evidence` each unit's hazard is that which ends the mission, or from which it recovers by
+    going back to a function of the trace.
 
     Raises UnknownUseError where the trace does not hold what a figure needs.
     """
     component = bound.component
+    evidence = None if evidence is None else evidence.among(trace)
     times = visits_of_mission(trace)
     if component.always_active:
         is_active = (True,) * len(trace.visits)
@@ -234,7 +236,7 @@ def component_use(
 
 
 def _ending(unit: UnitUse, bound: BoundComponent, evidence: EvidenceShares | None) -> UnitUse:
-    """Return a unit whose hazard is that which ends the mission."""
+    """Return a unit whose hazard is that which evidence says to matter."""
     if evidence is None:
         return unit
     return replace(unit, terms=evidence.applied(bound, unit.element, unit.terms, unit.uses))

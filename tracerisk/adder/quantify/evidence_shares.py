@@ -21,6 +21,7 @@ from tracerisk.common.evidence.share_interval import clopper_pearson
 from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.hardware.model import CONTROL, POWER
 from tracerisk.common.hardware.use import STATES, Use
+from tracerisk.trace import Trace
 
 LEAST_OF_UNIT = 10
 """With fewer drawn cells than this, a mode of a unit takes its shares from all like units."""
@@ -33,19 +34,26 @@ _KINDS = {"stopped_safely": "stopped safely", "stopped_late": "stopped late"}
 
 
 class CellOutcome(NamedTuple):
-    """What followed a drawn failure that ended the mission."""
+    """What followed a drawn failure that ended the mission, or from which it recovered."""
 
     mode: str
     """How the unit failed."""
     kind: str
-    """`stopped safely`, `stopped late`, or `unaware`, as blocks say it."""
+    """`stopped safely`, `stopped late`, `unaware`, or `back to FUNCTION`, as blocks say it."""
     shows_in: str
-    """The function in which the effect came first; empty for none."""
+    """The function in which the effect came first; empty for none, or for a way back."""
 
     @classmethod
     def of(cls, cell: Cell) -> CellOutcome:
-        """Return the outcome of a failing cell; what is not known to be noticed is unaware."""
+        """Return the outcome of a cell; what is not known to be noticed is unaware."""
+        if not cell.fails:
+            return cls(cell.mode, f"back to {cell.next_function}", "")
         return cls(cell.mode, _KINDS.get(cell.fate or "", "unaware"), cell.shows_in)
+
+    @property
+    def is_back(self) -> bool:
+        """Whether the mission recovered."""
+        return self.kind.startswith("back to ")
 
 
 def twin_units(bound: BoundComponent) -> tuple[str, ...]:
@@ -65,6 +73,7 @@ def twin_units(bound: BoundComponent) -> tuple[str, ...]:
 class EvidenceShares:
     """The evidence of one controller, applied to the visits of its trace.
 
+    A share is that of the hazard that ends the mission, or that leads back to one of `functions`.
     No hazard is lowered for redundant units, for a mode that names no fault, while the campaign is
     incomplete, or where no scenario declares what the mission is.
     """
@@ -72,16 +81,35 @@ class EvidenceShares:
     evidence: Evidence
     """The evidence, complete or not."""
     only: CellOutcome | None = None
-    """The outcome that counts, of failures that ended the mission; `None`: each."""
+    """The outcome that counts; `None`: each failure that ended the mission."""
+    functions: frozenset[str] = frozenset()
+    """The functions to which a mission may recover: what leads back to one of them counts beside
+    what ended the mission."""
+
+    def among(self, trace: Trace) -> EvidenceShares:
+        """Return the evidence with the functions of a trace, by names that only one has."""
+        names = [function.ref.name for function in trace.functions]
+        return replace(self, functions=frozenset(n for n in names if names.count(n) == 1))
+
+    @property
+    def of_failures(self) -> EvidenceShares:
+        """The evidence of which only what ended the mission counts."""
+        return replace(self, only=None, functions=frozenset())
 
     def _ends(self, cell: Cell) -> bool:
-        return cell.fails and (self.only is None or CellOutcome.of(cell) == self.only)
+        if self.only is None:
+            return cell.fails
+        return self._is_known(cell) and CellOutcome.of(cell) == self.only
+
+    def _is_known(self, cell: Cell) -> bool:
+        """Whether the model can say what followed."""
+        return cell.fails or (cell.fate == "recovered" and cell.next_function in self.functions)
 
     def outcomes(self, bound: BoundComponent, unit: str | None) -> tuple[CellOutcome, ...]:
         """Return the outcomes of the drawn failures that may count for a unit, sorted."""
         names = {*twin_units(bound), *([] if unit is None else [unit])}
         cells = (cell for cell in self.evidence.cells if cell.drawn and cell.unit in names)
-        return tuple(sorted({CellOutcome.of(cell) for cell in cells if cell.fails}))
+        return tuple(sorted({CellOutcome.of(cell) for cell in cells if self._is_known(cell)}))
 
     @functools.cached_property
     def _shares_in_use(self) -> dict[Stratum, float]:
@@ -108,8 +136,8 @@ class EvidenceShares:
             return self._of_modes(bound, unit, term, uses)
         # Without modes, take the fault that ends the mission most often.
         tried = sorted({cell.mode for cell in self._cells(unit, is_idle)})
-        all_of_them = self if self.only is None else replace(self, only=None)
-        of_faults = [all_of_them._of_fault(bound, unit, fault, term, uses) for fault in tried]
+        failures = self.of_failures
+        of_faults = [failures._of_fault(bound, unit, fault, term, uses) for fault in tried]
         if not of_faults or not all(item.ends for item in of_faults):
             return term
         sizes = [math.fsum(map(item.hazard, uses)) for item in of_faults]
@@ -145,6 +173,21 @@ class EvidenceShares:
         ]
 
     def _of_fault(
+        self, bound: BoundComponent, unit: str, fault: str, term: Term, uses: Sequence[Use]
+    ) -> Term:
+        """Return a term with the share of every visit, by the drawn cells of one fault."""
+        if self.only is not None or not self.functions:
+            return self._counted(bound, unit, fault, term, uses)
+        ending = self._counted(bound, unit, fault, term, uses)
+        for outcome in self.outcomes(bound, unit) if ending.ends else ():
+            if outcome.is_back and outcome.mode == fault:
+                only = replace(self, only=outcome)
+                back = only._counted(bound, unit, fault, term, uses)
+                ends = zip(ending.ends, back.ends, strict=True)
+                ending = replace(ending, ends=tuple(min(1.0, sum(pair)) for pair in ends))
+        return ending
+
+    def _counted(
         self, bound: BoundComponent, unit: str, fault: str, term: Term, uses: Sequence[Use]
     ) -> Term:
         is_idle = term.counts == "standby"
