@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock, Transition
@@ -20,7 +20,7 @@ from tracerisk.adder.blocks.values import (
     profile_next,
 )
 from tracerisk.adder.figures.assumptions import assumptions_of
-from tracerisk.adder.figures.failure_outcomes import failure_outcomes, later_functions
+from tracerisk.adder.figures.failure_outcomes import FailureOutcomes, later_functions
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
 from tracerisk.adder.quantify.component_activity import (
     ComponentUse,
@@ -107,13 +107,11 @@ def compute_blocks(
     uses = [function_uses(component_use, visits) for component_use in used]
     shows_in = later_functions({names[ref]: row for ref, row in counts.items()})
     known = None if evidence is None else evidence.among(trace)
-    entries = [
-        _entries(
-            *pair,
-            lambda one, ref: failure_outcomes(one, known, visits[ref], names[ref], shows_in),
-        )
-        for pair in zip(used, uses, strict=True)
-    ]
+    entries = []
+    for component, use in zip(used, uses, strict=True):
+        outcomes = FailureOutcomes(component, known)
+        sections = {ref: outcomes.in_function(visits[ref], names[ref], shows_in) for ref in use}
+        entries.append(_entries(component, use, sections))
     blocks = {}
     exposures = {}
     observed = {}
@@ -339,7 +337,7 @@ def _pinned(shares: Mapping[str, str], computed: str, name: str) -> Field[tuple[
 def _entries(
     used: ComponentUse,
     uses: Mapping[FunctionRef, FunctionUse],
-    failures: Callable[[ComponentUse, FunctionRef], Field[FailureModes]],
+    failures: Mapping[FunctionRef, Field[FailureModes]],
 ) -> dict[FunctionRef, ComponentEntry]:
     """Return what the block of each function says of a component that counts there."""
     component = used.component
@@ -349,7 +347,7 @@ def _entries(
             probability=computed_probability(value),
             quantity=computed_count(used.bound.quantity),
             redundancy=computed_redundancy(component.redundancy),
-            failures=failures(used, ref),
+            failures=failures[ref],
         )
         for ref, value in group_values(used, uses).items()
     }

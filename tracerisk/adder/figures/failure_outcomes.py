@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from tracerisk.adder.blocks.block import Field
 from tracerisk.adder.blocks.computed_failures import ShareTexts, failures_of
@@ -17,66 +17,96 @@ from tracerisk.adder.blocks.failures import FailureModes
 from tracerisk.adder.blocks.values import DONE
 from tracerisk.adder.quantify.component_activity import ComponentUse, FunctionVisits, UnitUse
 from tracerisk.adder.quantify.evidence_shares import CellOutcome, EvidenceShares
-from tracerisk.adder.quantify.probability import Term
-from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.strong_components import reached
 
 ShowsIn = Callable[[str, str], str]
 """Returns the later function in which a failure shows, by both names; empty for at once."""
 
 
-def failure_outcomes(
-    used: ComponentUse,
-    evidence: EvidenceShares | None,
-    here: FunctionVisits,
-    name: str,
-    shows_in: ShowsIn,
-) -> Field[FailureModes]:
-    """Return what follows the failures of a component in one function.
+class FailureOutcomes:
+    """What follows the failures of one component, by its evidence: a section for each function."""
 
-    Nothing is said of redundant units, without evidence that figures take, and where its file is of
-    an earlier version. What is known of no cell is left out of the shares, and is undetected.
-    Raises UnknownUseError where the trace does not hold what a figure needs.
-    """
-    unsaid: Field[FailureModes] = Field((), "")
-    if evidence is None or not evidence.evidence.counts or not evidence.evidence.has_fates:
-        return unsaid
-    if used.component.redundancy.is_redundant and used.bound.quantity > 1:
-        return unsaid
-    whole = known = ending = 0.0
-    found: dict[CellOutcome, float] = {}
-    for unit, count in _distinct(used.units):
-        plain = replace(unit, terms=tuple(replace(term, ends=()) for term in unit.terms))
-        whole += count * _hazard(unit, here, unit.terms)
-        known += count * _hazard(unit, here, [term for term in unit.terms if term.ends])
-        ending += count * _near(plain, here, evidence.of_failures, used.bound)
-        for outcome in evidence.outcomes(used.bound, unit.element):
-            hazard = count * _near(plain, here, replace(evidence, only=outcome), used.bound)
-            later = "" if outcome.is_back else shows_in(name, outcome.shows_in)
-            key = outcome._replace(shows_in=later)
-            found[key] = found.get(key, 0.0) + hazard
-    if not 0.0 < known <= whole < math.inf:
-        return unsaid
-    # Cells that ended missions stand for all that does, those that recovered for what is left.
-    parts = {False: min(known, ending), True: max(0.0, known - ending)}
-    near = {
-        is_back: math.fsum(hazard for key, hazard in found.items() if key.is_back == is_back)
-        for is_back in parts
-    }
-    shares: ShareTexts = {}
-    for outcome, hazard in sorted(found.items()):
-        if hazard > 0.0 and parts[outcome.is_back] > 0.0:
-            share = parts[outcome.is_back] / whole * hazard / near[outcome.is_back]
-            shares.setdefault(outcome.mode, {})[outcome.kind, outcome.shows_in] = share
-    return failures_of(shares) if shares else unsaid
+    def __init__(self, used: ComponentUse, evidence: EvidenceShares | None) -> None:
+        """Take from evidence what it knows of the component's units.
+
+        Nothing is said of redundant units, without evidence that figures take, and where its file
+        is of an earlier version.
+        """
+        self._units: list[_Outcomes] = []
+        if evidence is None or not evidence.evidence.counts or not evidence.evidence.has_fates:
+            return
+        if used.component.redundancy.is_redundant and used.bound.quantity > 1:
+            return
+        for unit, count in _distinct(used.units):
+            plain = replace(unit, terms=tuple(replace(term, ends=()) for term in unit.terms))
+
+            def near(counting: EvidenceShares, plain: UnitUse = plain) -> UnitUse:
+                terms = counting.applied(used.bound, plain.element, plain.terms, plain.uses)
+                return _with_evidence(replace(plain, terms=terms))
+
+            self._units.append(
+                _Outcomes(
+                    count,
+                    unit,
+                    near(evidence.of_failures),
+                    {
+                        outcome: near(replace(evidence, only=outcome))
+                        for outcome in evidence.outcomes(used.bound, unit.element)
+                    },
+                )
+            )
+
+    def in_function(
+        self, here: FunctionVisits, name: str, shows_in: ShowsIn
+    ) -> Field[FailureModes]:
+        """Return what follows the component's failures in one function.
+
+        What is known of no cell is left out of the shares, and is undetected.
+        Raises UnknownUseError where the trace does not hold what a figure needs.
+        """
+        whole = known = ending = 0.0
+        found: dict[CellOutcome, float] = {}
+        for of_unit in self._units:
+            whole += of_unit.count * _hazard(of_unit.all, here)
+            known += of_unit.count * _hazard(_with_evidence(of_unit.all), here)
+            ending += of_unit.count * _hazard(of_unit.ending, here)
+            for outcome, unit in of_unit.by_outcome.items():
+                later = "" if outcome.is_back else shows_in(name, outcome.shows_in)
+                key = outcome._replace(shows_in=later)
+                found[key] = found.get(key, 0.0) + of_unit.count * _hazard(unit, here)
+        if not 0.0 < known <= whole < math.inf:
+            return Field((), "")
+        # Cells that ended missions stand for all that does, those that recovered for the rest.
+        parts = {False: min(known, ending), True: max(0.0, known - ending)}
+        near = {
+            is_back: math.fsum(hazard for key, hazard in found.items() if key.is_back == is_back)
+            for is_back in parts
+        }
+        shares: ShareTexts = {}
+        for outcome, hazard in sorted(found.items()):
+            if hazard > 0.0 and parts[outcome.is_back] > 0.0:
+                share = parts[outcome.is_back] / whole * hazard / near[outcome.is_back]
+                shares.setdefault(outcome.mode, {})[outcome.kind, outcome.shows_in] = share
+        return failures_of(shares) if shares else Field((), "")
 
 
-def _near(
-    unit: UnitUse, here: FunctionVisits, evidence: EvidenceShares, bound: BoundComponent
-) -> float:
-    """Return the hazard of a unit near the cells that count."""
-    terms = evidence.applied(bound, unit.element, unit.terms, unit.uses)
-    return _hazard(unit, here, [term for term in terms if term.ends])
+@dataclass(frozen=True, slots=True)
+class _Outcomes:
+    """A unit, and what of its hazard lies near which drawn failures."""
+
+    count: int
+    """How many units of the component are alike."""
+    all: UnitUse
+    """The unit with the hazard that counts."""
+    ending: UnitUse
+    """The same with what ended the mission alone."""
+    by_outcome: Mapping[CellOutcome, UnitUse]
+    """The same with what each outcome has."""
+
+
+def _with_evidence(unit: UnitUse) -> UnitUse:
+    """Return a unit with those of its terms alone of which cells say something."""
+    return replace(unit, terms=tuple(term for term in unit.terms if term.ends))
 
 
 def _distinct(units: Sequence[UnitUse]) -> list[tuple[UnitUse, int]]:
@@ -87,9 +117,9 @@ def _distinct(units: Sequence[UnitUse]) -> list[tuple[UnitUse, int]]:
     return list(counts.values())
 
 
-def _hazard(unit: UnitUse, here: FunctionVisits, terms: Sequence[Term]) -> float:
+def _hazard(unit: UnitUse, here: FunctionVisits) -> float:
     return math.fsum(
-        float(comes) * replace(unit, terms=tuple(terms)).hazard(visit)
+        float(comes) * unit.hazard(visit)
         for visit, comes in zip(here.numbers, here.times, strict=True)
     )
 

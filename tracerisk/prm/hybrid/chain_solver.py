@@ -196,10 +196,10 @@ def _ends(model: HybridModel, solved: SolvedMission) -> tuple[_Ends, _Ends]:
     hold is in no stop; of groups that are solved one by one, stops are those without groups.
     """
     passage, known = _held_passage(model, solved), solved.ends
-    late, safe = (EndingChain(solved.chain, model, stop) for stop in (LATE, SAFE))
 
     def of(undetected: float, passage: Passage | None) -> _Ends:
-        return _Ends(undetected, late.failure(passage), safe.failure(passage))
+        stops = (EndingChain(solved.chain, model, stop) for stop in (LATE, SAFE))
+        return _Ends(undetected, *(chain.failure(passage) for chain in stops))
 
     if solved.grouped is not None:
         bounding = bounding_model(model)
