@@ -21,7 +21,7 @@ from tracerisk.prm import (
     Parameter,
     solve,
 )
-from tracerisk.report.terminal import render_assessment
+from tracerisk.report.terminal import render_assessment, undetected_sentence
 
 ANSI = re.compile("\\x1b\\[[0-9;]*m")
 BAR = "\u2588\u258f\u258e\u258d\u258c\u258b\u258a\u2589"
@@ -78,6 +78,21 @@ def test_the_missions_figure_stands_first_and_what_it_is_right_below(assessment)
     )
     assert lines[1] == FIGURE_STATEMENT
     assert lines.index("Functions") < lines.index("Findings") < lines.index("Assumptions")
+
+
+def test_how_missions_end_that_fail_stands_below_their_figure(assessment):
+    assert undetected_sentence(assessment) == ""
+    mission = replace(
+        assessment.mission,
+        failure_probability=4e-6,
+        undetected_probability=3e-6,
+        stopped_late_probability=1e-6,
+        stopped_safely_probability=1e-6,
+    )
+    assert undetected_sentence(replace(assessment, mission=mission)) == (
+        "Of which undetected, or with harm before the stop: 3.00e-06 (75 %); of that stopped late: "
+        "1.00e-06. Stopped safely: 1.00e-06."
+    )
 
 
 def test_a_mission_that_no_failure_can_end_is_reported_so():
