@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.slow import slow_but
+from tracerisk.common.sandbox.kernel_features import support
 
 HELD = "1 act (line 9, 1 visit): panda_joint1"
 """What the trace so far tells of the quick controller, once it has moved."""
@@ -222,6 +223,25 @@ def test_a_controller_that_takes_too_much_memory_is_reported_the_limit(example, 
     assert "2500 MB (--memory-limit)" in outcome.err
     assert HELD in outcome.err
     assert_untouched(example, before)
+
+
+def test_a_controller_cannot_raise_its_limits(example, quick):
+    source = quick(
+        "import resource",
+        "kinds = (resource.RLIMIT_AS, resource.RLIMIT_CPU, resource.RLIMIT_CORE)",
+        "print('limits', *(most for kind in kinds for most in resource.getrlimit(kind)))",
+        "resource.setrlimit(resource.RLIMIT_AS, (-1, -1))",
+    )
+    example.write("controller.py", source)
+    outcome = example.run("run", "controller.py", "--check", "--memory-limit", "3000")
+    (found,) = re.findall(r"limits (.*)", outcome.out + outcome.err)
+    memory, most_memory, cpu, most_cpu, *core = map(int, found.split())
+    assert memory == most_memory == 3000 * 2**20
+    assert 0 < cpu == most_cpu
+    assert core == [0, 0]
+    if not support().missing:
+        assert outcome.code == 1
+        assert "not allowed to raise maximum limit" in outcome.err
 
 
 def test_a_memory_limit_below_what_the_simulation_takes_is_bad_input(example, quick):

@@ -11,13 +11,17 @@ import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from tracerisk.common.sandbox.system_calls import is_known_machine, program, rules
+from tracerisk.common.sandbox.system_calls import is_known_machine, program
 
 _CREATE, _ADD_RULE, _RESTRICT = 444, 445, 446
 _ASK_VERSION = 1
 _PATH_BENEATH = 1
 _SCOPE_ABSTRACT_SOCKETS, _SCOPE_SIGNALS = 1, 2
 _SET_DEATH_SIGNAL, _SET_SECCOMP, _SET_NO_NEW_PRIVILEGES, _SET_SUBREAPER = 1, 22, 38, 36
+_DROP_FROM_BOUND = 24
+_CAPABILITIES_VERSION = 0x20080522
+_OPEN_FILES_OF_OTHERS = 1  # CAP_DAC_OVERRIDE
+_MOST_CAPABILITIES = 64
 _GET_SECCOMP = 21
 _FILTER_MODE = 2
 
@@ -89,12 +93,16 @@ def restrict(readable: Iterable[str], listable: Iterable[str], writable: Iterabl
     It can read and execute what is `readable`, list the folders that are `listable`, and change
     what is below a `writable` one; it has no network, and reaches no other process. To be called
     before there is a second thread. Raises OSError where the kernel refuses.
+
+    It keeps no capability, also as root, but for one: where a place belongs to another user, root
+    can still open there what Landlock allows.
     """
     version = min(support().landlock, _NEWEST)
     handled = _handled(version)
     ports = 3 if version >= 4 else 0
     scope = _SCOPE_ABSTRACT_SOCKETS | _SCOPE_SIGNALS if version >= _SIGNALS_SINCE else 0
     ruleset = _ruleset(handled, ports, scope)
+    are_ours = True
     for paths, wanted in (
         (readable, _EXECUTE | _READ | _LIST),
         (listable, _LIST),
@@ -102,9 +110,10 @@ def restrict(readable: Iterable[str], listable: Iterable[str], writable: Iterabl
         ((os.devnull,), _READ | _WRITE | _TRUNCATE),
     ):
         for path in paths:
-            _allow(ruleset, path, wanted & handled)
+            are_ours &= _allow(ruleset, path, wanted & handled)
     _restrict(ruleset)
-    text = program(rules(landlock=version, process=os.getpid()))
+    _give_up_capabilities(0 if are_ours else 1 << _OPEN_FILES_OF_OTHERS)
+    text = program(landlock=version, process=os.getpid())
     lines = ctypes.create_string_buffer(text, len(text))
     header = struct.pack("HxxxxxxP", len(text) // 8, ctypes.addressof(lines))
     _called(_libc().prctl(_SET_SECCOMP, _FILTER_MODE, ctypes.create_string_buffer(header), 0, 0))
@@ -127,19 +136,39 @@ def _ruleset(files: int, ports: int, scope: int) -> int:
     return _called(answer)
 
 
-def _allow(ruleset: int, path: str, rights: int) -> None:
+def _allow(ruleset: int, path: str, rights: int) -> bool:
+    """Allow a place; return whether it belongs to the user of this process, or to root."""
     with contextlib.suppress(FileNotFoundError, NotADirectoryError, PermissionError):
         place = os.open(path, os.O_PATH | os.O_CLOEXEC)
         try:
-            if not stat.S_ISDIR(os.fstat(place).st_mode):
+            status = os.fstat(place)
+            if not stat.S_ISDIR(status.st_mode):
                 rights &= _OF_FILES
             if rights:
                 rule = ctypes.create_string_buffer(struct.pack("=Qi", rights, place))
                 _called(
                     _libc().syscall(_ADD_RULE, ruleset, _PATH_BENEATH, rule, ctypes.c_uint32(0))
                 )
+            return status.st_uid in (0, os.geteuid())
         finally:
             os.close(place)
+    return True
+
+
+def _give_up_capabilities(kept: int) -> None:
+    """Give up all capabilities but those that are `kept`, as bits, for good."""
+    libc = _libc()
+    for number in range(_MOST_CAPABILITIES):
+        # Without new privileges, the bound matters to programs that only look at it.
+        if not kept >> number & 1 and libc.prctl(_DROP_FROM_BOUND, number, 0, 0, 0) < 0:
+            break
+    header = struct.pack("=Ii", _CAPABILITIES_VERSION, 0)
+    had = ctypes.create_string_buffer(24)
+    _called(libc.capget(ctypes.create_string_buffer(header), had))
+    permitted = struct.unpack("=6I", had.raw)
+    kept &= permitted[1]
+    left = struct.pack("=6I", kept, kept, 0, 0, 0, 0)
+    _called(libc.capset(ctypes.create_string_buffer(header), ctypes.create_string_buffer(left)))
 
 
 def _restrict(ruleset: int) -> None:

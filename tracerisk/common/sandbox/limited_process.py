@@ -96,10 +96,11 @@ def mark_start() -> None:
 
 
 def lower_limit(kind: int, most: int) -> None:
-    """Give this process a limit of the system, or as little as it has already."""
+    """Give this process a limit of the system for good, or as little as it has already."""
     _, hard = resource.getrlimit(kind)
     wanted = most if hard == resource.RLIM_INFINITY else min(most, hard)
-    resource.setrlimit(kind, (wanted, hard))
+    # A soft limit would be one that a controller can raise.
+    resource.setrlimit(kind, (wanted, wanted))
 
 
 class OwnTime:
@@ -324,11 +325,8 @@ def limit_memory() -> None:
     """Apply the limit of memory that the parent has set, and write no core dump."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     wanted = os.environ.pop(_MEMORY, None)
-    if wanted is None:
-        return
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    most = int(wanted) if hard == resource.RLIM_INFINITY else min(int(wanted), hard)
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    if wanted is not None:
+        lower_limit(resource.RLIMIT_AS, int(wanted))
 
 
 def end_with(main: Callable[[], int]) -> NoReturn:

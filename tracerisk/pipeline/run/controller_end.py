@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import mmap
 import os
-import resource
 import signal
 import sys
 import threading
@@ -29,6 +29,7 @@ from tracerisk.trace import EndCause
 from tracerisk.twin.simulation.twin import Twin
 
 _CONTEXTS = 20
+_RESERVE_BYTES = 32 * 1024 * 1024
 _BY_ITSELF = frozenset({"ended", "exited", "raised"})
 
 
@@ -58,6 +59,10 @@ class ControllerEnd:
     """Called with the modules for which placeholders may stand, and with the place that failed."""
     _reported: bool = dataclasses.field(default=False, init=False)
     """Whether the end is recorded."""
+    _reserve: mmap.mmap = dataclasses.field(
+        default_factory=lambda: mmap.mmap(-1, _RESERVE_BYTES, prot=mmap.PROT_READ), init=False
+    )
+    """Address space for the report of a lack of memory, which nothing fills."""
     _owner: int = dataclasses.field(default_factory=os.getpid, init=False)
     """The id of the process whose end is reported."""
 
@@ -129,9 +134,7 @@ class ControllerEnd:
         self._report("exited", f"the controller exited {text}", self._place_of(error))
 
     def _out_of_memory(self, error: MemoryError) -> None:
-        # What is left of the limit may be too little to report it.
-        _, hard = resource.getrlimit(resource.RLIMIT_AS)
-        resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+        self._reserve.close()
         message = (
             f"the controller ran out of memory: its process may take {self.memory_limit_mb} MB "
             "(--memory-limit)"
