@@ -1,0 +1,251 @@
+"""What libraries do works in a contained controller, and gives the same as outside."""
+
+import importlib.util
+import re
+
+import pytest
+
+from tracerisk.api import trace_controller
+from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.config import Settings
+from tracerisk.pipeline.workspace.controller import load_controller
+
+# By the module that is imported: a small use, of which the last line is an expression.
+OF_PYTHON = {
+    "asyncio": """
+async def main():
+    await asyncio.sleep(0.01)
+    process = await asyncio.create_subprocess_exec("echo", "x", stdout=asyncio.subprocess.PIPE)
+    out, _ = await process.communicate()
+    return out, await asyncio.get_running_loop().run_in_executor(None, lambda: 7)
+asyncio.run(main())""",
+    "bz2": "len(bz2.decompress(bz2.compress(bytes(99))))",
+    "concurrent.futures": """
+with concurrent.futures.ThreadPoolExecutor(3) as pool:
+    result = list(pool.map(abs, range(-5, 5)))
+result""",
+    "csv": "list(csv.reader(['a,b']))",
+    "ctypes": "ctypes.CDLL(None).abs(-3), ctypes.CFUNCTYPE(ctypes.c_int)(lambda: 5)()",
+    "ctypes.util": "ctypes.util.find_library('m')",
+    "dbm": """
+import os, tempfile
+with dbm.open(os.path.join(tempfile.mkdtemp(), "d"), "c") as store:
+    store["a"] = "b"
+    result = store["a"]
+result""",
+    "fcntl": "import tempfile\nwith tempfile.TemporaryFile() as f: fcntl.flock(f, fcntl.LOCK_EX); fcntl.lockf(f, fcntl.LOCK_EX)\n0",
+    "getpass": "getpass.getuser()",
+    "hashlib": "hashlib.sha256(b'x').hexdigest(), hashlib.scrypt(b'a', salt=b'b', n=2, r=1, p=1)",
+    "locale": "locale.setlocale(locale.LC_ALL, 'C')",
+    "logging.handlers": """
+import os, tempfile
+name = os.path.join(tempfile.mkdtemp(), "log")
+handler = logging.handlers.RotatingFileHandler(name, maxBytes=20, backupCount=2)
+for number in range(5): handler.emit(logging.makeLogRecord({"msg": "abcdefghij"}))
+handler.close()
+sorted(os.listdir(os.path.dirname(name)))""",
+    "lzma": "len(lzma.decompress(lzma.compress(bytes(99))))",
+    "mmap": "m = mmap.mmap(-1, 99)\nm[:2] = b'ab'\nm[:2]",
+    "multiprocessing": """
+with multiprocessing.get_context("fork").Pool(2) as pool: result = pool.map(abs, [-1, 2])
+queue, lock, value = multiprocessing.Queue(), multiprocessing.Lock(), multiprocessing.Value("i", 3)
+queue.put(4)
+with lock: result += [queue.get(timeout=5), value.value]
+result""",
+    "os": """
+ours, theirs = os.pipe()
+os.write(theirs, b"x")
+child = os.posix_spawn("/bin/true", ["true"], {})
+os.read(ours, 1), os.waitpid(child, 0)[1], os.umask(0o22) >= 0, os.cpu_count() > 0, len(os.getrandom(3))""",
+    "pathlib": "sorted(p.suffix for p in pathlib.Path(__file__).parent.iterdir())",
+    "pickle": "pickle.loads(pickle.dumps({1: 2}))",
+    "platform": "platform.machine(), platform.system()",
+    "pwd": "pwd.getpwuid(0).pw_name",
+    "queue": "q = queue.Queue()\nq.put(1)\nq.get()",
+    "random": "random.Random(1).random(), len(random.SystemRandom().randbytes(5))",
+    "resource": "resource.setrlimit(resource.RLIMIT_CORE, (0, 0)), resource.getrusage(0).ru_nvcsw >= 0",
+    "select": """
+import os
+ours, theirs = os.pipe()
+poll, epoll = select.poll(), select.epoll()
+poll.register(ours); epoll.register(ours, select.EPOLLIN)
+os.write(theirs, b"x")
+len(poll.poll(99)), len(epoll.poll(1)), len(select.select([ours], [], [], 1)[0])""",
+    "shutil": """
+import os, tempfile
+folder = tempfile.mkdtemp()
+for name in "ab": open(os.path.join(folder, name), "w").write(name)
+shutil.copy2(os.path.join(folder, "a"), os.path.join(folder, "c"))
+shutil.make_archive(os.path.join(folder, "z"), "zip", folder)
+shutil.move(os.path.join(folder, "a"), os.path.join(folder, "d"))
+shutil.copytree(folder, folder + "2")
+shutil.disk_usage(folder).total > 0, sorted(os.listdir(folder + "2"))""",
+    "signal": """
+seen = []
+signal.signal(signal.SIGUSR2, lambda *_: seen.append(1))
+signal.raise_signal(signal.SIGUSR2)
+import os; os.kill(os.getpid(), signal.SIGUSR2)
+seen""",
+    "socket": """
+one, other = socket.socketpair()
+one.settimeout(5); one.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 9999); one.sendall(b"x")
+tcp = socket.socket(); tcp.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1); tcp.setblocking(False)
+other.recv(1), tcp.getsockname()""",
+    "sqlite3": """
+import os, tempfile
+base = sqlite3.connect(os.path.join(tempfile.mkdtemp(), "x.db"))
+base.execute("pragma journal_mode=wal"); base.execute("create table t(a)")
+base.execute("insert into t values (5)"); base.commit()
+base.execute("select a from t").fetchall()""",
+    "ssl": "context = ssl.create_default_context()\ncontext.minimum_version.name, len(ssl.RAND_bytes(4))",
+    "subprocess": """
+subprocess.run(["sh", "-c", "echo $((1+2)); ls /usr | head -1; sort </dev/null"], capture_output=True).stdout, \\
+subprocess.check_output(["tr", "a", "b"], input=b"aa"), subprocess.call(["false"], start_new_session=True)""",
+    "tempfile": "f = tempfile.NamedTemporaryFile()\nf.write(b'abc')",
+    "termios": """
+try: termios.tcgetattr(0); result = 0
+except termios.error as error: result = error.args[0]
+result""",
+    "threading": """
+import time
+barrier, done = threading.Barrier(3), []
+def work(): barrier.wait(); time.sleep(0.01); done.append(1)
+threads = [threading.Thread(target=work) for _ in range(3)]
+for thread in threads: thread.start()
+for thread in threads: thread.join()
+done""",
+    "time": "time.sleep(0.01), time.clock_getres(time.CLOCK_MONOTONIC)",
+    "tracemalloc": "tracemalloc.start(); tracemalloc.stop()\n0",
+    "urllib.request": """
+try: urllib.request.urlopen("http://127.0.0.1:9", timeout=2); result = "reached"
+except OSError as error: result = type(error).__name__
+result""",
+    "uuid": "uuid.uuid5(uuid.NAMESPACE_DNS, 'a'), len(str(uuid.uuid4()))",
+    "zoneinfo": "str(zoneinfo.ZoneInfo('UTC'))",
+}
+INSTALLED = {
+    "PIL.Image": "im = PIL.Image.new('RGB', (9, 9), 'red').resize((5, 5)).rotate(45)\nim.tobytes()",
+    "apsw": "list(apsw.Connection(':memory:').execute('select 1 + 1'))",
+    "attrs": "attrs.make_class('A', ['x'])(x=1)",
+    "av": "av.VideoFrame(16, 16, 'rgb24').reformat(8, 8, 'yuv420p').format.name",
+    "cattrs": "cattrs.structure('5', int)",
+    "cloudpickle": "cloudpickle.loads(cloudpickle.dumps(lambda: 5))()",
+    "cv2": """
+import numpy, os, tempfile
+picture = numpy.zeros((40, 40, 3), numpy.uint8)
+cv2.circle(picture, (20, 20), 9, (1, 2, 3), -1)
+name = os.path.join(tempfile.mkdtemp(), "x.png")
+cv2.imwrite(name, picture), int(cv2.GaussianBlur(cv2.imread(name), (5, 5), 0).sum()), cv2.getNumThreads() > 0""",
+    "daqp": "import numpy\ndaqp.solve(numpy.eye(2), numpy.ones(2), numpy.eye(2), numpy.ones(2), -numpy.ones(2))[0]",
+    "dateutil.parser": "dateutil.parser.parse('2020-01-02')",
+    "fontTools.misc.bezierTools": "fontTools.misc.bezierTools.solveQuadratic(1, -3, 2)",
+    "google.protobuf.timestamp_pb2": "google.protobuf.timestamp_pb2.Timestamp(seconds=5).SerializeToString()",
+    "greenlet": "greenlet.greenlet(lambda: 5).switch()",
+    "h11": "h11.Connection(h11.CLIENT).our_state",
+    "jinja2": "jinja2.Template('{{ a }}').render(a=1)",
+    "joblib": "joblib.hash([1, 2]), joblib.Parallel(1)(joblib.delayed(abs)(n) for n in (-1, 2))",
+    "jsonschema": "jsonschema.validate(1, {'type': 'integer'})",
+    "lark": "lark.Lark('start: \"a\"+').parse('aaa').data",
+    "libcst": "libcst.parse_module('a = 1').code",
+    "lxml.etree": "lxml.etree.tostring(lxml.etree.fromstring('<a><b/></a>'))",
+    "lz4.frame": "lz4.frame.decompress(lz4.frame.compress(bytes(99)))",
+    "matplotlib.pyplot": """
+import io
+figure, axes = matplotlib.pyplot.subplots()
+axes.plot([1, 2], [3, 4]); axes.set_title("x")
+out = io.BytesIO(); figure.savefig(out, metadata={"Software": None})
+import hashlib; hashlib.sha256(out.getvalue()).hexdigest()""",
+    "mcap.writer": "import io\nw = mcap.writer.Writer(io.BytesIO())\nw.start(); w.finish()",
+    "mpmath": "mpmath.mpf(2) ** 0.5",
+    "mujoco": """
+model = mujoco.MjModel.from_xml_string("<mujoco><worldbody><body><freejoint/><geom size='.1'/></body></worldbody></mujoco>")
+data = mujoco.MjData(model)
+for _ in range(9): mujoco.mj_step(model, data)
+data.qpos.tolist()""",
+    "networkx": "networkx.shortest_path(networkx.path_graph(5), 0, 4)",
+    "numba": "numba.njit(lambda x: x + 1)(1)",
+    "numpy": """
+import os, tempfile
+a = numpy.random.default_rng(1).random((300, 300))
+name = os.path.join(tempfile.mkdtemp(), "a.npy"); numpy.save(name, a)
+numpy.load(name, mmap_mode="r").sum(), numpy.linalg.solve(a, a).sum(), numpy.abs(numpy.fft.fft(a)).sum(), (a @ a).sum()""",
+    "pandas": "pandas.DataFrame({'a': [1, 2]}).describe().to_csv()",
+    "platformdirs": "platformdirs.user_cache_dir('x') > ''",
+    "psutil": "psutil.cpu_count() > 0, psutil.virtual_memory().total > 0",
+    "pyarrow": "pyarrow.array([1, 2]).to_pylist(), pyarrow.table({'a': [1]}).num_rows",
+    "pygments": "import pygments.lexers, pygments.formatters\npygments.highlight('a', pygments.lexers.PythonLexer(), pygments.formatters.NullFormatter())",
+    "pyparsing": "pyparsing.Word('a').parse_string('aa').as_list()",
+    "py_trees": "py_trees.behaviours.Success('x').status",
+    "requests": "requests.Request('GET', 'http://a/b', params={'c': 1}).prepare().url",
+    "rich.table": "rich.table.Table('a').columns[0].header",
+    "ruamel.yaml": "ruamel.yaml.YAML(typ='safe').load('a: [1, 2]')",
+    "scipy.optimize": "scipy.optimize.minimize(lambda x: (x[0] - 3) ** 2, [0.0]).x.round(6).tolist()",
+    "scipy.spatial.transform": "scipy.spatial.transform.Rotation.from_euler('z', 1).as_quat().tolist()",
+    "sklearn.linear_model": "sklearn.linear_model.LinearRegression(n_jobs=2).fit([[0.0], [1.0]], [0, 2]).coef_.round(6)",
+    "sortedcontainers": "sortedcontainers.SortedList([3, 1])",
+    "sympy": "sympy.Symbol('x') + 1",
+    "torch": """
+x = torch.arange(9.0).reshape(3, 3).requires_grad_()
+(x @ x).sum().backward()
+loader = torch.utils.data.DataLoader(list(range(4)), batch_size=2)
+x.grad.tolist(), [b.tolist() for b in loader], torch.get_num_threads() > 0, torch.nn.Linear(2, 1)(torch.ones(1, 2)).shape""",
+    "tornado.ioloop": "import asyncio, tornado.gen\ntornado.ioloop.IOLoop().run_sync(lambda: tornado.gen.sleep(0.01))",
+    "tqdm": "list(tqdm.tqdm([1, 2], disable=True))",
+    "tree_sitter": "import tree_sitter_c\ntree_sitter.Parser(tree_sitter.Language(tree_sitter_c.language())).parse(b'int a;').root_node.type",
+    "yaml": "yaml.safe_load('a: [1, 2]'), yaml.__with_libyaml__",
+    "zmq": """
+context = zmq.Context()
+one, other = context.socket(zmq.PAIR), context.socket(zmq.PAIR)
+one.bind("inproc://a"); other.connect("inproc://a"); one.send(b"x")
+other.recv()""",
+    "zstandard": "zstandard.decompress(zstandard.compress(bytes(99)))",
+}
+CONTROLLER = """\
+import ast
+import rospy, moveit_commander
+
+def use(name, code):
+    body = ast.parse(code.strip()).body
+    last = ast.Expression(body.pop().value)
+    space = {{"__name__": "a_use", "__file__": __file__}}
+    exec(f"import {{name}}", space)
+    exec(compile(ast.Module(body, []), name, "exec"), space)
+    return eval(compile(last, name, "eval"), space)
+
+rospy.init_node("cell")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+joints = arm.get_current_joint_values()
+joints[0] += 0.02
+arm.go(joints, wait=True)
+for name, code in {uses!r}.items():
+    try:
+        result = use(name, code)
+    except BaseException as error:
+        result = f"failed: {{error!r}}"
+    print("USED", name, repr(result), flush=True)
+"""
+
+
+def is_installed(name: str) -> bool:
+    try:
+        return importlib.util.find_spec(name) is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def used(folder, uses, mode, capfd) -> dict[str, str]:
+    (folder / "cell.py").write_text(CONTROLLER.format(uses=uses))
+    trace = trace_controller(load_controller(folder / "cell.py"), Settings(sandbox=mode))
+    assert trace.end.cause == "ended", trace.end
+    return dict(re.findall(r"^USED (\S+) (.*)$", capfd.readouterr().err, re.MULTILINE))
+
+
+@pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
+def test_libraries_do_the_same_contained_or_not(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    uses = {name: use for name, use in {**OF_PYTHON, **INSTALLED}.items() if is_installed(name)}
+    assert len(uses) >= 40
+    contained = used(tmp_path, uses, "require", capfd)
+    assert contained.keys() == uses.keys()
+    assert {name: text for name, text in contained.items() if "failed" in text} == {}
+    assert contained == used(tmp_path, uses, "off", capfd)
