@@ -10,6 +10,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.common.limits import DEFAULT_LIMITS, Limit, Sandbox
+from tracerisk.common.sandbox.kernel_features import support
 from tracerisk.common.sandbox.limited_process import OwnTime, run_limited
 from tracerisk.config import Settings
 from tracerisk.errors import ExitCode, LimitError, Location
@@ -116,6 +117,20 @@ def test_a_child_without_memory_ends_with_its_limit(run):
         "expanding the xacro file took more than 500 MB of memory, a quarter of a controller's limit; raise it with --memory-limit or the setting memory_limit_mb (now 2000)"
     )
     assert run("bytearray(600 * 2**20)", memory=4000).returncode == 0
+
+
+def test_processes_of_a_child_that_take_too_much_together_end_with_its_limit(run):
+    hoard = "for _ in range(3): os.fork() or (bytearray(b'x' * 200_000_000), signal.pause())"
+    with pytest.raises(LimitError, match="took more than 500 MB of memory"):
+        run(f"{hoard}\n    signal.pause()", memory=2000)
+
+
+@pytest.mark.skipif(bool(support().missing) and os.geteuid() == 0, reason="root may, uncontained")
+def test_a_child_cannot_raise_its_limits(run):
+    lift = "import resource; resource.setrlimit(resource.RLIMIT_AS, (2**40, 2**40))"
+    done = run(lift)
+    assert done.returncode == 1
+    assert b"not allowed to raise maximum limit" in done.stderr
 
 
 @pytest.mark.parametrize("name", ["SIGKILL", "SIGXCPU"])

@@ -243,6 +243,24 @@ def test_a_macro_reads_nothing_of_the_home(tmp_path, monkeypatch):
     assert b"SECRET" in expand_xacro(model, {}, limits=uncontained)
 
 
+@contained
+def test_a_contained_controller_runs_what_is_contained_itself(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.xacro").write_text(
+        '<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:property name="n" value="base"/><link name="${n}"/></robot>'
+    )
+    (tmp_path / "cell.py").write_text(
+        "import subprocess, moveit_commander\n"
+        'arm = moveit_commander.MoveGroupCommander("panda_arm")\n'
+        'arm.set_named_target("ready")\narm.go(wait=True)\n'
+        'print(subprocess.check_output(["xacro", "arm.xacro"]))\n'
+    )
+    trace = trace_controller(load_controller(tmp_path / "cell.py"), Settings(sandbox="require"))
+    assert trace.end.cause == "ended", trace.end
+    assert '<link name="base"/>' in capfd.readouterr().err
+
+
 def test_a_kernel_without_it_is_warned_of_once_and_refused_where_it_is_required(monkeypatch):
     from tracerisk.common.sandbox import process
 

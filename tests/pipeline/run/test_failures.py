@@ -244,6 +244,21 @@ def test_a_controller_cannot_raise_its_limits(example, quick):
         assert "not allowed to raise maximum limit" in outcome.err
 
 
+def test_processes_that_take_too_much_memory_together_are_ended(example, quick):
+    hoard = "import time; hoard = b'x' * 300_000_000; time.sleep(100)"
+    source = quick(
+        "import subprocess",
+        f'started = [subprocess.Popen([sys.executable, "-c", {hoard!r}]) for _ in range(3)]',
+        "started[0].wait()",
+    )
+    example.write("controller.py", source)
+    outcome = example.run("run", "controller.py", "--memory-limit", "800")
+    assert outcome.code == 4
+    assert "the processes of the run take more than 800 MB of memory together" in outcome.err
+    assert "raise it with --memory-limit" in outcome.err
+    assert not running(hoard)
+
+
 def test_a_memory_limit_below_what_the_simulation_takes_is_bad_input(example, quick):
     example.write("controller.py", quick())
     outcome = example.run("run", "controller.py", "--memory-limit", "250")

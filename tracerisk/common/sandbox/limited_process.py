@@ -46,6 +46,7 @@ _MB = 1024 * 1024
 # A process whose parent is gone ends by itself, well after the parent would have ended it.
 _SPARE_CPU_S = 60
 _TASKS = "/proc/{}/task"
+_WEIGH_S = 0.1  # between two looks at the memory of several processes
 
 
 class StartMark:
@@ -107,13 +108,17 @@ class OwnTime:
     """The time that a process computes or sleeps [s], as far as it was looked at.
 
     Where the system does not report what a process does (all but Linux), it is wall time.
+    Beside it, how much memory the process and its descendants hold together.
     """
+
+    held_bytes = 0
+    """The memory of the process with its descendants; 0 while it has none [bytes]."""
 
     def __init__(self, pid: int, cpu_s: float = 0.0) -> None:
         self._pid = pid
         self._first_s = self._cpu_s = cpu_s
         self._slept_s = 0.0
-        self._looked = monotonic()
+        self._looked = self._weighed = monotonic()
         self._was_asleep = False
 
     @property
@@ -131,6 +136,8 @@ class OwnTime:
         now = monotonic()
         # Who looks late, for it was kept waiting itself, cannot know what went on meanwhile.
         passed, self._looked = min(now - self._looked, 2 * POLL_S), now
+        if now - self._weighed > _WEIGH_S:
+            self._weighed, self.held_bytes = now, _held_bytes(self._pid)
         cpu_s = _cpu_s(self._pid)
         if cpu_s is not None and cpu_s > self._cpu_s:
             self._cpu_s, self._was_asleep = cpu_s, False
@@ -149,6 +156,29 @@ def _cpu_s(pid: int) -> float | None:
     with contextlib.suppress(OSError):
         return clock_gettime((~pid << 3) | 2)
     return None
+
+
+def _held_bytes(pid: int) -> int:
+    """Return the memory that a process and its descendants hold [bytes]; 0 where it has none.
+
+    What several of them share is counted once. The system itself limits a single process.
+    """
+    processes = [pid]
+    for process in processes:
+        for children in Path(_TASKS.format(process)).glob("*/children"):
+            with contextlib.suppress(OSError):
+                processes += map(int, children.read_text(encoding="ascii").split())
+    return sum(map(_share_bytes, processes)) if len(processes) > 1 else 0
+
+
+def _share_bytes(pid: int) -> int:
+    """Return the memory of a process, of what it shares its part [bytes]; 0 where it has ended."""
+    with contextlib.suppress(OSError):
+        for line in Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii").splitlines():
+            name, _, figure = line.partition(":")
+            if name == "Pss":
+                return int(figure.split()[0]) * 1024
+    return 0
 
 
 def _is_asleep(pid: int) -> bool:
@@ -229,8 +259,7 @@ def run_limited(
                 if stream is not None:
                     stream.close()
     if child.returncode == _OUT_OF_MEMORY:
-        used = f"{limits.memory_bytes // _MB} MB of memory, a quarter of a controller's limit"
-        raise LimitError(f"{doing} took more than {used}; {limits.memory.advice}", place)
+        raise _too_much_memory(limits, doing, place)
     if child.returncode in (-signal.SIGKILL, -signal.SIGXCPU):
         name = signal.Signals(-child.returncode).name
         raise LimitError(
@@ -239,6 +268,11 @@ def run_limited(
             place,
         )
     return subprocess.CompletedProcess(child.args, child.returncode, out, err)
+
+
+def _too_much_memory(limits: Limits, doing: str, place: Location | None) -> LimitError:
+    used = f"{limits.memory_bytes // _MB} MB of memory, a quarter of a controller's limit"
+    return LimitError(f"{doing} took more than {used}; {limits.memory.advice}", place)
 
 
 def last_words(done: subprocess.CompletedProcess[bytes]) -> str:
@@ -272,6 +306,8 @@ def _watched(
                     f"{limits.own.advice}",
                     place,
                 )
+            if own.held_bytes > limits.memory_bytes:
+                raise _too_much_memory(limits, doing, place)
         if monotonic() - began > limits.wall.value:
             what = "did not start within" if own is None else "took more than"
             raise LimitError(

@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
 
 _STARTING = "starting the twin"
+_MB = 1024 * 1024
 _MOST_STARTS = 5
 """How often a run is started whose files are being replaced."""
 _LIVE = "tracerisk.pipeline.run.live.child"
@@ -361,6 +362,11 @@ def reached_limit(
     cpu = Limit("cpu_limit_s", settings.cpu_limit_s)
     if own is not None and own.cpu_s > cpu.value:
         return f"{cpu.value:g} s of processor time are over; {cpu.advice}"
+    if own is not None and own.held_bytes > limits.memory.value * _MB:
+        return (
+            f"the processes of the run take more than {limits.memory.value:g} MB of memory "
+            f"together; {limits.memory.advice}"
+        )
     if wall_s > limits.wall.value:
         what = "the process did not start in" if own is None else "the run is over after"
         return f"{what} {limits.wall.value:g} s of wall time; {limits.wall.advice}"
