@@ -133,9 +133,12 @@ def test_what_settings_name_is_reached(tmp_path, monkeypatch):
     assert (cell / "logs" / "a").read_text() == "17"
     # Required on the command line, no file of the workspace widens it.
     trace = trace_controller(controller, settings.with_options({"sandbox": "require"}))
-    assert trace.end.cause == "raised"
+    assert trace.end.cause == "raised", trace.end
     assert trace.verdict is not None
-    assert "access-denied" in {each.code for each in trace.verdict.reasons}
+    assert "access-denied" in {each.code for each in trace.verdict.reasons}, (
+        trace.end,
+        trace.findings,
+    )
 
 
 @pytest.mark.parametrize("name", ["site-packages", "scripts"])

@@ -196,15 +196,15 @@ NETWORK = {
     "tables of packets": "SOCKET(2, 2).setsockopt(0, 64, bytes(96))",
     "repair": "SOCKET(2, 1).setsockopt(6, 19, 1)",
     "first packet": "SOCKET(2, 1).setsockopt(6, 30, 1)",
-    "upper half of an option": "S(54, SOCKET(2, 2).fileno(), 0xDEAD_0000_0000, 35,"
+    "upper half of an option": "S(54, UDP.fileno(), 0xDEAD_0000_0000, 35,"
     " socket.inet_aton('239.1.2.3') + bytes(4), 8)",
-    "flags of an interface": "I(SOCKET(2, 2).fileno(), 0x8914, b'lo'.ljust(16, b'\\0') + b'\\x49' + bytes(15))",
-    "address": "I(SOCKET(2, 2).fileno(), 0x8916, b'lo'.ljust(40, b'\\0'))",
-    "route": "I(SOCKET(2, 2).fileno(), 0x890B, bytes(120))",
-    "neighbour": "I(SOCKET(2, 2).fileno(), 0x8955, bytes(68))",
-    "card": "I(SOCKET(2, 2).fileno(), 0x8946, b'lo'.ljust(40, b'\\0'))",
-    "tunnel": "I(SOCKET(2, 2).fileno(), 0x89F1, b'lo'.ljust(40, b'\\0'))",
-    "bridge": "I(SOCKET(2, 2).fileno(), 0x89A0, b'pwned'.ljust(16, b'\\0'))",
+    "flags of an interface": "I(UDP.fileno(), 0x8914, b'lo'.ljust(16, b'\\0') + b'\\x49' + bytes(15))",
+    "address": "I(UDP.fileno(), 0x8916, b'lo'.ljust(16, b'\\0') + HOME)",
+    "route": "I(UDP.fileno(), 0x890B, bytes(120))",
+    "neighbour": "I(UDP.fileno(), 0x8955, bytes(68))",
+    "card": "I(UDP.fileno(), 0x8946, b'lo'.ljust(40, b'\\0'))",
+    "tunnel": "I(UDP.fileno(), 0x89F1, b'lo'.ljust(40, b'\\0'))",
+    "bridge": "I(UDP.fileno(), 0x89A1, b'pwned'.ljust(16, b'\\0'))",
     **{
         f"family {family}": f"max(S(41, {family}, kind, 0) for kind in (1, 2, 3, 5))"
         for family in (1, *range(3, 10), *range(11, 46))
@@ -213,13 +213,13 @@ NETWORK = {
     " ((3, 255), (2, 1), (2, 58), (1, 132), (2, 136), (1, 262), (3, 1)))",
     "pair of datagrams": "S(53, 1, 2, 0, bytes(8))",
     "pair of another family": "S(53, 30, 1, 0, bytes(8))",
-    "connection": "S(42, SOCKET(2, 1).fileno(), TO, 16)",
-    "connection of datagrams": "S(42, SOCKET(2, 2).fileno(), TO, 16)",
+    "connection": "S(42, TCP.fileno(), TO, 16)",
+    "connection of datagrams": "S(42, UDP.fileno(), TO, 16)",
     "message": "SOCKET(2, 2).sendmsg([b'pwned'], [], 0, ('127.0.0.1', PORT))",
-    "messages at once": "S(307, SOCKET(2, 2).fileno(), bytes(64), 1, 0)",
-    "bound": "S(49, SOCKET(2, 1).fileno(), bytes([2]) + bytes(15), 16)",
-    "listens": "S(50, SOCKET(2, 1).fileno(), 1)",
-    "accepts": "S(43, SOCKET(2, 1).fileno(), None, None)",
+    "messages at once": "S(307, UDP.fileno(), bytes(64), 1, 0)",
+    "bound": "S(49, TCP.fileno(), bytes([2]) + bytes(15), 16)",
+    "listens": "S(50, TCP.fileno(), 1)",
+    "accepts": "S(43, TCP.fileno(), None, None)",
 }  # fmt: skip
 SILENT = {
     # These are said to have succeeded.
@@ -257,11 +257,11 @@ class World:
         (self.own / "own").write_text("own")
         for path in (self.victim.parent, self.victim, self.own, self.own / "own"):
             os.chown(path, user, user)
-        self.udp = socket.socket(type=socket.SOCK_DGRAM)
-        self.udp.bind(("127.0.0.1", 0))
-        self.udp.setblocking(False)
-        self.tcp = socket.create_server(self.udp.getsockname())
+        self.tcp = socket.create_server(("127.0.0.1", 0))
         self.tcp.setblocking(False)
+        self.udp = socket.socket(type=socket.SOCK_DGRAM)
+        self.udp.bind(self.tcp.getsockname())
+        self.udp.setblocking(False)
         libc = ctypes.CDLL(None, use_errno=True)
         self.segment = libc.shmget(0, 4096, 0o1666)
 
@@ -341,6 +341,11 @@ def tried(code: str, space: dict[str, object]) -> str:
     return "" if isinstance(result, int) and result < 0 else f"got {result!r}"
 
 
+def address(port: int) -> bytes:
+    loopback = socket.inet_aton("127.0.0.1")
+    return struct.pack("=H", socket.AF_INET) + struct.pack("!H", port) + loopback + bytes(8)
+
+
 def attacker(world: World, parent: int) -> dict[str, object]:
     libc = ctypes.CDLL(None, use_errno=True)
     libc.syscall.restype = ctypes.c_long
@@ -366,10 +371,10 @@ def attacker(world: World, parent: int) -> dict[str, object]:
         "GROUP": os.getpgid(parent),
         "SEGMENT": world.segment,
         "PORT": world.udp.getsockname()[1],
-        "TO": struct.pack("<H", 2)
-        + struct.pack(">H", world.udp.getsockname()[1])
-        + socket.inet_aton("127.0.0.1")
-        + bytes(8),
+        "TO": address(world.udp.getsockname()[1]),
+        "HOME": address(0),
+        "TCP": socket.socket(),
+        "UDP": socket.socket(type=socket.SOCK_DGRAM),
         "SOCKET": socket.socket,
     }  # fmt: skip
 
