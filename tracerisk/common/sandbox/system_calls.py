@@ -86,7 +86,7 @@ class Check:
     mask: int = 0xFFFFFFFF
     """The bits that are looked at."""
     is_upper: bool = False
-    """Whether the upper half is meant, which tells a pointer from a null pointer."""
+    """Whether the upper half is meant; both halves of a null pointer are 0."""
 
 
 Checks = Sequence[tuple[Check, ...]]
