@@ -2,6 +2,7 @@
 
 import ctypes
 import errno
+import faulthandler
 import itertools
 import json
 import os
@@ -175,6 +176,7 @@ def tried(numbers: list[int], user: int) -> dict[int, int]:
     child = os.fork()
     if child == 0:
         try:
+            faulthandler.disable()
             os.close(reading)
             if user != os.geteuid():
                 os.setgroups([])
