@@ -137,7 +137,40 @@ def test_a_call_sequence_may_repeat():
     assert [f.call_sequence for f in trace.functions] == [1, 2]
 
 
+WRAPPED = """\
+Function:init()
+ActiveComponents:gripper,electric_motor
+Function:pick_position()
+ActiveComponents:electric_motor
+
+CallSequence:init(),
+pick_position()
+"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        WRAPPED,
+        WRAPPED.replace("\n", "\r\n"),
+        WRAPPED.replace(",\n", "\n , "),
+        WRAPPED.replace(",\n", ",\n\n\t"),
+        WRAPPED.replace("gripper,", "gripper ,\n  ").replace(":", " :\t").replace("()", " ( ) "),
+        WRAPPED.replace("CallSequence:", "CallSequence:\n  "),
+    ],
+)
+def test_a_log_may_wrap_and_space_its_lists_as_print_does(text):
+    read = read_log(text, "a.log", controller="a.py")
+    assert read == read_log(PUBLISHED, "a.log", controller="a.py")
+
+
 BAD_LOGS = {
+    WRAPPED.replace(
+        ",\npick_position()", ",\npick"
+    ): "run.log:7: 'pick' is not a name such as init()",
+    WRAPPED.replace(",\npick_position()", ",\nunlisted()"): "run.log:7: unlisted() is called but",
+    WRAPPED.replace(",\npick_position()", "\npick_position()"): "run.log:7: unknown line 'pick_p",
+    WRAPPED.replace("(),\npick_position()", "(),"): "run.log:6: '' is not a name such as init()",
     "": "run.log: has no 'CallSequence:' line",
     "Functions:init()": "run.log:1: unknown line",
     "ActiveComponents:a": "run.log:1: components without a function;",

@@ -7,13 +7,14 @@
 
 Source: Grimmeisen, Golwalkar, Ma, Morozov, "Automated and Continuous Risk Assessment for
 ROS-Based Software-Defined Robotic Systems" (2024), listing 1. It lists which components were
-active and not for how long.
+active and not for how long. A list may wrap at its commas, as it does in print.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location, LogError, one_of
@@ -22,7 +23,8 @@ from tracerisk.trace import Element, RunEnd, Trace, TracedFunction, Visit
 _FUNCTION = "Function:"
 _COMPONENTS = "ActiveComponents:"
 _SEQUENCE = "CallSequence:"
-_CALL = re.compile(r"([^\s(),]+(?: \([^(),]+\))?)\(\)")
+_HEAD = re.compile(r"(Function|ActiveComponents|CallSequence)\s*:(?!:)")
+_CALL = re.compile(r"([^\s(),]+(?: \([^(),]+\))?)\s*\(\s*\)")
 _COMPONENT = re.compile(r"[^\s(),:]+")
 
 
@@ -81,50 +83,82 @@ def read_log(text: str, file: str, *, controller: str) -> Trace:
     )
 
 
+class _Line(NamedTuple):
+    """A line of a log, with those onto which its list wraps."""
+
+    head: str
+    """What the line lists: `Function:`, `ActiveComponents:` or `CallSequence:`."""
+    text: str
+    """The list, with its line breaks."""
+    number: int
+    """Number of the first line, from 1."""
+
+
+def _lines(text: str, file: str) -> list[_Line]:
+    """Return the lines of a log; raise LogError at one that neither begins nor continues a list."""
+    lines: list[_Line] = []
+    for number, raw in enumerate(text.splitlines(), start=1):
+        line = raw.strip()
+        matched = _HEAD.match(line)
+        if matched is not None:
+            lines.append(_Line(f"{matched[1]}:", line[matched.end() :], number))
+        elif lines and (not line or _goes_on(lines[-1].text, line)):
+            lines[-1] = lines[-1]._replace(text=f"{lines[-1].text}\n{line}")
+        elif line:
+            raise LogError(
+                f"unknown line {line[:40]!r}; {one_of([_FUNCTION, _COMPONENTS, _SEQUENCE])}",
+                Location(file, number),
+            )
+    return lines
+
+
+def _goes_on(before: str, line: str) -> bool:
+    """Whether a line continues a list: the list wraps at a comma, or behind its colon."""
+    return line.startswith(",") or before.rstrip().endswith(",") or not before.strip()
+
+
 def _parse(text: str, file: str) -> tuple[dict[str, list[str]], list[tuple[str, int]]]:
     active: dict[str, list[str]] = {}
     calls: list[tuple[str, int]] = []
     current: str | None = None
-    for number, raw in enumerate(text.splitlines(), start=1):
-        line, place = raw.strip(), Location(file, number)
-        if line.startswith(_FUNCTION):
-            (current,) = _names(line.removeprefix(_FUNCTION), _CALL, place, just_one=True)
+    for line in _lines(text, file):
+        place = Location(file, line.number)
+        if line.head == _FUNCTION:
+            named = _names(line, _CALL, file)
+            if len(named) != 1:
+                raise LogError(f"expected one function, found {len(named)}", place)
+            current = named[0][0]
             if current in active:
                 raise LogError(f"{current}() is listed twice", place)
             active[current] = []
-        elif line.startswith(_COMPONENTS):
+        elif line.head == _COMPONENTS:
             if current is None:
                 raise LogError(
                     "components without a function; write a 'Function:name()' line first", place
                 )
-            active[current] = _names(line.removeprefix(_COMPONENTS), _COMPONENT, place)
+            active[current] = [name for name, _ in _names(line, _COMPONENT, file)]
+            if len(set(active[current])) != len(active[current]):
+                raise LogError("has a duplicate component", place)
             current = None
-        elif line.startswith(_SEQUENCE):
+        else:
             if calls:
                 raise LogError("duplicate call sequence; a log has one", place)
-            named = _names(line.removeprefix(_SEQUENCE), _CALL, place)
-            calls = [(name, number) for name in named]
-        elif line:
-            raise LogError(
-                f"unknown line {line[:40]!r}; {one_of([_FUNCTION, _COMPONENTS, _SEQUENCE])}", place
-            )
+            calls = _names(line, _CALL, file)
     if not calls:
         raise LogError("has no 'CallSequence:' line with a call", Location(file))
     return active, calls
 
 
-def _names(
-    text: str, pattern: re.Pattern[str], place: Location, *, just_one: bool = False
-) -> list[str]:
+def _names(line: _Line, pattern: re.Pattern[str], file: str) -> list[tuple[str, int]]:
+    """Return the names in a list, each with the number of its line."""
     names = []
-    for part in text.split(",") if text.strip() else []:
+    number = line.number
+    for part in line.text.split(",") if line.text.strip() else []:
+        at = number + part[: len(part) - len(part.lstrip())].count("\n")
         matched = pattern.fullmatch(part.strip())
         if matched is None:
             example = "init()" if pattern is _CALL else "electric_motor"
-            raise LogError(f"{part.strip()!r} is not a name such as {example}", place)
-        names.append(matched[1] if pattern is _CALL else matched[0])
-    if just_one and len(names) != 1:
-        raise LogError(f"expected one function, found {len(names)}", place)
-    if len(set(names)) != len(names) and pattern is _COMPONENT:
-        raise LogError("has a duplicate component", place)
+            raise LogError(f"{part.strip()!r} is not a name such as {example}", Location(file, at))
+        names.append((matched[1] if pattern is _CALL else matched[0], at))
+        number += part.count("\n")
     return names
