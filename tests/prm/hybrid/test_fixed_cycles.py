@@ -78,6 +78,70 @@ def test_loops_behind_the_entry_and_within_each_other_go_round_as_counted(nested
     assert mission.geometric_cycles > 1.3 * mission.failure_probability
 
 
+@pytest.mark.parametrize(
+    ("after", "visits"),
+    [
+        # A loop within a loop at one head: three rounds, in each of them three and one visits.
+        ({"a": {"a": "6/9", "b": "3/9"}, "b": {"a": "2/3", "done": "1/3"}}, {"a": 9, "b": 3}),
+        # The inner loop has two functions.
+        (
+            {
+                "a": {"b": 1},
+                "b": {"a": "4/6", "c": "2/6"},
+                "c": {"a": "1/2", "done": "1/2"},
+            },
+            {"a": 6, "b": 6, "c": 2},
+        ),
+        # Three loops at one head, and a way out behind them.
+        (
+            {
+                "a": {"a": "4/8", "b": "4/8"},
+                "b": {"a": "2/4", "c": "2/4"},
+                "c": {"a": "1/2", "d": "1/2"},
+                "d": {"done": 1},
+            },
+            {"a": 8, "b": 4, "c": 2, "d": 1},
+        ),
+        # Such loops within a loop of another head.
+        (
+            {
+                "d": {"a": 1},
+                "a": {"a": "12/18", "b": "6/18"},
+                "b": {"a": "4/6", "d": "1/6", "done": "1/6"},
+            },
+            {"a": 18, "b": 6, "d": 2},
+        ),
+    ],
+)
+@pytest.mark.parametrize("quantity", [1, 2])
+def test_loops_that_begin_at_the_head_of_others_go_round_as_counted(
+    block, component, after, visits, quantity
+):
+    parts = (component("arm", 0.01, quantity, "true" if quantity > 1 else "false"),)
+    blocks = [
+        block(name, rank, parts, after=ways, counts=True)
+        for rank, (name, ways) in enumerate(after.items(), start=1)
+    ]
+    mission = solve(build_model(blocks, name="m")).mission
+    assert mission.reading == "fixed cycles"
+    unit = 1 - 0.99 ** sum(visits.values())
+    assert mission.failure_probability == pytest.approx(unit**quantity, rel=1e-12)
+    assert mission.visits_as_run == pytest.approx(mission.failure_probability, rel=1e-12)
+
+
+def test_a_head_that_ends_rounds_unevenly_is_a_branch(block, component):
+    """Nine visits in four rounds are no loop within a loop."""
+    arm = (component("arm", P),)
+    after = {"a": {"a": "5/9", "b": "4/9"}, "b": {"a": "3/4", "done": "1/4"}}
+    blocks = [
+        block(name, rank, arm, after=ways, counts=True)
+        for rank, (name, ways) in enumerate(after.items(), start=1)
+    ]
+    mission = solve(build_model(blocks, name="m")).mission
+    sound = (1 - P) * (5 / 9 + 4 / 9 * (1 - P))
+    assert mission.failure_probability == pytest.approx(1 - sound**9, rel=1e-12)
+
+
 def test_branches_within_a_round_are_taken_by_their_shares(block, component):
     arm = (component("arm", P),)
     model = build_model(

@@ -3,6 +3,8 @@
 Where `next` counts one mission, its chain falls into functions and loops that are passed one after
 the other, each once: a loop is entered at one function, its head, and goes round as often as that
 is visited. What happens within a round may fall apart in the same way, or be a chain of its own.
+Loops within one another may share a head: then the outer one goes round as often as the functions
+lead back that come last.
 """
 
 from __future__ import annotations
@@ -39,10 +41,16 @@ class Loop(NamedTuple):
 Passage = tuple[int | Loop, ...]
 """What a mission passes, one after the other: functions, by number, and loops."""
 
+Steps = dict[int, dict[int, float]]
+"""The shares of the functions to which each leads, by number."""
+
+_MOST_TAILS = 8
+"""The number of functions leading back to a head up to which loops that share it are looked for."""
+
 
 def counted_passage(states: HiddenStates) -> Passage | None:
     """Return what each mission passes; `None` where `next` cannot be counts of one mission."""
-    return _passage(states, range(len(states.functions)), states.entry, is_round=False)
+    return _passage(states, range(len(states.functions)), states.entry, frozenset())
 
 
 def outcome_of(chain: HiddenChain, passage: Passage) -> Probability:
@@ -67,15 +75,15 @@ def rounds_of(chain: HiddenChain, loop: Loop, start: Sequence[float]) -> tuple[l
 
 
 def _passage(
-    states: HiddenStates, numbers: Iterable[int], entry: int, *, is_round: bool
+    states: HiddenStates, numbers: Iterable[int], entry: int, cut: frozenset[tuple[int, int]]
 ) -> Passage | None:
-    """Return what is passed from the entry on; a round ends where it comes back to it."""
+    """Return what is passed from the entry on; a round ends at the steps that are `cut`."""
     inside = set(numbers)
-    following = {
+    following: Steps = {
         number: {
             target: weight
             for target, weight in states.functions[number].steps
-            if target in inside and not (is_round and target == entry)
+            if target in inside and (number, target) not in cut
         }
         for number in sorted(inside, key=lambda item: (item != entry, item))
     }
@@ -83,24 +91,18 @@ def _passage(
     passage: list[int | Loop] = []
     for component in reversed(strong_components(following)):
         heads = [number for number in component if number in arriving]
-        if len(heads) != 1 or abs(arriving[heads[0]] - 1.0) > _ROUNDING:
+        if len(heads) != 1 or not _is_count(arriving[heads[0]], 1):
             return None
         head = heads[0]
         if len(component) == 1 and head not in following[head]:
             passage.append(head)
             visits = {head: 1.0}
         else:
-            visits = _visits_without_failure(states, component, head)
-            rounds = round(visits[head])
-            if abs(visits[head] - rounds) > _ROUNDING * rounds:
+            visits = _visits_without_failure(states, component, head, following)
+            loop = _loop(states, following, visits, head, cut)
+            if loop is None:
                 return None
-            passage.append(
-                Loop(
-                    Round(head, frozenset(component)),
-                    rounds,
-                    _passage(states, component, head, is_round=True),
-                )
-            )
+            passage.append(loop)
         for number, count in visits.items():
             for target, weight in following[number].items():
                 if target not in visits:
@@ -108,16 +110,51 @@ def _passage(
     return tuple(passage)
 
 
+def _loop(
+    states: HiddenStates,
+    following: Steps,
+    visits: dict[int, float],
+    head: int,
+    cut: frozenset[tuple[int, int]],
+) -> Loop | None:
+    """Return the loop of the functions with `visits`; `None` where its head is not counted."""
+    rounds = round(visits[head])
+    if not _is_count(visits[head], rounds):
+        return None
+    tails = [number for number in visits if head in following[number]]
+    each = Round(head, frozenset(visits))
+    body = _passage(states, visits, head, cut | {(tail, head) for tail in tails})
+    if body is None and 1 < len(tails) <= _MOST_TAILS:
+        inner = {n: [t for t in following[n] if t in visits and t != head] for n in visits}
+        order = [number for part in reversed(strong_components(inner)) for number in part]
+        tails.sort(key=order.index)
+        # The last functions that lead back end a round of the outer loop, the others of the inner.
+        for first in range(len(tails) - 1, 0, -1):
+            back = [visits[tail] * following[tail][head] for tail in tails[first:]]
+            outer = round(1.0 + math.fsum(back))
+            if _is_count(1.0 + math.fsum(back), outer) and rounds % outer == 0:
+                ends = {(tail, head) for tail in tails[first:]}
+                shared = _passage(states, visits, head, cut | ends)
+                if shared is not None:
+                    return Loop(each, outer, shared)
+    return Loop(each, rounds, body)
+
+
+def _is_count(visits: float, count: int) -> bool:
+    return abs(visits - count) <= _ROUNDING * count
+
+
 def _visits_without_failure(
-    states: HiddenStates, component: Sequence[int], head: int
+    states: HiddenStates, component: Sequence[int], head: int, following: Steps
 ) -> dict[int, float]:
     """Return how often each function of a loop is visited where nothing fails."""
     place = {number: index for index, number in enumerate(component)}
     rows, exits = [], []
     for number in component:
         function = states.functions[number]
-        rows.append({place[t]: w for t, w in function.steps if t in place and t != number})
-        exits.append(total((function.done, *(w for t, w in function.steps if t not in place))))
+        inside = {t for t in following[number] if t in place}
+        rows.append({place[t]: w for t, w in function.steps if t in inside and t != number})
+        exits.append(total((function.done, *(w for t, w in function.steps if t not in inside))))
     pattern = Pattern(
         lambda index: f"'{states.functions[component[index]].state.name}'", list(map(list, rows))
     )
