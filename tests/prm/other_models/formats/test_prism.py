@@ -50,6 +50,36 @@ def test_the_documented_text_is_read_and_solved():
     assert absorption["failed"] == pytest.approx(1e-8 / (0.1 + 1e-8), rel=1e-14)
 
 
+def test_labels_may_stand_in_labels_whichever_comes_first():
+    text = (
+        DIE
+        + """label "both" = "one" | ("begun" & "over") | "deadlock";
+    label "begun" = !"init";
+    """
+    )
+    chain = read_prism(text, constants={"N": 7})
+    assert chain.labelled("begun") == tuple(chain.names[1:])
+    assert set(chain.labelled("both")) == {"s=3,d=0", "one", "s=4,d=0"}
+    assert "deadlock" not in chain.labels
+
+
+@pytest.mark.parametrize(
+    ("labels", "message"),
+    [
+        ('label "a" = "b"; label "b" = !"a";', 'label "a" is defined in terms of itself'),
+        ('label "a" = "overr";', "no label \"overr\"; did you mean 'over'?"),
+        ("", ""),
+    ],
+)
+def test_labels_that_have_no_meaning_are_refused(labels, message):
+    if not labels:
+        text, message = DIE.replace("[] s>2", '[] "over"'), "labels are allowed in labels and"
+    else:
+        text = DIE + labels
+    with pytest.raises(ModelError, match=message):
+        read_prism(text, constants={"N": 7})
+
+
 def test_modules_with_a_common_action_move_together():
     text = """dtmc
     module left

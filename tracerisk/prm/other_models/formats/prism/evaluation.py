@@ -102,7 +102,8 @@ class Scope:
         if leaf.operation == "label":
             if self.labels is None:
                 raise ModelError(
-                    f'label "{name}": labels are allowed in properties only', leaf.location
+                    f'label "{name}": labels are allowed in labels and properties only',
+                    leaf.location,
                 )
             if name not in self.labels:
                 raise ModelError(f'no label "{name}"; {one_of(self.labels, name)}', leaf.location)
@@ -121,12 +122,12 @@ class Scope:
         )
 
 
-def names_in(expression: Expression) -> Iterator[str]:
-    """Yield the names that stand in an expression."""
+def names_in(expression: Expression, kind: str = "name") -> Iterator[str]:
+    """Yield the names that stand in an expression, or its labels where `kind` is `label`."""
     waiting = [expression]
     while waiting:
         now = waiting.pop()
-        if now.operation == "name":
+        if now.operation == kind:
             yield now.name
         waiting += now.inputs
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from tracerisk.common.strong_components import upwards
+from tracerisk.errors import ModelError
 from tracerisk.prm.other_models.formats.explicit_chain import (
     INITIAL,
     ExplicitChain,
     names_from_labels,
 )
 from tracerisk.prm.other_models.formats.prism.constants import constant_scope, known_constants
-from tracerisk.prm.other_models.formats.prism.evaluation import Scope, State
+from tracerisk.prm.other_models.formats.prism.evaluation import Scope, State, names_in
+from tracerisk.prm.other_models.formats.prism.expressions import Expression
 from tracerisk.prm.other_models.formats.prism.operations import Value
 from tracerisk.prm.other_models.formats.prism.program import parse_program
 from tracerisk.prm.other_models.formats.prism.state_space import MOST_STATES, StateSpace
@@ -64,9 +67,11 @@ def read_prism_model(
     space = StateSpace(program, scope, most_states)
     explore = space.explore()
     initial = frozenset(range(explore.starts))
-    labels: dict[str, frozenset[int]] = {INITIAL: initial}
-    for label, expression in program.labels.items():
-        labels[label] = space.holding(expression, f'label "{label}"')
+    absorbing = frozenset(number for number, row in enumerate(explore.rows) if not row)
+    known = {INITIAL: initial, "deadlock": absorbing}
+    for label in _labels_upwards(program.labels):
+        known[label] = space.holding(program.labels[label], f'label "{label}"', known)
+    labels = {label: known[label] for label in (INITIAL, *program.labels)}
     names = names_from_labels(
         len(explore.states), labels, [space.valuation(state) for state in explore.states]
     )
@@ -81,6 +86,23 @@ def read_prism_model(
         explore.rewards,
     )
     return PrismModel(chain, explore.states, scope)
+
+
+def _labels_upwards(labels: Mapping[str, Expression]) -> list[str]:
+    """Return the labels, each behind those that stand in it.
+
+    Raises ModelError where one is defined in terms of itself.
+    """
+
+    def below(label: str) -> list[str]:
+        return [name for name in names_in(labels[label], "label") if name in labels]
+
+    def cycle(path: list[str]) -> ModelError:
+        return ModelError(
+            f'label "{path[-1]}" is defined in terms of itself', labels[path[-1]].location
+        )
+
+    return upwards(labels, below, cycle)
 
 
 def constant_values(text: str, file: str) -> dict[str, Value]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 from tracerisk.errors import Location, ModelError, TooLargeError, one_of
@@ -171,13 +171,18 @@ class StateSpace:
         self._states = tuple(states)
         return Explored(self._states, starts, tuple(rows), earned)
 
-    def holding(self, expression: Expression, what: str) -> frozenset[int]:
-        """Return the states in which an expression holds; `what` is it in messages."""
-        compiled = self._scope.compile(expression)
+    def holding(
+        self, expression: Expression, what: str, labels: Mapping[str, Collection[int]]
+    ) -> frozenset[int]:
+        """Return the states in which an expression holds; `what` is it in messages.
+
+        `labels` are the numbers of the states of the labels that may stand in it.
+        """
+        compiled = replace(self._scope, labels=labels).compile(expression)
         self._count(compiled.size * len(self._states))
         numbers = []
         for number, state in enumerate(self._states):
-            value = compiled.run(state)
+            value = compiled.run((*state, number))
             if not isinstance(value, bool):
                 raise ModelError(
                     f"{what} is {value!r}, neither true nor false", expression.location
