@@ -437,6 +437,31 @@ BAD = [
         "m.xml:1:40: 'T' is defined twice, first at m.xml:1:11; rename one",
     ),
 ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<open-psa>{}</open-psa>",
+        '<opsa-mef xmlns="http://open-psa.org/mef">{}</opsa-mef>',
+        '<open-psa xmlns="http://open-psa.org/mef" name="">{}</open-psa>',
+    ],
+)
+def test_the_root_may_have_another_name_and_a_namespace(text):
+    body = model(TOP + EVENTS).removeprefix("<opsa-mef>").removesuffix("</opsa-mef>")
+    assert loads_open_psa(text.format(body), "m.xml") == loads_open_psa(
+        model(TOP + EVENTS), "m.xml"
+    )
+
+
+def test_a_namespace_may_have_a_prefix():
+    text = re.sub(r"<(/?)(?=[a-z])", r"<\1mef:", model(TOP + EVENTS))
+    text = text.replace("<mef:opsa-mef", '<mef:opsa-mef xmlns:mef="http://open-psa.org/mef"', 1)
+    assert loads_open_psa(text, "m.xml") == loads_open_psa(model(TOP + EVENTS), "m.xml")
+    with pytest.raises(ModelError, match="<scram> is not an Open-PSA model"):
+        loads_open_psa("<m:scram xmlns:m='x'/>", "m.xml")
+
+
 GROUP = """<opsa-mef><define-CCF-group name="G" model="{model}">
 <members>{members}</members>
 {distribution}

@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 else:
     Home = namedtuple("Home", ("path", "private"))
 ROOT = "opsa-mef"
+ROOTS = (ROOT, "open-psa")
+"""What the root of a file is called; the second is that of older tools."""
 CONTAINERS = frozenset((ROOT, "model-data", "define-fault-tree", "define-component"))
 _NOTES = ("label", "attributes")
 

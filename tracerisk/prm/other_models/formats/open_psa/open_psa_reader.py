@@ -5,7 +5,12 @@ from __future__ import annotations
 import os
 
 from tracerisk.prm.numbers.gc_pause import collection_paused
-from tracerisk.prm.other_models.formats.open_psa.collecting import CONTAINERS, ROOT, Collector
+from tracerisk.prm.other_models.formats.open_psa.collecting import (
+    CONTAINERS,
+    ROOT,
+    ROOTS,
+    Collector,
+)
 from tracerisk.prm.other_models.formats.open_psa.linking import Linker
 from tracerisk.prm.other_models.formats.open_psa.xml_elements import Element, parse
 from tracerisk.prm.other_models.logic.model import LogicModel
@@ -14,7 +19,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from pathlib import Path
 
-_WHOLE = f"xpointer(/{ROOT}/*)"
+_WHOLE = tuple(f"xpointer(/{root}/*)" for root in ROOTS)
 """What of a file is included: all that its root holds."""
 _MOST_FILES = 1_000
 
@@ -51,7 +56,9 @@ def _collected(sources: list[tuple[str | bytes, str]], collector: Collector) -> 
     waiting: list[tuple[str | bytes, str, tuple[str, ...]]] = [(*row, ()) for row in sources]
     for count, (source, file, above) in enumerate(waiting, start=1):
         includes: list[Element] = []
-        root = parse(source, file, CONTAINERS, collector.enter, collector.take, includes.append)
+        root = parse(
+            source, file, ROOTS, CONTAINERS, collector.enter, collector.take, includes.append
+        )
         if root.tag != ROOT:
             root.fail(f"<{root.tag}> is not an Open-PSA model; the root must be <{ROOT}>")
         if count > _MOST_FILES:
@@ -66,9 +73,9 @@ def _collected(sources: list[tuple[str | bytes, str]], collector: Collector) -> 
 def _included(element: Element, source: str | bytes, above: tuple[str, ...]) -> str:
     """Return the file that an element includes."""
     element.check_attributes("href", "xpointer")
-    pointer = element.attributes.get("xpointer", _WHOLE)
-    if pointer.replace(" ", "") not in (_WHOLE, f"/{ROOT}/*"):
-        element.fail(f"the xpointer '{pointer}' is not supported; allowed: {_WHOLE}")
+    pointer = element.attributes.get("xpointer", _WHOLE[0]).replace(" ", "")
+    if pointer not in _WHOLE and pointer not in (f"/{root}/*" for root in ROOTS):
+        element.fail(f"the xpointer '{pointer}' is not supported; allowed: {_WHOLE[0]}")
     if isinstance(source, bytes):
         element.fail(
             "includes a file, but a model text has no folder to include from; read the "

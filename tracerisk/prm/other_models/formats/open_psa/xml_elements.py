@@ -75,6 +75,7 @@ class Element:
 def parse(
     source: str | bytes,
     file: str,
+    roots: tuple[str, ...],
     containers: frozenset[str],
     enter: Callable[[Element], None],
     take: Callable[[Element], None],
@@ -82,7 +83,8 @@ def parse(
 ) -> Element:
     """Parse XML, the bytes or the path of a file, and return its root.
 
-    `file` is its name in messages.
+    `file` is its name in messages. A root with one of the names `roots` is read by the first of
+    them, and its namespace, with or without a prefix, is left aside.
 
     `enter` is called with each container, `take` with each child of one once it is whole, and
     with the container itself after those; its label and attributes stay in it. `include` is
@@ -94,13 +96,22 @@ def parse(
     parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
     parser.buffer_text = True
     stack: list[Element] = []
-    roots: list[Element] = []
+    whole: list[Element] = []
+    prefix = ""
     kept = frozenset(("label", "attributes"))
 
     def here() -> Location:
         return Location(file, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal prefix
+        if not stack:
+            prefix = tag[: tag.find(":") + 1]
+            attributes.pop("xmlns", None)
+        if prefix:
+            tag = tag.removeprefix(prefix)
+        if not stack and tag in roots:
+            tag = roots[0]
         if attributes:
             if ":" in "".join(attributes):
                 attributes = {name: value for name, value in attributes.items() if ":" not in name}
@@ -120,10 +131,12 @@ def parse(
 
     def end(tag: str) -> None:
         element = stack.pop()
+        if prefix:
+            tag = tag.removeprefix(prefix)
         if tag == "label":
             parser.CharacterDataHandler = None
         if not stack:
-            roots.append(element)
+            whole.append(element)
         parent = stack[-1] if stack else None
         if tag == "xi:include" and include is not None:
             include(element)
@@ -161,7 +174,7 @@ def parse(
         parser.StartElementHandler = parser.EndElementHandler = None
         parser.CharacterDataHandler = None
         parser.EntityDeclHandler = parser.SkippedEntityHandler = None
-    return roots[0]
+    return whole[0]
 
 
 def _explain(parser: expat.XMLParserType, source: str | bytes, error: expat.ExpatError) -> str:
