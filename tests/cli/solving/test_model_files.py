@@ -536,6 +536,7 @@ def test_constants_of_prism_are_set_in_what_is_written(call):
         (["cooling.xml", "-o", "o.xml", "--set", "p=1"], "--set goes with constants of a PRISM"),
         (["repair.tra", "-o", "o.lab", "--to", "explicit"], "name it .tra"),
         (["rate.xml", "-o", "o.json"], "give the mission time to evaluate it"),
+        (["cooling.xml", "-o", "o.dft", "--profile", "a:b=1"], "--profile goes with sources; a"),
         (["x.py", "-o", "o.xml"], "no risk block in x.py; `tracerisk run FILE`"),
         (["cooling.xml", "-o", "no/o.xml"], "no/o.xml: cannot be written"),
     ],
@@ -560,6 +561,18 @@ def test_the_blocks_of_sources_are_converted_as_the_model_built_of_them(call, an
         of_sources = Path(output).read_text()
         assert call("convert", "cell.json", "-o", output, "--to", kind).code == 0
         assert Path(output).read_text() == of_sources
+
+
+def test_the_profile_of_sources_is_converted(call, annotated_source):
+    Path("cell.py").write_text(
+        annotated_source(pick=("place 1", "gripper = 1e-3"), place=("done 1", "gripper = 3e-3"))
+    )
+    profile = ("--profile", "place:pick=0.9,done=0.1")
+    assert call("convert", "cell.py", "-o", "x.prism", *profile).code == 0
+    expected = solved(call, "cell.py", *profile)["assessment"]["states"]
+    found = solved(call, "x.prism")["absorption"]
+    assert found["pick_failure"] == pytest.approx(expected[0]["absorption_probability"], rel=1e-12)
+    assert found["pick_failure"] > 5e-3
 
 
 def test_a_curve_goes_up_to_the_mission_time(call):

@@ -10,7 +10,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.model_files import format_of, labels_beside, read_model
 from tracerisk.cli.shared.model_format import SUFFIXES, ModelFormat
 from tracerisk.cli.shared.output import note, print_json
-from tracerisk.cli.shared.sources import model_of_sources
+from tracerisk.cli.shared.sources import model_of_sources, read_profile
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.errors import InputError, Location, ModelError, one_of
 from tracerisk.prm.hybrid.hybrid import HybridModel
@@ -60,6 +60,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="a constant of a PRISM file; repeatable",
     )
     parser.add_argument("--top", metavar="NAME", help="the top to write, where a file holds one")
+    shared.add_profile(parser)
     shared.add_mission_time(parser)
     shared.add_json(parser)
 
@@ -99,8 +100,11 @@ def _converted(
     """Return the text of each file to write; the blocks of sources where there is no `kind`."""
 
     constants = _constants(options, kind)
+    profile = read_profile(options)
+    if profile and kind is not None:
+        raise InputError("--profile goes with sources; a model file has its own `next`")
     model = (
-        model_of_sources(options.files, {})
+        model_of_sources(options.files, profile)
         if kind is None
         else read_model(options.files, kind, constants)
     )
