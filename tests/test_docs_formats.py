@@ -2,11 +2,21 @@
 
 import doctest
 import re
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 TEXT = (Path(__file__).parent.parent / "docs" / "formats.md").read_text(encoding="utf-8")
+
+
+def test_each_function_stands_in_a_module_named_beside_it():
+    lines = re.findall(r"^`tracerisk\.[a-z_.]+`: .*", TEXT, re.MULTILINE)
+    assert len(lines) > 5
+    for line in lines:
+        modules = [import_module(name) for name in re.findall(r"`(tracerisk[a-z_.]+)`", line)]
+        for name in re.findall(r"`([a-z_]+)\(", line):
+            assert any(hasattr(module, name) for module in modules), name
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk import api
 from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
-from tracerisk.common.trace_log import read_log
-from tracerisk.errors import LogError
-from tracerisk.prm import FaultTree, HybridModel
-from tracerisk.prm.other_models.formats.conversion import logic_of_functions
-from tracerisk.prm.other_models.formats.openpra.writer import dumps_openpra
+from tracerisk.errors import HardwareError
 
 PAGE = Path(__file__).parents[1] / "docs" / "safety.md"
 ROWS = re.findall(
@@ -29,24 +24,6 @@ def test_each_row_of_the_page_is_shown_here_and_each_test_here_has_a_row():
     here = re.findall(r"^def (test_\w+)\(", text, re.MULTILINE)[1:]
     assert [test for _, test in ROWS] == here
     assert [number for number, _ in ROWS] == [f"K{n}" for n in range(1, len(here) + 1)]
-
-
-def test_an_inner_loop_at_the_head_of_the_outer_one_is_read_as_random(annotated_source):
-    source = annotated_source(
-        reach=("reach 6/9, place 3/9", "motor = 0.1"), place=("reach 2/3, done 1/3", "jaw = 0.1")
-    )
-    model = api.build({"cell.py": source.encode()}, name="cell")
-    reported = api.solve(model).mission
-    # Nine visits and three visits, each of which fails with 0.1.
-    assert reported.visits_as_run == pytest.approx(1 - 0.9**12, rel=1e-12)
-    assert reported.failure_probability == pytest.approx(0.71446, abs=1e-5)
-
-
-def test_names_in_openpra_files_have_signs_that_its_engine_refuses():
-    tree = FaultTree.of("fails", {"fails": ("and", "power[1]", "power[2]")})
-    values = {"power[1]": 1e-6, "power[2]": 1e-6}
-    model = HybridModel.of("cell", {"init": tree}, values=values)
-    assert '"init.power[1]"' in dumps_openpra(logic_of_functions(model), mission_time_h=1.0)
 
 
 def test_redundancy_by_metadata_of_others_is_not_read(tmp_path):
@@ -67,15 +44,27 @@ package Cell {
     assert not power.redundancy.is_redundant
 
 
-def test_a_log_whose_call_sequence_is_wrapped_is_refused():
-    text = """\
-Function:init()
-ActiveComponents:gripper
-Function:place()
-ActiveComponents:gripper
+def test_a_rate_that_is_one_over_an_mtbf_is_refused(tmp_path):
+    path = tmp_path / "cell.sysml"
+    path.write_text("""\
+package Cell {
+    private import TraceriskHardware::*;
+    private import SI::*;
+    part arm { part motor {
+        attribute mtbf : ISQ::DurationValue = 50000 [h];
+        @FailureData { rate = 1 / mtbf; }
+    } }
+}
+""")
+    with pytest.raises(HardwareError, match="'/' has no finite value"):
+        read_sysml(path)
 
-CallSequence:init(),
-place()
-"""
-    with pytest.raises(LogError):
-        read_log(text, "log.txt", controller="cell.py")
+
+def test_a_controller_can_lift_its_memory_limit(example, quick):
+    lift = "hard = resource.getrlimit(kind)[1]; resource.setrlimit(kind, (hard, hard))"
+    show = "print('limit is', resource.getrlimit(kind)[0])"
+    source = quick("import resource", "kind = resource.RLIMIT_AS", lift, show)
+    example.write("controller.py", source)
+    outcome = example.run("run", "controller.py", "--check", "--memory-limit", "3000")
+    (limit,) = re.findall(r"limit is (-?\d+)", outcome.out + outcome.err)
+    assert not 0 < int(limit) <= 3000 * 2**20

@@ -3,6 +3,7 @@
 `pick_and_place.py` has tests of its own, `test_sample.py` and `test_refactoring.py`.
 """
 
+import json
 import math
 import sys
 import time
@@ -13,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.pipeline.every_law import figure_by_every_law, made_up
+from tests.prm.other_models.formats.openpra_engine import violations
 from tests.slow import slow_but
 from tracerisk.adder.sources.insert import strip_blocks
 from tracerisk.common import trace_json
@@ -499,6 +501,8 @@ def test_the_blocks_alone_give_the_model(name, ran):
     assert built["states"] == outcome.json["model"]["states"]
     solved = example.run("solve", *sources, "--json").json["assessment"]
     assert solved["mission"] == outcome.json["assessment"]["mission"]
+    assert example.run("convert", *sources, "-o", "openpra.json").code == 0
+    assert violations(json.loads(example.read("openpra.json"))) == []
 
 
 @pytest.mark.slow

@@ -180,11 +180,14 @@ def event_tree_data(
     sequences = []
     for course in _courses(tree, where):
         states = [
-            _state(name, course.states.get(name), tree_of, where) for name in tree.functional_events
+            _state(name, instructions, tree_of, where)
+            for name in tree.functional_events
+            # The engine looks for the gate of what is bypassed, too.
+            if (instructions := course.states.get(name))
         ]
         sequence = tree.sequence(course.sequence)
-        collectionses = {"name": sequence.name, "functionalStates": states}
-        sequences.append(collectionses | {"endState": sequence.end_state})
+        collected = {"name": sequence.name, "functionalStates": states}
+        sequences.append(collected | {"endState": sequence.end_state})
     return described({"name": tree.name}, definition.place.label) | {
         "initiatingEvent": begun,
         "functionalEvents": functions,
@@ -199,12 +202,10 @@ def described(data: dict[str, Any], label: str) -> dict[str, Any]:
 
 def _state(
     name: str,
-    instructions: tuple[Instruction, ...] | None,
+    instructions: tuple[Instruction, ...],
     tree_of: Callable[[str], str],
     where: str,
 ) -> dict[str, Any]:
-    if not instructions:
-        return {"name": name, "state": "bypass"}
     first = instructions[0]
     if len(instructions) > 1 or not isinstance(first, Condition):
         raise ModelError(

@@ -110,6 +110,9 @@ class LogicWriter:
         written = self._form(accepted_form(self._gates[name].gate), name)
         # A top that only hands on another gate is written as that gate, by its own name.
         written.pop("name", None)
+        if "event" in written:
+            # The engine takes no event for a top.
+            written = _operation(written)
         return written if name == tree else {"name": name, **written}
 
     def _gate(self, name: str, owner: str) -> dict[str, Any]:
@@ -126,7 +129,7 @@ class LogicWriter:
     def _form(self, form: Form, owner: str) -> dict[str, Any]:
         if form.kind is GateKind.TRANSFER:
             return self._input(form.inputs[0], owner)
-        inputs = [self._input(item, owner) for item in form.inputs]
+        inputs = _apart([self._input(item, owner) for item in form.inputs])
         if form.kind is GateKind.NOT:
             return {"op": "not", "arg": inputs[0]}
         written: dict[str, Any] = {"op": form.kind.value}
@@ -171,3 +174,20 @@ class LogicWriter:
                 f"gate '{top}' has {depth} levels of gates below it, which OpenPRA nests; "
                 f"allowed: {GREATEST_DEPTH // 2}; use another format"
             )
+
+
+def _operation(event: dict[str, Any]) -> dict[str, Any]:
+    """Return an operation that is the event."""
+    return {"op": GateKind.OR.value, "args": [event]}
+
+
+def _apart(inputs: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return arguments with an event that gates hand on twice as one event and operations."""
+    seen: set[str] = set()
+    apart = []
+    for part in inputs:
+        event = part.get("event")
+        apart.append(_operation(part) if event in seen else part)
+        if event is not None:
+            seen.add(event)
+    return apart

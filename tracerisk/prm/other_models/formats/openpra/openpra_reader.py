@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.numbers.gc_pause import collection_paused
 from tracerisk.prm.other_models.expressions import Expression, Number
+from tracerisk.prm.other_models.formats.openpra.common_causes import restored
+from tracerisk.prm.other_models.formats.openpra.engine_names import restore_names
 from tracerisk.prm.other_models.formats.openpra.event_trees import read_event_tree
 from tracerisk.prm.other_models.formats.openpra.logic import read_logic
 from tracerisk.prm.other_models.logic.checks import suggestion
@@ -63,11 +66,33 @@ def loads_openpra(text: str | bytes, file: str) -> LogicModel:
         entries = document.entries()
         if "model" in entries:
             # A request to the engine: the settings say how it solves, not what.
-            entries = document.fields({"model"}, optional={"settings"})
+            entries = document.fields({"model"}, optional={"settings", "tracerisk"})
             if "settings" in entries:
                 entries["settings"].entries()
-            return _Reader(entries["model"]).model()
+            return _model_of(entries["model"], entries.get("tracerisk"))
         return _Reader(document).model()
+
+
+def _model_of(element: Element, beside: Element | None) -> LogicModel:
+    """Return the model of a request, with what our writer put beside it for the engine's sake."""
+    if beside is None:
+        return _Reader(element).model()
+    restore_names(element, beside)
+    fields = beside.entries()
+    houses = fields["houseEvents"].each(Element.string) if "houseEvents" in fields else ()
+    reader = _Reader(element, frozenset(houses))
+    model = reader.model()
+    if "ccfGroups" not in fields:
+        return model
+    groups = fields["ccfGroups"].each(lambda item: reader.group(item, is_written_out=True))
+    with_groups = restored(model, groups)
+    if with_groups is not None:
+        return with_groups
+    finding = (
+        f"{fields['ccfGroups'].location}: the common cause groups do not fit the gates and events "
+        "of the model, which count"
+    )
+    return replace(model, findings=(*model.findings, finding))
 
 
 def _decoded(data: bytes, file: str) -> str:
@@ -84,8 +109,9 @@ def _decoded(data: bytes, file: str) -> str:
 class _Reader:
     """Reads one model."""
 
-    def __init__(self, element: Element) -> None:
+    def __init__(self, element: Element, shared_houses: frozenset[str] = frozenset()) -> None:
         self._element = element
+        self._shared_houses = shared_houses
         self._gates: list[GateDefinition] = []
         self._events: dict[str, tuple[float, EventDefinition, Element]] = {}
         self._houses: dict[str, tuple[HouseDefinition, Element]] = {}
@@ -105,7 +131,7 @@ class _Reader:
             self._events_of(element)
         for element in trees:
             self._fault_tree(element, named)
-        groups = fields["ccfGroups"].each(self._group) if "ccfGroups" in fields else ()
+        groups = fields["ccfGroups"].each(self.group) if "ccfGroups" in fields else ()
         events = tuple(
             # The figure of a member is that of its group, which is in no fault tree.
             EventDefinition(name) if name in self._members else event
@@ -160,6 +186,9 @@ class _Reader:
                 parts["p"].fail(f"probability {p!r} is outside [0, 1]")
             if name in (ALWAYS, NEVER):
                 continue
+            if name in self._shared_houses and p in (0.0, 1.0):
+                self._house(name, p == 1.0, item, parts["p"], home)
+                continue
             known = self._events.get(name)
             if known is not None and known[0] != p:
                 parts["p"].fail(
@@ -172,20 +201,21 @@ class _Reader:
                 self._elements["basic event", name] = item
         for item in elements["houseEvents"].items() if "houseEvents" in elements else ():
             parts = item.fields({"name", "state"}, optional={"description"})
-            name = parts["name"].string()
-            state = parts["state"].boolean()
-            listed = self._houses.get(name)
-            if listed is not None and listed[0].house.state != state:
-                parts["state"].fail(
-                    f"is {str(state).lower()}, at {listed[1].location} it is not; "
-                    "give one house event one state, or rename one"
-                )
-            if listed is None:
-                house = HouseDefinition(
-                    HouseEvent(name, state), Place(home.home, label=_label(parts))
-                )
-                self._houses[name] = (house, item)
-                self._elements["house event", name] = item
+            state = parts["state"]
+            self._house(parts["name"].string(), state.boolean(), item, state, home)
+
+    def _house(self, name: str, state: bool, item: Element, where: Element, home: Place) -> None:
+        listed = self._houses.get(name)
+        if listed is not None and listed[0].house.state != state:
+            where.fail(
+                f"is {str(state).lower()}, at {listed[1].location} it is not; "
+                "give one house event one state, or rename one"
+            )
+        if listed is None:
+            label = _label(item.entries())
+            house = HouseDefinition(HouseEvent(name, state), Place(home.home, label=label))
+            self._houses[name] = (house, item)
+            self._elements["house event", name] = item
 
     def _fault_tree(self, element: Element, named: dict[str, str]) -> None:
         parts = self._parts(element)
@@ -219,19 +249,21 @@ class _Reader:
                 f"{place.location}: gate '{gate.name}' has duplicate inputs: {', '.join(twice)}"
             )
 
-    def _group(self, element: Element) -> GroupDefinition:
+    def group(self, element: Element, *, is_written_out: bool = False) -> GroupDefinition:
+        """Return a common cause group; its members are gates where it is written out."""
         fields = element.fields(
             {"name", "model", "members"}, optional={"description", "distribution", "factors"}
         )
         name = fields["name"].string()
         law = _LAWS[fields["model"].choice(_LAWS)]
         members = fields["members"].each(Element.string)
+        known = {gate.name for gate in self._gates} if is_written_out else set()
         for index, member in enumerate(members):
-            if member not in self._events:
+            if member not in self._events and member not in known:
                 fields["members"].items()[index].fail(
                     f"member '{member}' is not a basic event; {suggestion(self._events, member)}"
                 )
-        own = {self._events[member][0] for member in members}
+        own = {self._events[member][0] for member in members if member in self._events}
         if "distribution" in fields:
             distribution = fields["distribution"].number()
             if not 0.0 <= distribution <= 1.0:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,8 @@ from tracerisk.common.strong_components import reached
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.other_models.expressions import Evaluation, Expression, Number
 from tracerisk.prm.other_models.formats.open_psa.rewriting import accepted_form, form_inputs
+from tracerisk.prm.other_models.formats.openpra.common_causes import written_out
+from tracerisk.prm.other_models.formats.openpra.engine_names import name_for_engine
 from tracerisk.prm.other_models.formats.openpra.event_trees import described, event_tree_data
 from tracerisk.prm.other_models.formats.openpra.logic import LogicWriter
 from tracerisk.prm.other_models.logic.model import (
@@ -43,15 +47,44 @@ def write_openpra(
 def dumps_openpra(model: LogicModel, *, mission_time_h: float | None = None) -> str:
     """Return the model as a request to the OpenPRA engine, in JSON.
 
-    Expressions become their values for the mission time, [h], parameters are left out.
+    Expressions become their values for the mission time, [h], parameters are left out. What the
+    engine does not take as it is stands beside the model, under `tracerisk`, for our reader.
     Raises ModelError when OpenPRA cannot hold the model, or needs a mission time; TooLargeError
     when a gate that feeds many would have to be written too often.
     """
-    settings: dict[str, Any] = {"bdd": True, "probability": True}
+    writer = _Writer(model, mission_time_h)
+    beside: dict[str, Any] = {}
     if model.groups:
-        settings["ccf"] = True
-    document = {"settings": settings, "model": _Writer(model, mission_time_h).data()}
+        beside["ccfGroups"] = writer.groups()
+        writer = _Writer(written_out(writer.in_numbers()), mission_time_h)
+    data = writer.data()
+    shared = _share_houses(data.get("faultTrees", ()))
+    if shared:
+        beside["houseEvents"] = shared
+    beside = name_for_engine(data) | beside
+    document = {"settings": {"bdd": True, "probability": True}, "model": data}
+    document |= {"tracerisk": beside} if beside else {}
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _share_houses(trees: Iterable[dict[str, Any]]) -> list[str]:
+    """Make events of the house events of several trees, of which the engine takes one only.
+
+    Returns their names.
+    """
+    counts = Counter(house["name"] for tree in trees for house in tree.get("houseEvents", ()))
+    shared = {name for name, count in counts.items() if count > 1}
+    for tree in trees:
+        houses = tree.pop("houseEvents", [])
+        tree["basicEvents"] += [
+            {key: value for key, value in house.items() if key != "state"}
+            | {"p": float(house["state"])}
+            for house in houses
+            if house["name"] in shared
+        ]
+        if kept := [house for house in houses if house["name"] not in shared]:
+            tree["houseEvents"] = kept
+    return sorted(shared)
 
 
 class _Writer:
@@ -64,7 +97,6 @@ class _Writer:
         self._gates = {gate.gate.name: gate for gate in model.gates}
         self._events = {event.name: event for event in model.events}
         self._houses = {house.house.name: house for house in model.houses}
-        self._groups = {member: group for group in model.groups for member in group.members}
         self._labels = {container.path: container.label for container in model.containers}
         self._trees = self._tree_names()
         self._logic = LogicWriter(self._gates)
@@ -82,17 +114,32 @@ class _Writer:
         self._add_unused(trees)
         if trees:
             data["faultTrees"] = trees
-        if model.groups:
-            data["ccfGroups"] = [self._group(group) for group in model.groups]
         if event_trees:
             data["eventTrees"] = event_trees
         return data
 
+    def groups(self) -> list[dict[str, Any]]:
+        """Return the data of the common cause groups."""
+        return [self._group(group) for group in self._model.groups]
+
+    def in_numbers(self) -> LogicModel:
+        """Return the model with numbers for the figures of its groups."""
+        groups = []
+        for group in self._model.groups:
+            what = f"common cause group '{group.name}'"
+            factors = tuple(
+                (level, Number(self._value(factor, what))) for level, factor in group.factors
+            )
+            figure = Number(self._value(group.distribution, what))
+            groups.append(replace(group, distribution=figure, factors=factors))
+        return replace(self._model, groups=tuple(groups))
+
     def _tree_names(self) -> dict[str, str]:
         """Return the name of the fault tree of each top: that of its home, where it is alone.
 
-        A home that has the name of another top leaves it to the tree of that one.
+        A home that has the name of another gate or of an event leaves it to that one.
         """
+        taken = {*self._gates, *self._events, *self._houses}
         tops = self._model.tops
         homes: dict[str, list[str]] = {}
         for top in tops:
@@ -100,21 +147,9 @@ class _Writer:
         names: dict[str, str] = {}
         for top in tops:
             home = self._gates[top].place.home.partition(".")[0]
-            alone = home and homes[home] == [top] and home not in {*tops} - {top}
+            alone = home and homes[home] == [top] and (home == top or home not in taken)
             names[top] = home if alone and home in self._labels else top
-        self._check_distinct(names)
         return names
-
-    def _check_distinct(self, names: dict[str, str]) -> None:
-        seen: dict[str, str] = {}
-        for top, name in names.items():
-            if name in seen or (name in self._events) or (name in self._houses):
-                other = f"the gate '{seen[name]}'" if name in seen else "an event"
-                raise ModelError(
-                    f"the fault tree of gate '{top}' would have the name '{name}' of {other}; "
-                    "rename one"
-                )
-            seen[name] = top
 
     def _tree_of(self, gate: str) -> str:
         """Return the fault tree of a gate, which is given one where it has none."""
@@ -125,7 +160,6 @@ class _Writer:
             )
         if gate not in self._trees:
             self._trees[gate] = gate
-            self._check_distinct(self._trees)
         return self._trees[gate]
 
     def _fault_tree(self, name: str, top: str) -> dict[str, Any]:
@@ -151,14 +185,12 @@ class _Writer:
         return reached((top,), inputs)
 
     def _event(self, each: EventDefinition) -> dict[str, Any]:
-        group = self._groups.get(each.name)
-        expression = each.expression if group is None else group.distribution
-        if expression is None:
+        if each.expression is None:
             raise ModelError(
                 f"event '{each.name}' has no probability, which OpenPRA needs; give it one"
             )
         data = described({"name": each.name}, each.place.label)
-        return data | {"p": self._value(expression, f"event '{each.name}'")}
+        return data | {"p": self._value(each.expression, f"event '{each.name}'")}
 
     def _value(self, expression: Expression, what: str) -> float:
         if isinstance(expression, Number):
