@@ -26,24 +26,6 @@ def test_each_row_of_the_page_is_shown_here_and_each_test_here_has_a_row():
     assert [number for number, _ in ROWS] == [f"K{n}" for n in range(1, len(here) + 1)]
 
 
-def test_redundancy_by_metadata_of_others_is_not_read(tmp_path):
-    path = tmp_path / "cell.sysml"
-    path.write_text("""\
-package Cell {
-    private import RiskMetadata::*;
-    metadata def Redundancy { attribute redundant : ScalarValues::Boolean; }
-    part arm {
-        part power [2] {
-            @Risk { totalRisk { probability = 6.674e-08; } }
-            @Redundancy { redundant = true; }
-        }
-    }
-}
-""")
-    (power,) = read_sysml(path).components
-    assert not power.redundancy.is_redundant
-
-
 def test_a_rate_that_is_one_over_an_mtbf_is_refused(tmp_path):
     path = tmp_path / "cell.sysml"
     path.write_text("""\

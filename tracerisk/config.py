@@ -85,7 +85,9 @@ class Settings:
     scenario: str | None = None
     """The file with what the controller's world provides; `None`: none."""
     hardware: str | None = None
-    """The name or file of the hardware description; `None`: the robot's default."""
+    """The name, file or folder of the hardware description; `None`: the robot's default."""
+    system: str | None = None
+    """The part of a description in SysML that is the system; `None`: the one with failure data."""
     ros_distro: RosDistro | None = None
     """The ROS distribution whose rules apply; `None`: found in the workspace or assumed."""
     ros_prefixes: tuple[str, ...] = ()
@@ -417,7 +419,8 @@ class _Reader:
         if not is_name or not isinstance(value, str):
             return value
         # A name with an ending is that of a file, be it there or not; no shipped one has it.
-        is_file = _is_file(self._folder / value) or Path(value).suffix
+        path = self._folder / value
+        is_file = _is_file(path) or Path(value).suffix or (key == "hardware" and _is_folder(path))
         return str(self._folder / value) if is_file or key == "launch" else value
 
     def _values(self, table: Mapping[str, Any], place: tuple[str, ...]) -> dict[str, Any]:
@@ -525,6 +528,13 @@ class _Reader:
 def _is_file(path: Path) -> bool:
     try:
         return path.is_file()
+    except OSError:  # too long for a path
+        return False
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
     except OSError:  # too long for a path
         return False
 

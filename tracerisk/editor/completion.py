@@ -14,6 +14,7 @@ from tracerisk.adder.blocks.lines import GUTTER, HEADER
 from tracerisk.adder.blocks.values import COMPONENT_KINDS, DONE, NEXT
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import Component, Hardware
+from tracerisk.common.hardware.source_files import sysml_files
 from tracerisk.config import Settings
 from tracerisk.editor.figures import ControllerFigures
 from tracerisk.errors import TraceRiskError
@@ -277,17 +278,18 @@ def hardware_of(figures: ControllerFigures) -> Hardware | None:
             recorded = RunInputs.from_data(entry.inputs)
             settings = settings.with_options(given_options(recorded, controller))
         path = None if settings.hardware is None else Path(settings.hardware)
-        version = 0 if path is None else path.stat().st_mtime_ns
+        files = () if path is None else sysml_files(path)
+        version = max((file.stat().st_mtime_ns for file in files), default=0)
     except (TraceRiskError, OSError):
         return None
-    return _read(settings.hardware, str(robot or ""), version)
+    return _read(settings.hardware, settings.system, str(robot or ""), version)
 
 
 @lru_cache(maxsize=16)
-def _read(hardware: str | None, robot: str, version: int) -> Hardware | None:
-    """Return a description, read once for each `version` of its file."""
+def _read(hardware: str | None, system: str | None, robot: str, version: int) -> Hardware | None:
+    """Return a description, read once for each `version` of its files."""
     del version
     try:
-        return load_hardware(Settings(hardware=hardware), robot)
+        return load_hardware(Settings(hardware=hardware, system=system), robot)
     except TraceRiskError:
         return None

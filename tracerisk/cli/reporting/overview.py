@@ -30,7 +30,7 @@ _NOT_WITH_IT = (
         "recording",
         "dossier",
     ),
-    *("hardware", "active", "profile"),
+    *("hardware", "system", "active", "profile"),
 )
 
 

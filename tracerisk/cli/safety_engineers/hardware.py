@@ -55,14 +55,17 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _add_convert(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("file", metavar="FILE", help="the description, .yaml or .sysml")
+    parser.add_argument(
+        "file", metavar="FILE", help="the description, .yaml or .sysml, or a folder of .sysml"
+    )
+    shared.add_system(parser)
     words = "the file to write, .yaml or .sysml"
     parser.add_argument("-o", "--output", metavar="FILE", required=True, help=words)
 
 
 def _convert(options: argparse.Namespace) -> int:
     source, target = format_of_name(options.file), format_of_name(options.output)
-    hardware = read_description(Path(options.file))
+    hardware = read_description(Path(options.file), system=options.system)
     note_warnings(hardware, quiet=options.quiet)
     if Path(options.output).exists() and Path(options.output).samefile(options.file):
         raise InputError(
@@ -92,6 +95,7 @@ def _add_show(parser: argparse.ArgumentParser) -> None:
         metavar="NAME|FILE",
         help="robot, which says how many of each component there are",
     )
+    shared.add_system(parser)
 
 
 def _show(options: argparse.Namespace) -> int:
@@ -99,7 +103,7 @@ def _show(options: argparse.Namespace) -> int:
         options.file = _of_settings()
     robot = None if options.robot is None else named_robot(options.robot)
     if options.file is not None:
-        hardware = read_description(Path(options.file))
+        hardware = read_description(Path(options.file), system=options.system)
         note_warnings(hardware, quiet=options.quiet)
     else:
         assert robot is not None

@@ -204,6 +204,15 @@ def add_sandbox(group: argparse._ActionsContainer) -> None:
     )
 
 
+def add_system(group: argparse._ActionsContainer) -> None:
+    """Add the part that is the system."""
+    group.add_argument(
+        "--system",
+        metavar="NAME",
+        help="part of a description in SysML v2 that is the system, where there are several",
+    )
+
+
 def add_hardware_options(parser: argparse.ArgumentParser) -> None:
     """Add what turns use into probabilities."""
     from typing import get_args
@@ -214,6 +223,7 @@ def add_hardware_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--hardware", metavar="FILE", help="hardware description (default: that of the robot)"
     )
+    add_system(group)
     group.add_argument(
         "--active",
         choices=get_args(ActiveMode),
@@ -342,6 +352,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
         "companions",
         "draft",
         "hardware",
+        "system",
         "active",
         "fail_on",
         "duration_s",

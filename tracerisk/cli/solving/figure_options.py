@@ -130,7 +130,7 @@ def set_in(model: HybridModel, options: argparse.Namespace) -> tuple[HybridModel
         name = where.removeprefix("--set ").rpartition("=")[0]
         if _is_rate(name, text):
             component = name.removesuffix(_RATE)
-            factor = _rate(text, where) / _own_rate(component, where, options.hardware)
+            factor = _rate(text, where) / _own_rate(component, where, options)
             return probability(repr(factor * value_of(model, component)), where)
         if not text.startswith("x") or text == "x":
             return probability(text, where)
@@ -163,24 +163,23 @@ def _rate(text: str, where: str) -> float:
     return rate
 
 
-def _own_rate(name: str, where: str, description: str | None) -> float:
+def _own_rate(name: str, where: str, options: argparse.Namespace) -> float:
     """Return the rate per hour that a hardware description has for a component."""
     from pathlib import Path
 
     from tracerisk.common.hardware.formats import read_description
 
-    if description is None:
+    if options.hardware is None:
         raise InputError(f"{where}: say with --hardware FILE which rate it takes the place of")
-    components = {
-        component.name: component for component in read_description(Path(description)).components
-    }
+    hardware = read_description(Path(options.hardware), system=options.system)
+    components = {component.name: component for component in hardware.components}
     if name not in components:
         raise InputError(f"{where}: no component '{name}'; {one_of(components, name)}")
     figures = components[name].figures
     seconds = figures[0].per.seconds if len(figures) == 1 else None
     if seconds is None or figures[0].kind == "weibull" or figures[0].value <= 0.0:
         raise InputError(
-            f"{where}: '{name}' has not one figure per time in {description}; "
+            f"{where}: '{name}' has not one figure per time in {hardware.file}; "
             f"set its probability, or a factor: {name}=x2"
         )
     return figures[0].value * 3600.0 / seconds

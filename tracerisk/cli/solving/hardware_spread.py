@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tracerisk.cli.shared.options import add_system
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.shared.sources import read_file
 from tracerisk.cli.shared.values import count
@@ -28,6 +29,7 @@ def add_hardware_spread(group: argparse._ActionsContainer) -> None:
         metavar="FILE",
         help="the hardware description whose error factors say how far figures may be off",
     )
+    add_system(group)
 
 
 def add_run_uncertainty(parser: argparse.ArgumentParser) -> None:
@@ -71,7 +73,7 @@ def spreads_of_files(
 
     from tracerisk.common.hardware.formats import read_description
 
-    hardware = read_description(Path(options.hardware))
+    hardware = read_description(Path(options.hardware), system=options.system)
     instances: Sequence[ComponentInstances] | None = None
     by_hand: Sequence[str] = ()
     outcomes_by_hand: Sequence[str] = ()

@@ -7,6 +7,7 @@ from typing import Literal
 
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.hardware.source_files import is_folder, is_sysml
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.common.hardware.yaml.writer import write_hardware
 from tracerisk.config import Settings
@@ -18,7 +19,12 @@ _SUFFIXES: dict[str, HardwareFormat] = {".yaml": "yaml", ".yml": "yaml", ".sysml
 
 
 def format_of_name(name: str) -> HardwareFormat:
-    """Return the format that a file of this name holds; raise HardwareError for another suffix."""
+    """Return the format that a file of this name holds; raise HardwareError for another suffix.
+
+    A folder holds SysML v2.
+    """
+    if is_folder(Path(name)):
+        return "sysml"
     suffix = PurePath(name).suffix.lower()
     if suffix not in _SUFFIXES:
         text = f"its name ends in '{suffix}'" if suffix else "its name has no ending"
@@ -28,16 +34,24 @@ def format_of_name(name: str) -> HardwareFormat:
     return _SUFFIXES[suffix]
 
 
-def read_description(path: Path, *, shown: str | None = None) -> Hardware:
-    """Read a hardware description: SysML v2 where the name ends in `.sysml`, else YAML.
+def read_description(
+    path: Path, *, shown: str | None = None, system: str | None = None
+) -> Hardware:
+    """Read a hardware description: SysML v2 of a file `.sysml` or of a folder, else YAML.
 
+    `system` names the part of a description in SysML that is the system.
     Raises HardwareError with file, line and column where it is malformed.
     """
-    if path.suffix.lower() == ".sysml":
+    if is_sysml(path):
         # Imported here: YAML is read without the parser of SysML.
         from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 
-        return read_sysml(path, shown=shown)
+        return read_sysml(path, shown=shown, system=system)
+    if system is not None:
+        raise HardwareError(
+            f"is YAML, which describes one system; leave out the system '{system}'",
+            Location(shown or str(path)),
+        )
     return read_hardware(path, shown=shown)
 
 
@@ -45,12 +59,17 @@ def load_hardware(settings: Settings, robot: str) -> Hardware:
     """Return the hardware description of the settings, else the one shipped for the robot.
 
     A robot for which none is shipped has the generic one, whose figures are all assumed.
-    One whose name ends in `.sysml` is read as SysML v2, any other as YAML.
+    A folder, and one whose name ends in `.sysml`, is read as SysML v2, any other as YAML.
     Raises HardwareError when it is malformed, or is that of another robot.
     """
     if settings.hardware is None:
+        if settings.system is not None:
+            raise HardwareError(
+                f"the system '{settings.system}' is a part of a description in SysML; give the "
+                "description as well, by --hardware or the setting hardware"
+            )
         return hardware_of(robot)
-    hardware = read_description(Path(settings.hardware))
+    hardware = read_description(Path(settings.hardware), system=settings.system)
     if hardware.robot is not None and robot not in ("", hardware.robot):
         raise HardwareError(
             f"describes robot '{hardware.robot}', but the controller drives '{robot}'; give the "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -10,14 +11,57 @@ from tracerisk.errors import HardwareError, Location
 _PACKAGE = re.compile(rb"\bpackage\s+(?:<[^>]*>\s*)?(?:'((?:[^'\\\n]|\\.)+)'|(\w+))")
 
 
+MAX_FILES = 5_000
+"""How many files a folder may hold."""
+
+
+def is_sysml(path: Path) -> bool:
+    """Whether a description is SysML v2: a file by its name, or a folder."""
+    return path.suffix.lower() == ".sysml" or is_folder(path)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a description is a folder; a name that is too long for a path is none."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
+
+
+def sysml_files(path: Path) -> tuple[Path, ...]:
+    """Return a file itself, or the SysML files below a folder, sorted; hidden folders are left out.
+
+    Raises HardwareError for a folder with none, or with more than `MAX_FILES`.
+    """
+    if not is_folder(path):
+        return (path,)
+    files: list[Path] = []
+    for folder, below, names in os.walk(path):
+        below[:] = sorted(name for name in below if not name.startswith("."))
+        files += [Path(folder, name) for name in names if name.lower().endswith(".sysml")]
+        if len(files) > MAX_FILES:
+            raise HardwareError(
+                f"holds more than {MAX_FILES} .sysml files; give the folder of one model",
+                Location(str(path)),
+            )
+    if not files:
+        raise HardwareError(
+            "is a folder without a .sysml file; give that of a model", Location(str(path))
+        )
+    return tuple(sorted(files))
+
+
 def source_files(path: Path) -> tuple[Path, ...]:
     """Return the file of a description, and those beside it that it may be read from, sorted.
 
-    Of SysML v2 these are the files beside it that declare a package whose name stands in the
-    text: some of them may not be read after all, none of those that are is left out.
+    Of a folder these are all its files; of a file in SysML v2 those beside it that declare a
+    package whose name stands in the text: some of them may not be read after all, none of those
+    that are is left out.
     Raises HardwareError where a file cannot be read.
     """
-    if path.suffix.lower() != ".sysml":
+    if is_folder(path):
+        return sysml_files(path)
+    if not is_sysml(path):
         return (path,)
     own = path.resolve()
     beside = {

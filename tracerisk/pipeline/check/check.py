@@ -33,7 +33,12 @@ from tracerisk.pipeline.check.run import (
     verdict_findings,
     world_findings,
 )
-from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
+from tracerisk.pipeline.freshness.freshness import (
+    RunInputs,
+    names_file,
+    stale_reasons,
+    values_reasons,
+)
 from tracerisk.pipeline.freshness.known_controllers import is_gone, moved_from, with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap, kept_evidence
@@ -179,7 +184,7 @@ def given_options(recorded: RunInputs, controller: Controller) -> dict[str, obje
             options[name] = tuple(str(root / file) for file in value)
         elif isinstance(value, list):
             options[name] = tuple(value)
-        elif isinstance(value, str) and Path(value).suffix and name != "active":
+        elif names_file(name, value, root):
             options[name] = str(root / value)
         else:
             options[name] = value

@@ -51,7 +51,7 @@ _LIMITS = frozenset(
 )
 _LEFT_OUT_EMPTY = ("libraries", "evidence", "prefixes")
 _MEASURED = "measured"
-_OF_VALUES = frozenset({"hardware", "active"})
+_OF_VALUES = frozenset({"hardware", "system", "active"})
 _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
 
 
@@ -174,11 +174,13 @@ def hardware_digest(settings: Settings) -> str:
         return ""
     from tracerisk.common.hardware.source_files import source_files
 
-    path, *beside = source_files(Path(settings.hardware))
+    named = Path(settings.hardware)
+    path, *beside = source_files(named)
     own = file_digest(path)
     if not beside:
         return own
-    others = (f"{item.name} {file_digest(item)}" for item in beside)
+    folder = path.parent if named.is_file() else named
+    others = (f"{item.relative_to(folder).as_posix()} {file_digest(item)}" for item in beside)
     return sha256("\n".join((own, *others)).encode())
 
 
@@ -343,11 +345,20 @@ def _given_data(given: Mapping[str, Any] | None, root: Path) -> dict[str, Any]:
     }
 
 
+def names_file(name: str, value: object, base: Path) -> bool:
+    """Whether a setting is the path of a file, or of a folder of hardware, seen from `base`."""
+    if name not in _NAMES_OF_FILES or not isinstance(value, str):
+        return False
+    from tracerisk.common.hardware.source_files import is_folder
+
+    return bool(Path(value).suffix) or (name == "hardware" and is_folder(base / value))
+
+
 def _plain(name: str, value: Any, root: Path) -> Any:
     """Return a setting as JSON; a file that it names is given from the root."""
     if name in ("params", "drivers", "ros_prefixes"):
         return [from_root(root, Path(file).resolve()) for file in value]
-    if name in _NAMES_OF_FILES and isinstance(value, str) and Path(value).suffix:
+    if names_file(name, value, Path()):
         return from_root(root, Path(value).resolve())
     if name == "accept":
         return [asdict(item) for item in value]

@@ -17,7 +17,7 @@ from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.review.renamed_functions import FunctionSource
 from tracerisk.prm.review.change_records import Cause, ChangedField
 
-_OF_HARDWARE = frozenset({"hardware", "active"})
+_OF_HARDWARE = frozenset({"hardware", "system", "active"})
 
 
 def cause_finder(

@@ -121,7 +121,8 @@ def description_of(run: RunOfVersion, inputs: RunInputs) -> Hardware | None:
         return None
     try:
         with _as_files(run.version, _described_by(run.version, path)) as top:
-            return read_description(top / path, shown=path)
+            system = inputs.settings.get("system")
+            return read_description(top / path, shown=path, system=system)
     except TraceRiskError:
         return None
 
@@ -212,14 +213,18 @@ def _hardware_now(run: RunOfVersion, now: RunInputs, changed: Collection[str]) -
 
 def _described_by(version: GitVersion, path: str) -> list[str]:
     """Return the files that a description may be read from: itself, and of SysML those beside."""
-    names = version.names_in(posixpath.dirname(path)) if path.endswith(_SYSML) else []
+    if path.lower().endswith(_SYSML):
+        names = version.names_in(posixpath.dirname(path))
+    else:
+        names = [] if path.lower().endswith((".yaml", ".yml")) else version.tracked()
     return list(dict.fromkeys([path, *_beside(path, names)]))
 
 
 def _beside(path: str, names: Collection[str]) -> list[str]:
-    """Return which of the paths are SysML files in the folder of a SysML description."""
+    """Return which of the paths are SysML files beside a SysML description, or below its folder."""
     if not path.lower().endswith(_SYSML):
-        return []
+        below = f"{path}/"
+        return [name for name in names if name.startswith(below) and name.endswith(_SYSML)]
     folder = PurePosixPath(path).parent
     return [
         name for name in names if name.endswith(_SYSML) and PurePosixPath(name).parent == folder

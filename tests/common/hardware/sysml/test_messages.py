@@ -39,7 +39,7 @@ MEANING = {
     "two systems": (f"part a {{ {DATA} }}\npart b {{ {DATA} }}", "3:6: several parts could be the system as a whole: 'a' (line 2), 'b' (line 3)"),
     "not imported": ("package M { part a {\n @FailureData; } }", "2:3: 'FailureData' is not imported; add 'private import TraceriskHardware::*;'"),
     "unknown metadata": ("part a {\n @FailurData; }", "3:3: unknown name 'FailurData'; declare or import"),
-    "unknown import": (f"private import Motors::*; part a {{ {DATA} }}", "2:16: unknown name 'Motors'; declare or import"),
+    "unknown import": (f"private import Motors::*; part a {{ {DATA} }}", "2:16: unknown name 'Motors'; declare it in this file or"),
     "unknown type": (f"part def Motor; part a {{ {DATA} part b : Moter; }}", "2:71: unknown name 'Moter'; declare or import it; did you mean 'Motor'?"),
     "unknown feature": ("part a {\n @FailureData { probabilty = 0.1; } }", "3:17: FailureData has no feature 'probabilty'; did you mean 'probability'?"),
     "no figure": ("part a {\n @FailureData; }", "3:3: FailureData gives no figure; give one of: probability, rate, weibull"),

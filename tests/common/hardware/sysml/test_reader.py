@@ -194,7 +194,7 @@ def test_a_short_name_serves_where_the_name_cannot(tmp_path):
     part = "part r { part <psu> 'Power supply' { @FailureData { probability = 0.1; } } }"
     assert names(read(tmp_path, part)) == {"psu": 1}
     with pytest.raises(HardwareError, match="short name"):
-        read(tmp_path, part.replace("<psu> ", ""))
+        read(tmp_path, part.replace("<psu> 'Power supply'", "'Power supply (5 V)'"))
 
 
 def test_line_ends_and_byte_order_marks_are_taken(tmp_path):

@@ -80,22 +80,43 @@ class Metadata:
         Raises HardwareError at a feature that the metadata does not have.
         """
         assert self.kind is not None
-        s: dict[str, Given] = {}
-        for ancestor in reversed(ancestors(self.symbol)):
-            if isinstance(ancestor, Symbol):
-                assert isinstance(ancestor.node, Annotation | Element)
-                _read_members(ancestor.node.members, ancestor, self.kind, s)
-        return s
+        own = self._declared()
+        values: dict[str, Given] = {}
+        for ancestor in self._upwards():
+            for node in _features(ancestor.nodes):
+                steps = _feature_path(node)
+                if steps[0] not in own or steps[0] in _ALL_FEATURES[self.kind]:
+                    _read_feature(node, steps, ancestor, self.kind, values)
+        return values
+
+    def own_values(self) -> dict[str, Given]:
+        """Return the values of features that its definitions declare beside those of the kind."""
+        own = self._declared()
+        return {
+            name: Given(node.value.expression, ancestor, node.at, {})
+            for ancestor in self._upwards()
+            for node in _features(ancestor.nodes)
+            if node.value is not None and (name := _feature_path(node)[0]) in own
+        }
+
+    def _declared(self) -> set[str | None]:
+        """Return the names of the features that its definitions declare."""
+        return {
+            node.name
+            for ancestor in self._upwards()
+            if ancestor is not self.symbol
+            for node in _features(ancestor.nodes)
+            if not node.redefines and node.bare is None
+        }
+
+    def _upwards(self) -> list[Symbol]:
+        """Return what it specialises, as far as it is declared in the files, and it; it last."""
+        return [item for item in reversed(ancestors(self.symbol)) if isinstance(item, Symbol)]
 
 
-def _read_members(
-    members: tuple[Member, ...], scope: Symbol, kind: str, found: dict[str, Given]
-) -> None:
-    for node in members:
-        if not isinstance(node, Element) or node.is_definition:
-            continue
-        steps = _feature_path(node)
-        _read_feature(node, steps, scope, kind, found)
+def _features(members: tuple[Member, ...]) -> list[Element]:
+    """Return the usages among what stands in a metadata, its definition or a feature of it."""
+    return [node for node in members if isinstance(node, Element) and not node.is_definition]
 
 
 def _feature_path(node: Element) -> tuple[str, ...]:
@@ -129,7 +150,8 @@ def _read_feature(
         return
     if inner is not None and node.value is None:
         nested = dict(before.nested) if before is not None else {}
-        _read_members(node.members, scope, inner, nested)
+        for member in _features(node.members):
+            _read_feature(member, _feature_path(member), scope, inner, nested)
         found[name] = Given(None, scope, node.at, nested)
     elif node.value is not None:
         found[name] = Given(node.value.expression, scope, node.at, {})

@@ -1,10 +1,14 @@
-"""Read a SysML v2 file, and of the files beside it those whose packages it names."""
+"""Read a SysML v2 file, and of the files beside it those whose packages it names; or a folder."""
 
 from __future__ import annotations
 
+import os
 import re
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
+from tracerisk.common.hardware.source_files import sysml_files
 from tracerisk.common.hardware.sysml.language.name_resolution import Found, Symbol
 from tracerisk.common.hardware.sysml.language.parsing import parse
 from tracerisk.common.hardware.sysml.language.standard_names import standard_package
@@ -12,6 +16,10 @@ from tracerisk.common.hardware.sysml.language.syntax import Element, SourceText
 from tracerisk.errors import HardwareError, Location
 
 MAX_BYTES = 16 * 1024 * 1024
+"""How long a file may be [bytes]."""
+
+_HEAD = 65_536
+_LIBRARY = re.compile(rb"\blibrary\s+package\s+(?:<[^>]*>\s*)?(?:'([^'\n]+)'|(\w+))")
 
 
 def read_source(path: Path, shown: str) -> SourceText:
@@ -34,46 +42,72 @@ def read_source(path: Path, shown: str) -> SourceText:
 
 
 class Project:
-    """A file and those beside it, read when a name leads there.
-
-    `files` are the tops of the files that were read, the first one first.
-    """
+    """A file and those beside it, read when a name leads there; or all files below a folder."""
 
     def __init__(self, path: Path, shown: str) -> None:
         self._path = path
-        self._shown = shown
-        self._beside: dict[str, Found | None] = {}
+        self._shown = Path(shown)
+        self._folder = path if path.is_dir() else path.parent
+        self._is_whole = path.is_dir()
+        self._found: dict[tuple[str, str], Found | None] = {}
         self._tops: dict[Path, Symbol] = {}
-        self.main = self._read(path, shown)
+        files = [item for item in sysml_files(path) if not _is_library(item)]
+        self.main = tuple(map(self._read, files if self._is_whole else [path]))
+        """The tops of the files that may declare the system."""
 
     @property
     def files(self) -> tuple[Symbol, ...]:
         """The tops of the files that were read so far."""
         return tuple(self._tops.values())
 
-    def _read(self, path: Path, shown: str) -> Symbol:
-        source = read_source(path, shown)
-        top = Symbol(parse(source), None, source, self.find_package)
+    def _read(self, path: Path) -> Symbol:
+        if self._is_whole:
+            shown = self._shown / path.relative_to(self._folder)
+        else:
+            shown = self._shown if path == self._path else self._shown.with_name(path.name)
+        source = read_source(path, str(shown))
+        top = Symbol(parse(source), None, source, partial(self._find, path))
         self._tops[path] = top
         return top
 
-    def find_package(self, name: str, asked_at: Location) -> Found | None:
-        """Return the library package, or the element at the top of a file beside, of a name.
+    def _find(self, file: Path, name: str, asked_at: Location) -> Found | None:
+        """Return the element at the top of another file, or the library package, of a name.
 
-        Raises HardwareError where several files beside declare it.
+        Packages of which we know each name go before files.
+        Raises HardwareError where several files that are equally near declare it.
         """
-        if name not in self._beside:
-            self._beside[name] = standard_package(name) or self._find_beside(name, asked_at)
-        return self._beside[name]
+        # Files of one folder see the same.
+        key = (str(file.parent), name)
+        if key not in self._found:
+            standard = standard_package(name)
+            is_known = standard is not None and standard.is_closed
+            hit = None if is_known else self._nearest(file, name, asked_at)
+            self._found[key] = hit or standard
+        return self._found[key]
 
-    def _find_beside(self, name: str, asked_at: Location) -> Symbol | None:
+    def _nearest(self, file: Path, name: str, asked_at: Location) -> Symbol | None:
+        pairs = list(self._declaring(file, name))
+        if not pairs:
+            return None
+        steps = [len(_steps(file.parent, path.parent)) for path, _ in pairs]
+        near = [pair for pair, count in zip(pairs, steps, strict=True) if count == min(steps)]
+        if len(near) > 1:
+            files = " and ".join(path.relative_to(self._folder).as_posix() for path, _ in near)
+            where = "in this folder" if self._is_whole else "beside this file"
+            raise HardwareError(
+                f"package '{name}' is declared by {files} {where}; keep one of them", asked_at
+            )
+        return near[0][1]
+
+    def _declaring(self, file: Path, name: str) -> Iterator[tuple[Path, Symbol]]:
+        """Yield the other files whose top has an element of a name, and the element."""
         declares = re.compile(
             rb"\bpackage\s+(?:<[^>]*>\s*)?(?:%b\b|'%b')"
             % (re.escape(name.encode()), re.escape(name.encode()))
         )
-        pairs: list[tuple[str, Symbol]] = []
-        for path in sorted(self._path.parent.glob("*.sysml")):
-            if path == self._path or not path.is_file() or path.stat().st_size > MAX_BYTES:
+        paths = list(self._tops) if self._is_whole else sorted(self._folder.glob("*.sysml"))
+        for path in paths:
+            if path == file or not path.is_file() or path.stat().st_size > MAX_BYTES:
                 continue
             top = self._tops.get(path)
             if top is None:
@@ -81,19 +115,29 @@ class Project:
                     data = path.read_bytes()
                 except OSError:
                     continue
-                if not declares.search(data):
+                if not declares.search(data) or _is_library(path):
                     continue
-                top = self._read(path, str(Path(self._shown).with_name(path.name)))
+                top = self._read(path)
             hit = top.own(name)
             if hit is not None:
-                pairs.append((path.name, hit))
-        if len(pairs) > 1:
-            files = " and ".join(file for file, _ in pairs)
-            raise HardwareError(
-                f"package '{name}' is declared by {files} beside this file; keep one of them",
-                asked_at,
-            )
-        return pairs[0][1] if pairs else None
+                yield path, hit
+
+
+def _is_library(path: Path) -> bool:
+    """Whether a file is a copy of a library that is known by its name."""
+    try:
+        with path.open("rb") as file:
+            data = file.read(_HEAD)
+    except OSError:
+        return False
+    matched = _LIBRARY.search(data)
+    name = (matched[1] or matched[2]).decode(errors="replace") if matched else ""
+    return standard_package(name) is not None
+
+
+def _steps(start: Path, end: Path) -> tuple[str, ...]:
+    """Return the folders to leave and to enter on the way from one folder to another."""
+    return Path(os.path.relpath(end, start)).parts
 
 
 def is_part(symbol: Symbol) -> bool:

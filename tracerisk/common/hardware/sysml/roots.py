@@ -2,44 +2,86 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from tracerisk.common.hardware.sysml.annotations import Annotations
 from tracerisk.common.hardware.sysml.composition import Composition
 from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
 from tracerisk.common.hardware.sysml.language.syntax import Element, Package
-from tracerisk.errors import HardwareError
+from tracerisk.errors import HardwareError, one_of
 
 _STRUCTURAL = ("part", "item")
+_SHOWN = 8
+"""How many parts a message names."""
 
 
-def find_root(main: Symbol, composition: Composition, annotations: Annotations) -> Symbol:
+def find_root(
+    mains: Sequence[Symbol],
+    composition: Composition,
+    annotations: Annotations,
+    system: str | None = None,
+) -> Symbol:
     """Return the system: the one part usage, else the one part definition, that holds components.
 
-    A usage stands directly in a package; a definition counts if no other element of the file is
-    of it or specialises it. Raises HardwareError where there are several, or none.
+    A usage stands directly in a package; a definition counts if no other element of the files is
+    of it or specialises it. `system` names one of them, by its name or with its packages.
+    Raises HardwareError where there are several, or none.
     """
     holds = _Holding(composition, annotations)
-    top = list(_in_packages(main))
+    top = [symbol for main in mains for symbol in _in_packages(main)]
+    if system is not None:
+        return _named(system, top, holds, mains[0])
     usages = [symbol for symbol in top if _is(symbol, is_definition=False) and holds(symbol)]
     symbols = usages or _unused(
-        [symbol for symbol in top if _is(symbol, is_definition=True) and holds(symbol)], main
+        [symbol for symbol in top if _is(symbol, is_definition=True) and holds(symbol)], mains
     )
     if not symbols:
         raise HardwareError(
             "no part has failure data; give one '@FailureData { rate = 5.7e-6 [h^-1]; }' "
             "(and 'private import TraceriskHardware::*;')",
-            main.location(0),
+            mains[0].location(0),
         )
     if len(symbols) > 1:
-        names = ", ".join(f"'{symbol.name}' (line {symbol.location().line})" for symbol in symbols)
+        is_one_file = len({symbol.source for symbol in symbols}) == 1
+        is_distinct = len({symbol.name for symbol in symbols}) == len(symbols)
+        names = ", ".join(
+            f"'{symbol.name if is_distinct else symbol}' "
+            f"({f'line {symbol.location().line}' if is_one_file else symbol.location()})"
+            for symbol in symbols[:_SHOWN]
+        )
+        more = f" and {len(symbols) - _SHOWN} more" if len(symbols) > _SHOWN else ""
         kind = "parts" if usages else "part definitions"
         raise HardwareError(
-            f"several {kind} could be the system as a whole: {names}; keep one, with the others "
-            "as its parts",
+            f"several {kind} could be the system as a whole: {names}{more}; name one by --system "
+            "or the setting system, or keep one, with the others as its parts",
             symbols[1].location(),
         )
     return symbols[0]
+
+
+def _named(system: str, top: list[Symbol], holds: _Holding, main: Symbol) -> Symbol:
+    """Return the part or part definition of a name; raise HardwareError where it is none or two."""
+    kinds = [symbol for symbol in top if _is_structural(symbol)]
+    named = [symbol for symbol in kinds if system in _names(symbol)]
+    symbols = [symbol for symbol in named if holds(symbol)] or named
+    if not symbols:
+        names = [str(symbol) for symbol in kinds if holds(symbol)] or map(str, kinds)
+        raise HardwareError(
+            f"the system '{system}' is no part in a package of it; {one_of(names, system)}",
+            main.location(0),
+        )
+    if len(symbols) > 1:
+        names = [f"'{symbol}' ({symbol.location()})" for symbol in symbols]
+        raise HardwareError(
+            f"the system '{system}' could be {', '.join(names)}; name it with its packages",
+            symbols[1].location(),
+        )
+    return symbols[0]
+
+
+def _names(symbol: Symbol) -> set[str | None]:
+    assert isinstance(symbol.node, Element)
+    return {symbol.name, symbol.node.short, str(symbol)}
 
 
 def _in_packages(top: Symbol) -> Iterator[Symbol]:
@@ -50,18 +92,22 @@ def _in_packages(top: Symbol) -> Iterator[Symbol]:
             yield member
 
 
+def _is_structural(symbol: Symbol) -> bool:
+    return isinstance(symbol.node, Element) and symbol.node.kind in _STRUCTURAL
+
+
 def _is(symbol: Symbol, *, is_definition: bool) -> bool:
     node = symbol.node
     return (
         isinstance(node, Element)
-        and node.kind in _STRUCTURAL
+        and _is_structural(symbol)
         and node.is_definition is is_definition
         and not ({"abstract", "ref"} & set(node.prefixes) and not is_definition)
     )
 
 
 class _Holding:
-    """Whether an element, or a part within it, has failure data."""
+    """Whether an element, or a part within it, has failure data, or cannot be read."""
 
     def __init__(self, composition: Composition, annotations: Annotations) -> None:
         self._composition = composition
@@ -69,6 +115,12 @@ class _Holding:
         self._known: dict[Symbol, bool] = {}
 
     def __call__(self, symbol: Symbol) -> bool:
+        try:
+            return self._holds(symbol)
+        except HardwareError:
+            return True  # whoever reads it as the system says what is wrong
+
+    def _holds(self, symbol: Symbol) -> bool:
         waiting = [symbol]
         seen = {symbol}
         while waiting:
@@ -96,12 +148,12 @@ class _Holding:
         return known
 
 
-def _unused(definitions: list[Symbol], main: Symbol) -> list[Symbol]:
-    """Return the definitions that no element of the file is of, or specialises."""
+def _unused(definitions: list[Symbol], mains: Sequence[Symbol]) -> list[Symbol]:
+    """Return the definitions that no element of the files is of, or specialises."""
     if len(definitions) < 2:
         return definitions
     used: set[Symbol] = set()
-    waiting = [main]
+    waiting = list(mains)
     while waiting:
         symbol = waiting.pop()
         if isinstance(symbol.node, Package | Element):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,22 +19,24 @@ from tracerisk.common.hardware.sysml.language.name_resolution import Symbol
 from tracerisk.common.hardware.sysml.language.skipped import skipped_warnings
 from tracerisk.common.hardware.sysml.language.syntax import Element
 from tracerisk.common.hardware.sysml.project import Project
+from tracerisk.common.hardware.sysml.redundancy_of_others import redundancy_of_others
 from tracerisk.common.hardware.sysml.roots import find_root
 from tracerisk.errors import HardwareError, Location
 
 
-def read_sysml(path: Path, *, shown: str | None = None) -> Hardware:
+def read_sysml(path: Path, *, shown: str | None = None, system: str | None = None) -> Hardware:
     """Read the hardware description at `path`, which is SysML v2 textual notation.
 
-    `shown` is the name of the file for messages, the path by default. What is left out, because
-    it cannot describe failures, is listed in the hardware's `warnings`.
+    The path is that of a file, or of a folder whose files are read together. `shown` is its name
+    for messages, the path by default; `system` names the part that is the system as a whole.
+    What is left out, because it cannot describe failures, is listed in the hardware's `warnings`.
     Raises HardwareError with file, line and column where the file is no SysML v2, uses what is
     outside the declared subset (docs/sysml.md), or contradicts itself.
     """
     name = shown if shown is not None else str(path)
     with _uncollected():
         try:
-            return _Reading(Project(path, name)).hardware(name)
+            return _Reading(Project(path, name), system).hardware(name)
         except RecursionError:
             raise HardwareError(
                 "names refer to each other through too many imports or aliases; shorten the chain",
@@ -59,16 +62,18 @@ def _uncollected() -> Iterator[None]:
 class _Reading:
     """What is known while one description is read."""
 
-    def __init__(self, project: Project) -> None:
+    def __init__(self, project: Project, system: str | None) -> None:
         self._project = project
+        self._system = system
         self._annotations = Annotations()
         self._composition = Composition()
         self._warnings: list[str] = []
 
     def hardware(self, file: str) -> Hardware:
-        main = self._project.main
-        self._annotations.collect_about(main)
-        root = find_root(main, self._composition, self._annotations)
+        mains = self._project.main
+        for top in mains:
+            self._annotations.collect_about(top)
+        root = find_root(mains, self._composition, self._annotations, self._system)
         components = self._components(root)
         if not components:
             raise HardwareError(
@@ -129,7 +134,9 @@ class _Reading:
         location = part.location()
         binding = self._single(part, "TwinBinding", place.way)
         twin, always = (None, False) if binding is None else meaning.read_twin(binding)
-        group = self._single(part, "Redundancy", place.way)
+        group = self._single(part, "Redundancy", place.way) or redundancy_of_others(
+            place, figures, self._annotations, self._warn
+        )
         redundancy, interval = (
             (ALL_NEEDED, None) if group is None else meaning.read_redundancy(group, figures)
         )
@@ -266,9 +273,12 @@ def _own_name(part: Symbol) -> str:
     if not _is_plain(name):
         if node.short is not None and _is_plain(node.short):
             return node.short
+        # A quoted name of words is their sequence.
+        name = re.sub(r"[\s/]+", "_", name.strip())
+    if not _is_plain(name):
         raise HardwareError(
-            f"'{name}' is not a component's name (letters, digits, '_', '.', '-'); give it a short "
-            f"name as well: part <short> '{name}'",
+            f"'{part.name}' is not a component's name (letters, digits, '_', '.', '-'); give it a "
+            f"short name as well: part <short> '{part.name}'",
             part.location(),
         )
     return name

@@ -8,7 +8,13 @@ from dataclasses import dataclass
 from typing import Any, NoReturn, TypeAlias
 
 from tracerisk.common.hardware.sysml.language.name_resolution import MAX_CHAIN, Symbol, ancestors
-from tracerisk.common.hardware.sysml.language.standard_names import OURS, TIME_UNITS, Standard
+from tracerisk.common.hardware.sysml.language.standard_names import (
+    FEATURES,
+    OURS,
+    RISK_FEATURES,
+    TIME_UNITS,
+    Standard,
+)
 from tracerisk.common.hardware.sysml.language.syntax import (
     Computed,
     Element,
@@ -192,9 +198,17 @@ def _instance(context: Context, node: Instance) -> Meaning:
     if not isinstance(hit, Standard) or len(hit.path) != 2:
         context.fail(f"'{node.of}(...)' is not supported; write the value itself", node.at)
     named: dict[str, tuple[Expression, Symbol]] = {}
-    for name, value in node.arguments:
+    features = {**FEATURES, **RISK_FEATURES}.get(hit.path[1], ())
+    for place, (given, value) in enumerate(node.arguments):
+        name = given
+        if name is None and place < len(features) and all(n is None for n, _ in node.arguments):
+            name = features[place]
         if name is None:
-            context.fail("a value without its name; write 'name = value'", value.at)
+            context.fail(
+                "a value without its name; write 'name = value', or all of them in their order: "
+                + ", ".join(features),
+                value.at,
+            )
         if name in named:
             context.fail(f"duplicate value for '{name}'; keep one", value.at)
         named[name] = (value, context.scope)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import TypeAlias
 
 from tracerisk.common.hardware.sysml.language.standard_names import (
+    OF_ITEMS,
     OURS,
     RISK,
     WITH_PARTS,
@@ -17,9 +18,11 @@ from tracerisk.common.hardware.sysml.language.syntax import (
     Annotation,
     Element,
     Import,
+    Member,
     Name,
     Package,
     Reference,
+    Skipped,
     SourceText,
 )
 from tracerisk.errors import HardwareError, Location, one_of
@@ -37,8 +40,8 @@ class Symbol:
     """
 
     __slots__ = (
-        "_active", "_by_name", "_generals", "_imports", "_members", "_seen", "find_package", "kin",
-        "node", "owner", "source",
+        "_active", "_asked", "_by_name", "_generals", "_imports", "_members", "_seen",
+        "find_package", "has_unknown_general", "kin", "node", "owner", "source",
     )  # fmt: skip
 
     def __init__(
@@ -59,6 +62,8 @@ class Symbol:
         self._active = False
         self.kin: tuple[Found, ...] | None = None
         self._seen: dict[str, Found | None] = {}
+        self._asked: set[str] = set()
+        self.has_unknown_general = False
 
     def location(self, at: int | None = None) -> Location:
         """Return where the element stands, or the offset `at` of its file."""
@@ -84,13 +89,17 @@ class Symbol:
         return "::".join(reversed(names))
 
     @property
+    def nodes(self) -> tuple[Member, ...]:
+        """What stands within, as the syntax tree has it."""
+        return () if isinstance(self.node, Alias) else self.node.members
+
+    @property
     def members(self) -> tuple[Symbol, ...]:
         """The elements declared within, in the order of the file."""
         if self._members is None:
-            nodes = () if isinstance(self.node, Alias) else self.node.members
             self._members = tuple(
                 Symbol(node, self, self.source, self.find_package)
-                for node in nodes
+                for node in self.nodes
                 if isinstance(node, Package | Element | Annotation | Alias)
             )
         return self._members
@@ -165,7 +174,10 @@ class Symbol:
             hit = owner.inherited(target.name[0])
             if hit is not None:
                 return hit
-            if any(isinstance(ancestor, Standard) for ancestor in ancestors(owner)):
+            if any(
+                isinstance(ancestor, Standard) or ancestor.has_unknown_general
+                for ancestor in ancestors(owner)
+            ):
                 return None
             if not self.is_structural:
                 return None
@@ -182,10 +194,10 @@ class Symbol:
 
     def _resolve_general(self, target: Reference) -> Found | None:
         hit = self.scope().lookup(target)
-        if hit is None and self.is_structural:
-            if self.scope().may_import(target, WITH_PARTS):
-                return None
-            raise self.unknown(target)
+        if hit is None:
+            if self.is_structural and not self.scope().may_import(target, WITH_PARTS):
+                raise self.unknown(target)
+            self.has_unknown_general = True
         return None if hit is self else hit
 
     # Looking up names.
@@ -238,8 +250,11 @@ class Symbol:
             self._seen[name] = hit
         return hit
 
-    def inherited(self, name: str) -> Symbol | None:
-        """Return the member of that name that a general of this element has."""
+    def inherited(self, name: str) -> Found | None:
+        """Return the member of that name that a general of this element has.
+
+        A part without one has what every part has, such as a `shape`.
+        """
         if not isinstance(self.node, Element | Annotation):
             return None
         for general in ancestors(self):
@@ -247,7 +262,8 @@ class Symbol:
                 hit = general.own(name)
                 if hit is not None:
                     return hit
-        return None
+        has_features = isinstance(self.node, Element) and self.node.kind in ("part", "item")
+        return Standard(("Items", "Item", name)) if has_features and name in OF_ITEMS else None
 
     def exported(self, name: str) -> Found | None:
         """Return what others see by `name` in this package: own, and what it imports publicly."""
@@ -259,11 +275,18 @@ class Symbol:
         return hit
 
     def _imported(self, name: str, *, public_only: bool = False) -> Found | None:
-        for item, space in self._spaces():
-            if not (public_only and item.is_private):
-                hit = _through(item, space, name)
-                if hit is not None:
-                    return hit
+        spaces = self._spaces()
+        if name in self._asked:
+            return None  # packages that import each other
+        self._asked.add(name)
+        try:
+            for item, space in spaces:
+                if not (public_only and item.is_private):
+                    hit = _through(item, space, name)
+                    if hit is not None:
+                        return hit
+        finally:
+            self._asked.remove(name)
         return None
 
     def _spaces(self) -> list[tuple[Import, Found]]:
@@ -274,30 +297,66 @@ class Symbol:
         """
         if self._imports is not None:
             return self._imports
-        assert not isinstance(self.node, Alias)
-        waiting = [member for member in self.node.members if isinstance(member, Import)]
-        self._imports = []
-        while waiting:
-            left = []
-            for item in waiting:
-                space = self.lookup(item.target)
-                if space is None:
-                    left.append(item)
-                else:
-                    self._imports.append((item, space))
-            if len(left) == len(waiting):
-                raise self.unknown(left[0].target)
-            waiting = left
-        return self._imports
+        # What is found so far helps to find the rest.
+        imports = self._imports = []
+        try:
+            waiting = [member for member in self.nodes if isinstance(member, Import)]
+            while waiting:
+                left = []
+                for item in waiting:
+                    space = self.lookup(item.target)
+                    if space is not None:
+                        imports.append((item, space))
+                    elif not self._is_skipped(item.target.name):
+                        left.append(item)
+                if len(left) == len(waiting):
+                    raise self.unknown(left[0].target)
+                waiting = left
+        except HardwareError:
+            self._imports = None  # the next to ask gets the error as well
+            raise
+        return imports
+
+    def _is_skipped(self, name: Name) -> bool:
+        """Whether a name leads into an element that is not read, such as an action."""
+        spaces: list[Found | None] = [self]
+        owner = self.owner
+        while owner is not None:
+            spaces.append(owner)
+            owner = owner.owner
+        for index, segment in enumerate(name):
+            for space in spaces:
+                nodes = () if not isinstance(space, Symbol) else space.nodes
+                if any(isinstance(node, Skipped) and node.name == segment for node in nodes):
+                    return True
+            spaces = [self.qualified(name[: index + 1])]
+        return False
 
     def open_imports(self) -> Iterator[Standard]:
         """Yield the library packages that are imported here or around, not all names known."""
         scope: Symbol | None = self
+        seen: set[Symbol] = set()
         while scope is not None:
-            for item, space in scope._spaces():
-                if isinstance(space, Standard) and not space.is_closed and item.every:
-                    yield space
+            yield from scope._open_imports(seen, public_only=False)
             scope = scope.owner
+
+    def _open_imports(self, seen: set[Symbol], *, public_only: bool) -> Iterator[Standard]:
+        """Yield those of this namespace, and of the packages that it imports."""
+        seen.add(self)
+        for item, space in self._spaces():
+            if (public_only and item.is_private) or not (item.every or item.recursive):
+                continue
+            if isinstance(space, Standard):
+                if not space.is_closed:
+                    yield space
+                continue
+            waiting = [space]
+            while waiting:
+                package = waiting.pop()
+                if package in seen or isinstance(package.node, Alias):
+                    continue
+                yield from package._open_imports(seen, public_only=not item.overrides_private)
+                waiting += package.members if item.recursive else ()
 
     def may_import(self, target: Reference, packages: frozenset[str]) -> bool:
         """Whether one of some library packages that are imported here may have the name."""
@@ -326,7 +385,10 @@ def _through(each: Import, space: Found, name: str) -> Found | None:
         return space.member(name) if space.offers(name) else None
     if each.recursive:
         return _below(space, name)
-    return space.exported(name) if isinstance(space.node, Package) else member_of(space, name)
+    if not isinstance(space.node, Package):
+        return member_of(space, name)
+    hit = space.exported(name)
+    return space._imported(name) if hit is None and each.overrides_private else hit
 
 
 def _own(space: Symbol, name: str) -> Found | None:

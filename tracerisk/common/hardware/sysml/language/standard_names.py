@@ -141,6 +141,16 @@ WITH_PARTS = frozenset(
 )
 """Those of the official packages that may define what a part can be of."""
 
+OF_ITEMS = frozenset(
+    """
+    boundingShapes done endShot envelopingShapes incomingTransferSort innerSpaceOccurrences
+    isSolid localClock portions self shape snapshots spaceBoundary start startShot subitems
+    suboccurrences subobjects subparts this timeSlices voids
+    """.split()  # noqa: SIM905
+)
+"""What every part and item has, from `Items::Item`, `Objects::Object` and
+`Occurrences::Occurrence` of the official libraries, as far as models refer to it."""
+
 _SCALARS = frozenset(
     """
     Boolean Complex Integer Natural Number NumericalValue Positive Rational Real ScalarValue

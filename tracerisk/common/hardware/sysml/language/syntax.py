@@ -188,6 +188,8 @@ class Import:
     """Whether the names are visible within the importing namespace only."""
     at: int
     """The offset of the target in the text [characters]."""
+    overrides_private: bool = False
+    """Whether private names are imported as well (`import all`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,6 +262,8 @@ class Skipped:
 
     word: str
     """The keyword with which it begins."""
+    name: str | None
+    """The name; `None` where none is declared."""
     metadata: tuple[Reference, ...]
     """The names of metadata in it."""
     at: int

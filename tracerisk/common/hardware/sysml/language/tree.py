@@ -31,6 +31,7 @@ from tracerisk.common.hardware.sysml.language.syntax import (
     Unary,
     Value,
 )
+from tracerisk.common.hardware.sysml.language.words import WORDS
 from tracerisk.errors import HardwareError
 
 _ESCAPE = re.compile(r"\\([\s\S])")
@@ -40,6 +41,7 @@ _SKIPPED_METADATA = re.compile(
     rf"(?:[@#]|\bmetadata\b)\s*(?:{_METADATA_NAME}\s*:\s*(?!:))?"
     rf"({_METADATA_NAME}(?:\s*::\s*{_METADATA_NAME})*)"
 )
+_SKIPPED_NAME = re.compile(rf"{_METADATA_NAME}|([^\s<>])")
 _MAX_SEGMENTS = 100
 _WORDS = {"subsets": ":>", "specializes": ":>", "redefines": ":>>"}
 
@@ -101,7 +103,7 @@ class TreeBuilder(Transformer[Token, Package]):
                 segments = re.findall(_METADATA_NAME, match_.group(1))
                 at = _at(token) + match_.start(1)
                 named.append(Reference(tuple(map(unquoted, segments)), at))
-        return Skipped(word, tuple(named), _at(token))
+        return Skipped(word, _declared(str(token)), tuple(named), _at(token))
 
     # Names.
 
@@ -136,8 +138,9 @@ class TreeBuilder(Transformer[Token, Package]):
         return name, any(star == "*" for star in stars), any(star == "**" for star in stars)
 
     def imported(self, *parts: Any) -> Import:
-        target, every, recursive = parts[1] if isinstance(parts[0], Token) else parts[0]
-        return Import(target, every, recursive, is_private=False, at=target.at)
+        is_all = isinstance(parts[0], Token)
+        target, every, recursive = parts[1] if is_all else parts[0]
+        return Import(target, every, recursive, False, target.at, overrides_private=is_all)
 
     def alias(self, *parts: Any) -> Alias:
         name, short, at = parts[0] if len(parts) == 3 else (None, None, parts[0].at)
@@ -155,8 +158,7 @@ class TreeBuilder(Transformer[Token, Package]):
         core = parts[-1]
         words = [part for part in parts[:-1] if isinstance(part, Token)]
         if isinstance(core, Import):
-            private = "private" in words
-            return Import(core.target, core.every, core.recursive, private, core.at)
+            return replace(core, is_private="private" in words)
         if not isinstance(core, Element):
             return core  # type: ignore[no-any-return]
         marks = tuple(part for part in parts[:-1] if isinstance(part, Annotation))
@@ -277,6 +279,16 @@ class TreeBuilder(Transformer[Token, Package]):
 
     def invocation(self, of: Expression, arguments: Any) -> Expression:
         return Instance(of, arguments, of.at) if isinstance(of, Reference) else Computed(of.at)
+
+
+def _declared(text: str) -> str | None:
+    """Return the name that the text of a skipped element declares."""
+    for matched in _SKIPPED_NAME.finditer(text):
+        if matched[1] is not None:
+            return None
+        if matched[0] not in WORDS:
+            return unquoted(matched[0])
+    return None
 
 
 def _check_length(name: Reference) -> None:
