@@ -308,6 +308,33 @@ def test_blocks_and_result_are_the_same_from_either_format(annotated):
     assert sources[:2] == sources[2:]
 
 
+def test_blocks_are_the_same_from_a_folder_with_several_systems(annotated):
+    annotated.write("cell.yaml", CELL)
+    bench = "package Bench { part bench { part m { @TraceriskHardware::FailureData { probability = 0.1; } } } }"
+    annotated.write("model/other/bench.sysml", bench)
+    assert annotated.run("hardware", "convert", "cell.yaml", "-o", "model/cell.sysml").code == 0
+    assert (
+        annotated.run(
+            "annotate", "controller.py", "--trace", "trace.json", "--hardware", "cell.yaml"
+        ).code
+        == 0
+    )
+    expected = annotated.read("controller.py")
+    shown = annotated.run("hardware", "show", "model")
+    assert shown.code == 2
+    assert "name one by --system or the setting system" in shown.err
+    (system,) = set(re.findall(r"'(\w+::\w+|\w+)' \(", shown.err)) - {"bench", "Bench::bench"}
+    assert "m " in annotated.run("hardware", "show", "model", "--system", "bench").out
+    annotated.write(
+        "pyproject.toml", f'[tool.tracerisk]\nhardware = "model"\nsystem = "{system}"\n'
+    )
+    assert annotated.run("annotate", "controller.py", "--trace", "trace.json").code == 0
+    assert annotated.read("controller.py") == expected
+    wrong = annotated.run("annotate", "controller.py", "--trace", "trace.json", "--system", "arms")
+    assert wrong.code == 2
+    assert "the system 'arms' is no part in a package" in wrong.err
+
+
 def test_what_is_left_out_of_a_model_is_reported(example):
     example.write(
         "cell.sysml",

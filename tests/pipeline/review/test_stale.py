@@ -8,7 +8,9 @@ from tests.pipeline.review.test_review import lock_of, only, write
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.text.plain_data import plain_data
 from tracerisk.common.verdict import Coverage, Verdict
+from tracerisk.config import Settings
 from tracerisk.instrument.source.code_digest import code_digest
+from tracerisk.pipeline.freshness.freshness import hardware_digest
 from tracerisk.pipeline.review.review import review
 
 SETTINGS = '[tool.tracerisk]\nhardware = "hw.yaml"\n'
@@ -78,6 +80,37 @@ def test_a_change_that_nobody_has_run_is_said_and_passes_no_limit(
     done = cell.run("diff", *versions, *limit)
     assert done.code == 1
     assert f"{said}; {' '.join(limit)}" in done.err
+
+
+FIGURE = "@TraceriskHardware::FailureData {{ rate = {} [SI::h^-1]; }}"
+
+
+def test_a_file_of_a_described_folder_that_changes_makes_the_figure_stale(cell):
+    """The description is a folder of SysML, of which one part is the system."""
+    parts = "package P {{ part def M {{ " + FIGURE + " }} }}"
+    cell.write("model/a/parts.sysml", parts.format("1e-7"))
+    cell.write(
+        "model/cell.sysml",
+        "package C { private import P::*; part cell { part motor : M; } part other { part m : M; } }",
+    )
+    settings = '[tool.tracerisk]\nhardware = "model"\nsystem = "cell"\n'
+    cell.write("pyproject.toml", settings)
+    now = hardware_digest(Settings(hardware=str(cell.folder / "model")))
+    lock = (cell.folder / "tracerisk.lock").read_text()
+    lock = lock.replace(sha256(hardware().encode()), now)
+    lock = lock.replace('"hardware": "hw.yaml"', '"hardware": "model", "system": "cell"')
+    cell.write("tracerisk.lock", lock)
+    cell.commit()
+    assert review([], cell.folder).controllers == ()
+    cell.write("model/a/parts.sysml", parts.format("3e-7"))
+    found = only(review([], cell.folder))
+    assert found.stale == ("model has changed",)
+    (said,) = found.hardware
+    assert said.startswith("motor (model/cell.sysml:1")
+    assert "1e-07/h" in said
+    assert "3e-07/h" in said
+    cell.write("pyproject.toml", settings.replace("cell", "other"))
+    assert "setting system was cell, is other" in only(review([], cell.folder)).stale
 
 
 def test_what_changes_no_run_is_no_change(cell):
