@@ -87,6 +87,16 @@ def test_a_folder_without_a_model_is_refused(tmp_path):
         read_sysml(tmp_path)
 
 
+def test_a_folder_of_many_models_is_refused(project, monkeypatch):
+    folder = project(PROJECT)
+    monkeypatch.setattr("tracerisk.common.hardware.sysml.project.MAX_BYTES", 200)
+    with pytest.raises(HardwareError, match="more than 200 bytes; give the folder of one model"):
+        read_sysml(folder)
+    monkeypatch.setattr("tracerisk.common.hardware.source_files.MAX_FILES", 3)
+    with pytest.raises(HardwareError, match=r"holds more than 3 \.sysml files"):
+        read_sysml(folder)
+
+
 TWO = f"""package X {{
     part robot {{ part m {{ {DATA} }} }}
     package Benches {{ part bench {{ part m [2] {{ {DATA} }} }} part <b> 'test bench' {{ {DATA} }} }}

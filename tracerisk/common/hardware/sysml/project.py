@@ -52,6 +52,11 @@ class Project:
         self._found: dict[tuple[str, str], Found | None] = {}
         self._tops: dict[Path, Symbol] = {}
         files = [item for item in sysml_files(path) if not _is_library(item)]
+        if self._is_whole and sum(item.stat().st_size for item in files) > MAX_BYTES:
+            raise HardwareError(
+                f"its .sysml files have more than {MAX_BYTES} bytes; give the folder of one model",
+                Location(shown),
+            )
         self.main = tuple(map(self._read, files if self._is_whole else [path]))
         """The tops of the files that may declare the system."""
 
