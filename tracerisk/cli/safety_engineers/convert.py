@@ -28,6 +28,7 @@ from tracerisk.prm.other_models.formats.explicit_labels import write_labels
 from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 from tracerisk.prm.other_models.formats.openpra import dumps_openpra
 from tracerisk.prm.other_models.formats.prism import write_prism
+from tracerisk.prm.other_models.formats.unrolled_mission import MOST_VISITS, logic_of_mission
 from tracerisk.prm.other_models.linked import linked
 from tracerisk.prm.other_models.logic.checks import needs_mission_time
 from tracerisk.prm.other_models.logic.model import LogicModel
@@ -168,7 +169,15 @@ def _functions_texts(
             "a function's fault tree is that of a visit in which no unit has failed before",
             quiet=options.quiet,
         )
-    return {options.output: _tree_text(logic_of_functions(model), target, options)}
+    logic = logic_of_mission(model) if target is ModelFormat.OPENPRA else None
+    if logic is None and target is ModelFormat.OPENPRA:
+        note(
+            "only the functions' fault trees are written: the mission branches, has spares or a "
+            f"random number of rounds, or has more than {MOST_VISITS} visits, which an event tree "
+            "cannot say",
+            quiet=options.quiet,
+        )
+    return {options.output: _tree_text(logic or logic_of_functions(model), target, options)}
 
 
 def _tree_text(

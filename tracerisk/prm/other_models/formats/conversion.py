@@ -80,7 +80,7 @@ def logic_of_tree(
         raise ModelError(
             f"'{unknown[0]}' is not a parameter; {one_of(tree.parameters, unknown[0])}"
         )
-    written = _of_gates(tree)
+    written = with_a_gate(tree)
     shared = [name for name in tree.parameters if name in given]
     taken = set(_names_of(written))
     figures = {text: f"p_{text}" if text in taken else text for text in shared}
@@ -119,7 +119,7 @@ def logic_of_functions(model: HybridModel) -> LogicModel:
     parameters: list[ParameterDefinition] = []
     for state in trees:
         place = Place(home=state.name, private=True)
-        tree = _of_gates(state.tree)
+        tree = with_a_gate(state.tree)
         names = {name: f"{state.name}.{name}" for name in _names_of(tree)}
         for gate in reversed(tree.upwards):
             inputs = tuple(names[name] for name in gate.inputs)
@@ -181,7 +181,7 @@ def tree_of_logic(
         raise ModelError(f"{_listed(bare)}: no figure is given, but Galileo needs one")
     # A tree's own parameters tie events together, which Galileo has no word for.
     own = tuple(replace(event, parameter=event.name) for event in events)
-    return _of_gates(replace(tree, events=own))
+    return with_a_gate(replace(tree, events=own))
 
 
 def _law(model: FailureModel, owner: LogicModel, evaluation: Evaluation) -> FailureModel | None:
@@ -227,7 +227,7 @@ def _expression(name: str, model: FailureModel, mission_time_h: float | None) ->
     return Number(model.probability(mission_time_h).p)
 
 
-def _of_gates(tree: FaultTree) -> FaultTree:
+def with_a_gate(tree: FaultTree) -> FaultTree:
     """Return the tree with a gate at its top, and its constants under names that can be written."""
     constants = {ALWAYS: "always", NEVER: "never"}
     taken = set(_names_of(tree))
