@@ -174,19 +174,15 @@ class StateSpace:
     def holding(
         self, expression: Expression, what: str, labels: Mapping[str, Collection[int]]
     ) -> frozenset[int]:
-        """Return the states in which an expression holds; `what` is it in messages.
-
-        `labels` are the numbers of the states of the labels that may stand in it.
-        """
+        """Return where an expression over some labels holds; `what` is it in messages."""
         compiled = replace(self._scope, labels=labels).compile(expression)
         self._count(compiled.size * len(self._states))
         numbers = []
         for number, state in enumerate(self._states):
             value = compiled.run((*state, number))
             if not isinstance(value, bool):
-                raise ModelError(
-                    f"{what} is {value!r}, neither true nor false", expression.location
-                )
+                text = f"{what} is {value!r}, neither true nor false"
+                raise ModelError(text, expression.location)
             if value:
                 numbers.append(number)
         return frozenset(numbers)
