@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
-from tracerisk.errors import HardwareError
+from tracerisk import api
 
 PAGE = Path(__file__).parents[1] / "docs" / "safety.md"
 ROWS = re.findall(
@@ -26,27 +25,12 @@ def test_each_row_of_the_page_is_shown_here_and_each_test_here_has_a_row():
     assert [number for number, _ in ROWS] == [f"K{n}" for n in range(1, len(here) + 1)]
 
 
-def test_a_rate_that_is_one_over_an_mtbf_is_refused(tmp_path):
-    path = tmp_path / "cell.sysml"
-    path.write_text("""\
-package Cell {
-    private import TraceriskHardware::*;
-    private import SI::*;
-    part arm { part motor {
-        attribute mtbf : ISQ::DurationValue = 50000 [h];
-        @FailureData { rate = 1 / mtbf; }
-    } }
-}
-""")
-    with pytest.raises(HardwareError, match="'/' has no finite value"):
-        read_sysml(path)
-
-
-def test_a_controller_can_lift_its_memory_limit(example, quick):
-    lift = "hard = resource.getrlimit(kind)[1]; resource.setrlimit(kind, (hard, hard))"
-    show = "print('limit is', resource.getrlimit(kind)[0])"
-    source = quick("import resource", "kind = resource.RLIMIT_AS", lift, show)
-    example.write("controller.py", source)
-    outcome = example.run("run", "controller.py", "--check", "--memory-limit", "3000")
-    (limit,) = re.findall(r"limit is (-?\d+)", outcome.out + outcome.err)
-    assert not 0 < int(limit) <= 3000 * 2**20
+def test_a_loop_that_is_left_in_its_middle_is_read_as_random(annotated_source):
+    source = annotated_source(
+        reach=("place 3/4, done 1/4", "motor = 0.1"), place=("reach 3/3", "jaw = 0.1")
+    )
+    model = api.build({"cell.py": source.encode()}, name="cell")
+    reported = api.solve(model).mission
+    # Four visits and three visits, each of which fails with 0.1.
+    assert reported.visits_as_run == pytest.approx(1 - 0.9**7, rel=1e-12)
+    assert reported.failure_probability == pytest.approx(0.51967, abs=1e-5)
