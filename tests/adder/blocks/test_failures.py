@@ -69,6 +69,52 @@ def test_what_is_printed_is_read_back(of, form, width):
     assert read("\n".join(line[4:] for line in printed)) == of
 
 
+LONG = block(
+    "= dead 3/4: stopped safely 1/2, unaware in place 1/4, back to pick in <module> 1/4",
+    "= stuck 1/4: stopped late 1/3, stopped safely in place 2/3",
+)
+
+
+@pytest.mark.parametrize(
+    ("form", "lines"),
+    [
+        (
+            "published",
+            [
+                "# |   mode = dead 3/4: stopped safely 1/2,",
+                "# |     unaware in place 1/4,",
+                "# |     back to pick in <module> 1/4",
+                "# |   mode = stuck 1/4: stopped late 1/3,",
+                "# |     stopped safely in place 2/3",
+            ],
+        ),
+        (
+            "compact",
+            [
+                "# |   -> dead 3/4: stopped safely 1/2,",
+                "# |     unaware in place 1/4,",
+                "# |     back to pick in <module> 1/4",
+                "# |   -> stuck 1/4: stopped late 1/3,",
+                "# |     stopped safely in place 2/3",
+            ],
+        ),
+    ],
+)
+def test_what_follows_is_wrapped_at_the_width_of_a_block_and_read_back(form, lines):
+    printed = print_block(replace(LONG, form=form), 44)
+    first = next(at for at, line in enumerate(printed) if "dead" in line)
+    assert list(printed[first : first + len(lines)]) == lines
+    assert read("\n".join(line.removeprefix("# | ") for line in printed)) == LONG
+
+
+@pytest.mark.parametrize("form", ["published", "compact"])
+def test_a_mistake_in_a_further_line_says_what_may_follow(form):
+    said = "\n".join(line[4:] for line in print_block(replace(LONG, form=form), 44))
+    for wrong in ("    unawre in place 1/4,", "    unaware in place 1/4,\n"):
+        with pytest.raises(BlockError, match="`stopped late`, `unaware`, `back to FUNCTION`"):
+            read(said.replace("    unaware in place 1/4,\n    back to pick in <module> 1/4", wrong))
+
+
 def test_values_are_exact():
     first, second = TOOL.components[0].failures.value
     assert (first.name, first.share) == ("dead", Fraction(3, 4))
@@ -166,6 +212,9 @@ def test_a_renamed_function_keeps_its_name_in_sections(form):
     }
     renamed = source_with_names(source, names).decode()
     assert "back to grip in put 1" in renamed
+    source = "\n".join(print_block(replace(LONG, form=form), 44)).encode()
+    renamed = source_with_names(source, names).decode()
+    assert "# |     unaware in put 1/4,\n# |     back to grip in <module> 1/4\n" in renamed
     assert renamed_text("in place 1/2: back to in 1", {"in": "on", "place": "x"}) == (
         "in place 1/2: back to on 1"
     )

@@ -18,8 +18,8 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
-from tracerisk.adder.blocks.failures import is_mode, renamed_text
 from tracerisk.adder.blocks.lines import (
+    FURTHER,
     BlockLine,
     ValueText,
     comment_text,
@@ -27,6 +27,7 @@ from tracerisk.adder.blocks.lines import (
     joined_comment,
     read_field,
     with_comment,
+    wrapped,
 )
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
@@ -96,8 +97,6 @@ def with_names(text: str, names: Mapping[str, str]) -> str:
                 body[matched.start("next") :],
             )
         body = _printed_name(names.get(name, name), _BARE_FUNCTION) + head
-    elif body.startswith("->") and is_mode(body.removeprefix("->")):
-        return lead + renamed_text(body, names) + mark + comment
     elif body.startswith("->"):
         body, steps = "->", body.removeprefix("->")
     else:
@@ -359,14 +358,7 @@ def _print_function(block: RiskBlock, width: int) -> list[str]:
     fields: list[tuple[FieldKind, Field[Any]]] = [(CALL_SEQUENCE, block.call_sequence)]
     if block.next is not None:
         fields.append((NEXT, block.next))
-        first, *others = _marked(block.next).split(", ")
-        lines[0] += f" -> {first}"
-        for step in others:
-            if len(lines[-1]) + len(step) + 3 > width - 4:
-                lines[-1] += ","
-                lines.append(f"  -> {step}")
-            else:
-                lines[-1] += f", {step}"
+        lines = wrapped(f"{lines[0]} -> ", _marked(block.next).split(", "), "  -> ", width)
     return lines[:-1] + _with_comments(lines[-1], block.added, block.reason, fields, width)
 
 
@@ -390,7 +382,11 @@ def _print_modes(failures: Field[Any], width: int) -> list[str]:
     if not failures.is_stated:
         return []
     mark = ":= " if failures.pinned else ""
-    lines = [f"  -> {mark}{mode}" for mode in failures.text.split(" | ")]
+    lines = [
+        line
+        for mode in failures.text.split(" | ")
+        for line in wrapped(f"  -> {mark}", mode.split(", "), FURTHER, width)
+    ]
     comment = comment_text(failures.computed, failures.reason)
     return lines[:-1] + with_comment(lines[-1], comment, width)
 

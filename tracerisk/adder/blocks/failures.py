@@ -21,6 +21,7 @@ _OUTCOME = re.compile(
     rf"(?:(?P<kind>{'|'.join(_KINDS)})|back to (?P<target>{TARGET}))"
     rf"(?: in (?P<shows_in>{TARGET}))? (?P<share>{WEIGHT})"
 )
+_LEAD = re.compile(r"\s*(?:->|mode\s*:?=)\s*(?::=\s*)?")
 _NAMED = re.compile(rf"\b((?:to|in) )({TARGET})(?=(?: in {TARGET})? {WEIGHT}\s*(?:[,|!]|$))")
 _ALLOWED = (
     "a mode with its share of the failures and what follows, such as "
@@ -162,5 +163,15 @@ def renamed_text(text: str, names: Mapping[str, str]) -> str:
 
 
 def is_mode(text: str) -> bool:
-    """Return whether a line can be that of a mode, whatever its shares."""
-    return _MODE.fullmatch(text.partition("!")[0].strip().removeprefix(":=").strip()) is not None
+    """Return whether a line begins that of a mode, in either form, whatever its shares."""
+    lead = _LEAD.match(text)
+    words = text.partition("!")[0].strip()
+    return lead is not None and _MODE.fullmatch(words[len(lead[0].lstrip()) :]) is not None
+
+
+def goes_on(text: str, *, is_open: bool) -> bool:
+    """Return whether the next line goes on with the mode of this one, which ends with a comma.
+
+    `is_open` says whether this line goes on with the one before.
+    """
+    return text.rstrip().endswith(",") and "!" not in text and (is_open or is_mode(text))

@@ -8,12 +8,13 @@ Here a line is what follows the gutter; finding blocks in a file is the job of `
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from tracerisk.adder.blocks.block import RiskBlock
 from tracerisk.adder.blocks.compact import print_compact, read_compact
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
+from tracerisk.adder.blocks.failures import goes_on
 from tracerisk.adder.blocks.lines import DEFAULT_WIDTH, GUTTER, HEADER, BlockLine
 from tracerisk.adder.blocks.sections import print_sections, read_sections
 from tracerisk.config import BlockForm
@@ -33,6 +34,8 @@ _HEADER = re.compile(HEADER_LINE)
 _OF_SECTIONS = re.compile(
     r"[@!}].*|(?:name|callSequence|next|probability|quantity|redundancy)\s*=.*"
 )
+# What goes on with no mode, as a conflict marker.
+_OTHER = re.compile(r"->|[@!}<>=|]|\w+\s*:?=")
 _READ = {"published": read_sections, "compact": read_compact}
 _PRINTED = {"published": print_sections, "compact": print_compact}
 
@@ -62,8 +65,9 @@ def parse_block(lines: Sequence[BlockLine], file: str) -> RiskBlock:
         raise BlockError(
             f"a risk block begins with the line `{GUTTER}{HEADER}`", Location(file, number)
         )
-    form = form_of(lines[1:])
-    block = _READ[form](lines[0].number, lines[1:], file)
+    said = _with_whole_modes(lines[1:])
+    form = form_of(said)
+    block = _READ[form](lines[0].number, said, file)
     seen: dict[str, Location | None] = {}
     for component in block.components:
         if component.name in seen:
@@ -79,10 +83,25 @@ def parse_block(lines: Sequence[BlockLine], file: str) -> RiskBlock:
     )
 
 
+def _with_whole_modes(lines: Iterable[BlockLine]) -> list[BlockLine]:
+    """Return lines of which each that goes on with a mode stands behind the one before."""
+    whole: list[BlockLine] = []
+    is_open = False
+    for line in lines:
+        text = line.text.strip()
+        is_further = is_open and _OTHER.match(text) is None
+        if is_further:
+            whole[-1] = whole[-1]._replace(text=f"{whole[-1].text.rstrip()} {text}")
+        elif text:
+            whole.append(line)
+        is_open = goes_on(text, is_open=is_further) if text else is_open
+    return whole
+
+
 def print_block(block: RiskBlock, width: int = DEFAULT_WIDTH) -> tuple[str, ...]:
     """Return the lines of a block in its form, gutter included, without indentation and line ends.
 
-    `width` is the room for a line; reasons are wrapped to it.
+    `width` is the room for a line; reasons and what follows failures are wrapped to it.
     Parsed again, the lines give the same block.
     """
     marks = [block.digest or "", WITH_EVIDENCE if block.has_evidence else ""]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import Field
@@ -15,6 +16,8 @@ HEADER = "RiskAnnotation"
 
 DEFAULT_WIDTH = 79
 """The width that printed lines keep to, the indentation included, where words allow it."""
+FURTHER = "    "
+"""What a line begins with that goes on with the one before."""
 _NARROWEST, _TAB_COLUMNS = 40, 8
 _LETTER = r"[^\W\d]"
 
@@ -126,6 +129,22 @@ def width_behind(indent: bytes) -> int:
     return max(_NARROWEST, DEFAULT_WIDTH - len(indent.expandtabs(_TAB_COLUMNS)))
 
 
+def wrapped(lead: str, items: Sequence[str], further: str, width: int) -> list[str]:
+    """Return `items` in a list behind `lead`, wrapped onto lines that begin with `further`.
+
+    A line that goes on ends with a comma.
+    """
+    room = width - len(GUTTER)
+    lines = [lead + items[0]]
+    for item in items[1:]:
+        if len(lines[-1]) + len(f", {item},") > room:
+            lines[-1] += ","
+            lines.append(further + item)
+        else:
+            lines[-1] += f", {item}"
+    return lines
+
+
 def with_comment(line: str, comment: str | None, width: int) -> list[str]:
     """Return `line` with its comment, wrapped onto lines of its own where the room ends."""
     if comment is None:
@@ -134,7 +153,7 @@ def with_comment(line: str, comment: str | None, width: int) -> list[str]:
     lines, mark = [line], "  !"
     for word in comment.split(" "):
         if len(lines[-1]) + len(mark) + 1 + len(word) > room:
-            lines.append("    !")
+            lines.append(f"{FURTHER}!")
             mark = ""
         lines[-1] += f"{mark} {word}"
         mark = ""

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.lines import (
+    FURTHER,
     BlockLine,
     ValueText,
     comment_text,
@@ -17,6 +18,7 @@ from tracerisk.adder.blocks.lines import (
     joined_comment,
     read_field,
     with_comment,
+    wrapped,
 )
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
@@ -365,6 +367,9 @@ def _print_header(
 def _print_field(kind: FieldKind, field: Field[Any], width: int) -> list[str]:
     operator = ":=" if field.pinned else "="
     key, mark = {NEXT: (kind.key, ", "), FAILURES: ("mode", " | ")}.get(kind, (kind.key, "\n"))
-    lines = [f"  {key} {operator} {value}" for value in field.text.split(mark)]
+    lines = []
+    for value in field.text.split(mark):
+        items = value.split(", ") if kind is FAILURES else [value]
+        lines += wrapped(f"  {key} {operator} ", items, FURTHER, width)
     comment = comment_text(field.computed, field.reason)
     return lines[:-1] + with_comment(lines[-1], comment, width)

@@ -13,7 +13,7 @@ from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.compact import with_names
-from tracerisk.adder.blocks.failures import renamed_text
+from tracerisk.adder.blocks.failures import goes_on, is_mode, renamed_text
 from tracerisk.adder.blocks.grammar import is_header
 from tracerisk.adder.blocks.values import FAILURES, NEXT
 from tracerisk.adder.lock.lock import WrittenBlock
@@ -27,7 +27,6 @@ _GUTTER = rb"([ \t\f]*(?:#[ \t]?\||\*)[ \t]+"
 _WORDS = rb"\S+(?: \([^()\r\n]+\))?"
 _NAME = _GUTTER + rb"name = )(" + _WORDS + rb")([ \t\r\n]*)"
 _NEXT = _GUTTER + rb"next :?= )(" + _WORDS + rb")([ \t].*)"
-_MODE = _GUTTER + rb"mode :?= )(.*)"
 _ANY = re.compile(_GUTTER + rb")(.*)", re.DOTALL)
 
 
@@ -80,27 +79,25 @@ def source_with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedNa
     if not renamed:
         return source
     names = {old.encode(): new.encode() for old, new in renamed.items()}
+    in_text = {str(old): str(new) for old, new in renamed.items()}
     lines = []
-    is_below_header = False
+    is_below_header = is_open = False
     for line in source.splitlines(keepends=True):
         behind = _ANY.fullmatch(line)
         text = "" if behind is None else behind[2].decode(errors="surrogateescape")
-        if behind is not None and (is_below_header or text.lstrip().startswith("->")):
+        if behind is not None and (is_open or is_mode(text)):
+            words, mark, comment = text.partition("!")
+            said = renamed_text(words, in_text) + mark + comment
+            line = behind[1] + said.encode(errors="surrogateescape")
+        elif behind is not None and (is_below_header or text.lstrip().startswith("->")):
             # The compact form; a line of the published one stays as it is here.
-            text = with_names(text, {str(old): str(new) for old, new in renamed.items()})
-            line = behind[1] + text.encode(errors="surrogateescape")
+            said = with_names(text, in_text)
+            line = behind[1] + said.encode(errors="surrogateescape")
+        is_open = goes_on(text, is_open=is_open)
         is_below_header = behind is not None and is_header(text)
         matched = re.fullmatch(_NAME, line) or re.fullmatch(_NEXT, line, re.DOTALL)
         if matched is not None and matched[2] in names:
             line = matched[1] + names[matched[2]] + matched[3]
-        mode = re.fullmatch(_MODE, line, re.DOTALL)
-        if mode is not None:
-            words, mark, comment = mode[2].partition(b"!")
-            said = renamed_text(
-                words.decode(errors="surrogateescape"),
-                {str(old): str(new) for old, new in renamed.items()},
-            )
-            line = mode[1] + said.encode(errors="surrogateescape") + mark + comment
         lines.append(line)
     return b"".join(lines)
 
