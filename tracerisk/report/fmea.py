@@ -22,7 +22,7 @@ from tracerisk.common.evidence.cells import (
     Fate,
 )
 from tracerisk.common.evidence.share_interval import clopper_pearson
-from tracerisk.common.hardware.model import CONTROL
+from tracerisk.common.hardware.model import CONTROL, mode_and_duration
 from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.report.tables import csv_of, rendered, table_of
 
@@ -179,10 +179,10 @@ class FmeaRow:
     @property
     def cause(self) -> str:
         """What makes the component fail so, in words."""
-        mode = self.mode.partition(" for ")[0]
+        mode, lasts_s = mode_and_duration(self.mode)
         of_control = self.mode == "frozen" and any(cell.unit == CONTROL for cell in self.cells)
         cause = "commands that do not change" if of_control else CAUSES.get(mode, mode)
-        return f"{cause}, intermittent" if " for " in self.mode else cause
+        return cause if lasts_s is None else f"{cause}, intermittent"
 
     @property
     def fates(self) -> tuple[int, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, cast
 
 from tracerisk.common.hardware.redundancy import ALL_NEEDED, Detection, Redundancy
 from tracerisk.common.hardware.units import SHEET_KINDS, DataSheet
@@ -62,6 +62,12 @@ SHORTEST_FAULT_S, LONGEST_FAULT_S = 0.001, 3600.0
 def fault_kind(mode: str, lasts_s: float | None) -> str:
     """Return what a fault is called: its mode, and for how long it lasts where it passes [s]."""
     return mode if lasts_s is None else f"{mode} for {lasts_s:g} s"
+
+
+def mode_and_duration(kind: str) -> tuple[FaultMode, float | None]:
+    """Return the mode of what `fault_kind` calls a fault, and how long it lasts [s]."""
+    mode, _, lasts = kind.partition(" for ")
+    return cast(FaultMode, mode), float(lasts.removesuffix(" s")) if lasts else None
 
 
 POWER, CONTROL = "power", "control"

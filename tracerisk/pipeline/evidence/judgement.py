@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 from tracerisk.common.evidence.cells import EFFECTS, UNDETECTED, Cell, Effect, Fate
-from tracerisk.common.hardware.model import CONTROL
+from tracerisk.common.hardware.model import CONTROL, mode_and_duration
 from tracerisk.common.verdict import MISSION_MISSED, Reason
 from tracerisk.pipeline.evidence.missed_checks import missed_check
 from tracerisk.pipeline.evidence.mission_run import MissionRun, Position
-from tracerisk.pipeline.evidence.reaction import Reaction, new_reports, reaction_to
+from tracerisk.pipeline.evidence.reaction import Reaction, reaction_to
+from tracerisk.pipeline.run.fault_run import new_reports
 from tracerisk.trace import GOOD_ENDS, Contact, ObjectOffset, RunEnd, Visit
 
 FALLS = frozenset({"object-dropped", "object-knocked", "object-slipped", "object-tipped"})
@@ -334,7 +335,7 @@ def _first_report(
 
 def _local(failed: MissionRun, cell: Cell) -> str:
     """Return what the unit itself did, in words."""
-    match cell.mode.partition(" for ")[0]:
+    match mode_and_duration(cell.mode)[0]:
         case "dead" | "jam":
             far = failed.unit_moved
             if far < 1e-3:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from tracerisk.common.evidence.cells import Cell, MissedCheck
-from tracerisk.common.hardware.model import FAULTS
+from tracerisk.common.hardware.model import FAULTS, mode_and_duration
 from tracerisk.pipeline.evidence.mission_run import MissionRun
-from tracerisk.pipeline.evidence.reaction import AT_ONCE_S, Reaction, new_reports
+from tracerisk.pipeline.evidence.reaction import AT_ONCE_S, Reaction
+from tracerisk.pipeline.run.fault_run import new_reports
 
 _SECOND_NS = 1_000_000_000
 
@@ -25,7 +26,7 @@ def missed_check(
     ignored = _ignored_answer(nominal, failed, cell, reaction)
     if ignored:
         return "result", ignored
-    if cell.mode.partition(" for ")[0] in FAULTS["gripper"]:
+    if mode_and_duration(cell.mode)[0] in FAULTS["gripper"]:
         grips = [command for command in failed.commands if cell.unit in command.elements]
         before = [command for command in grips if command.issue_ns / _SECOND_NS <= effect_s]
         for command in before[-1:] or grips[:1]:

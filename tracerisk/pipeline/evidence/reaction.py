@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -20,8 +20,7 @@ from tracerisk.instrument.recording import is_near
 from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.evidence.mission_run import MissionRun
 from tracerisk.pipeline.run.branching.flow import key_of
-from tracerisk.pipeline.run.fault_run import REPORTED, finding_key
-from tracerisk.trace import Finding, Trace
+from tracerisk.pipeline.run.fault_run import new_reports
 
 AT_ONCE_S = 0.1
 """A controller goes by an answer to which it reacts earlier than this [s]."""
@@ -299,15 +298,3 @@ def _polled_sites(source: bytes) -> frozenset[Site]:
             elif not isinstance(node, ast.ExceptHandler | ast.Match | ast.FunctionDef):
                 pending += ast.iter_child_nodes(node)
     return frozenset(sites)
-
-
-def new_reports(nominal: Trace, failed: Trace, fault_s: float) -> Iterator[Finding]:
-    """Yield the failures that interfaces report to the controller after the fault alone [s]."""
-    known = {finding_key(finding) for finding in nominal.findings}
-    return (
-        finding
-        for finding in failed.findings
-        if finding.kind in REPORTED
-        and (finding.time_s or 0.0) >= fault_s
-        and finding_key(finding) not in known
-    )

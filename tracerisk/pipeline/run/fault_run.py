@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from tracerisk.common.verdict import Reason
@@ -51,13 +51,15 @@ class FaultRun:
     @property
     def reported(self) -> tuple[Finding, ...]:
         """The failures reported to the controller, beyond those without the faults."""
-        return tuple(finding for finding in self._more_findings() if finding.kind in REPORTED)
+        return new_reports(self.nominal, self.trace, self.faults[0].time_s)
 
     @property
     def other_findings(self) -> tuple[Finding, ...]:
         """The other findings that the faults add: contacts, errors of callbacks."""
         return tuple(
-            finding for finding in self._more_findings() if finding.kind not in REPORTED | NOTES
+            finding
+            for finding in _more_findings(self.nominal, self.trace, self.faults[0].time_s)
+            if finding.kind not in REPORTED | NOTES
         )
 
     @property
@@ -77,14 +79,20 @@ class FaultRun:
         """Return how long after the first fault a finding came [s]."""
         return (finding.time_s or 0.0) - self.faults[0].time_s
 
-    def _more_findings(self) -> tuple[Finding, ...]:
-        before = {finding_key(finding) for finding in self.nominal.findings}
-        return tuple(
-            finding
-            for finding in self.trace.findings
-            if (finding.time_s or 0.0) >= self.faults[0].time_s
-            and finding_key(finding) not in before
-        )
+
+def new_reports(nominal: Trace, trace: Trace, fault_s: float) -> tuple[Finding, ...]:
+    """Return the failures reported to the controller after the fault [s], not in the run without"""
+    more = _more_findings(nominal, trace, fault_s)
+    return tuple(finding for finding in more if finding.kind in REPORTED)
+
+
+def _more_findings(nominal: Trace, trace: Trace, fault_s: float) -> Iterator[Finding]:
+    before = {_key_of(finding) for finding in nominal.findings}
+    return (
+        finding
+        for finding in trace.findings
+        if (finding.time_s or 0.0) >= fault_s and _key_of(finding) not in before
+    )
 
 
 def nominal_run(
@@ -132,6 +140,6 @@ def _reasons(trace: Trace) -> tuple[Reason, ...]:
     return () if trace.verdict is None else trace.verdict.reasons
 
 
-def finding_key(finding: Finding) -> tuple[object, ...]:
+def _key_of(finding: Finding) -> tuple[object, ...]:
     """Return what distinguishes a finding from others, whenever it happened."""
     return finding.kind, finding.function, finding.object, finding.message, finding.location

@@ -14,6 +14,7 @@ from tracerisk.common.hardware.model import (
     POWER,
     SHORTEST_FAULT_S,
     FaultMode,
+    mode_and_duration,
 )
 from tracerisk.errors import InputError, one_of
 
@@ -52,10 +53,8 @@ class Fault:
 
 def fault_named(unit: str, kind: str, time_s: float) -> Fault:
     """Return a fault of what `fault_kind` calls it."""
-    mode, _, lasts = kind.partition(" for ")
-    return Fault(
-        unit, cast(FaultMode, mode), time_s, float(lasts.removesuffix(" s")) if lasts else None
-    )
+    mode, lasts_s = mode_and_duration(kind)
+    return Fault(unit, mode, time_s, lasts_s)
 
 
 def parse_fault(text: str) -> Fault:
