@@ -35,11 +35,18 @@ class Command:
     """The fraction of its way that was done when it ended, by the joint with the farthest to go."""
     replaced_by: int | None = None
     """The id of the command that replaced it; `None` where none did, or one without a stack."""
+    after: int = 0
+    """The id of the last command issued before it, of one that was refused or ignored."""
 
     def with_times(self, changed: Callable[[int], int]) -> Command:
         """Return it with each time [ns] mapped by `changed`."""
         end_ns = None if self.end_ns is None else changed(self.end_ns)
         return replace(self, issue_ns=changed(self.issue_ns), end_ns=end_ns)
+
+
+def in_order(commands: Iterable[Command]) -> list[Command]:
+    """Return commands in the order of issue, those that were refused in their place."""
+    return sorted(commands, key=lambda item: (item.issue_ns, item.id or item.after, not item.id))
 
 
 def traced_commands(
@@ -49,7 +56,7 @@ def traced_commands(
 
     A command of which nobody knows the end was cut by the end of the run.
     """
-    ordered = sorted((*commands, *refused), key=lambda command: command.issue_ns)
+    ordered = in_order((*commands, *refused))
     place_of = {command.id: place for place, command in enumerate(ordered) if command.id}
     return tuple(_traced(command, place_of) for command in ordered)
 

@@ -235,8 +235,9 @@ class _Reader:
 
     def _refused(self, event: dict[str, Any]) -> None:
         stack, time_ns = self._stack(event), event["ns"]
+        last = next(reversed(self.commands), 0)
         self.refused.append(
-            Command(0, _text(event["kind"]), (), stack, time_ns, time_ns, _end(event))
+            Command(0, _text(event["kind"]), (), stack, time_ns, time_ns, _end(event), after=last)
         )
 
     def _stack(self, event: dict[str, Any]) -> tuple[Frame, ...]:

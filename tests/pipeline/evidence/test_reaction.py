@@ -178,6 +178,20 @@ def test_the_goal_tells_a_retry_from_the_next_round_of_a_loop():
     assert reaction_to(nominal, failed, 2.0).went_on
 
 
+def test_a_command_that_is_refused_at_the_instant_of_the_next_came_before_it():
+    """A controller that looks at no answer goes on within no time."""
+    refused = replace(command(0, 12, 2.5, end="refused"), elements=(), after=2)
+    failed = replace(recorded(10, 11, command(3, 13, 2.5)), refused=(refused,))
+    reaction = reaction_to(NOMINAL, made(failed), 1.5)
+    assert (reaction.noticed_s, reaction.is_other_way) == (None, False)
+
+
+def test_another_command_that_is_refused_is_another_way():
+    refused = replace(command(0, 40, 2.5, end="refused"), elements=(), after=2)
+    failed = replace(recorded(10, 11, command(3, 13, 2.5)), refused=(refused,))
+    assert reaction_to(NOMINAL, made(failed), 1.5).is_other_way
+
+
 def test_threads_may_come_in_another_order():
     nominal = made(recorded(10, command(2, 20, 1.0, root="thread"), 12))
     failed = made(recorded(10, command(2, 12, 1.5), command(3, 20, 2.5, root="thread")))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tracerisk.instrument.commands import Command
+from tracerisk.instrument.commands import Command, in_order
 from tracerisk.instrument.marks.call_log import CALLS, Calls
 from tracerisk.instrument.recording import Recording
 from tracerisk.trace import Trace
@@ -40,8 +40,7 @@ class MissionRun:
     @property
     def commands(self) -> tuple[Command, ...]:
         """All commands, those that moved nothing too, in the order of issue."""
-        every = (*self.recording.commands, *self.recording.refused)
-        return tuple(sorted(every, key=lambda command: command.issue_ns))
+        return tuple(in_order((*self.recording.commands, *self.recording.refused)))
 
     @property
     def calls(self) -> Calls:

@@ -19,7 +19,6 @@ from tracerisk.instrument.marks.call_log import Site
 from tracerisk.instrument.recording import is_near
 from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.evidence.mission_run import MissionRun
-from tracerisk.pipeline.run.branching.flow import key_of
 from tracerisk.pipeline.run.fault_run import new_reports
 
 AT_ONCE_S = 0.1
@@ -49,15 +48,27 @@ class Reaction:
 class _Step:
     """A command on its way."""
 
-    key: str
-    """What stands for it in the control flow."""
     command: Command
     """The command."""
+    lines: tuple[Site, ...]
+    """The line and column of each call on its stack, outermost first."""
 
     @property
     def ns(self) -> int:
         """When it was issued [ns]."""
         return self.command.issue_ns
+
+    def is_as(self, other: _Step) -> bool:
+        """Return whether it is the same command of the control flow.
+
+        One that was refused addresses nothing, whatever it was to move.
+        """
+        mine, theirs = self.command.elements, other.command.elements
+        return (
+            self.lines == other.lines
+            and self.command.kind == other.command.kind
+            and (mine == theirs or not (mine and theirs))
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,11 +152,11 @@ def _by_root(commands: Sequence[Command]) -> Mapping[tuple[object, ...], list[_S
     for command in commands:
         outer = command.stack[0]
         own = roots.setdefault((outer.root, outer.function.file, outer.line), [])
-        step = _Step(key_of(command), command)
+        step = _Step(command, tuple(frame.site for frame in command.stack))
         last = own[-1] if own else None
         if (
             last is not None
-            and last.key == step.key
+            and step.is_as(last)
             and last.command.end == "replaced"
             and last.command.replaced_by == command.id
         ):
@@ -169,7 +180,7 @@ def _walk(
     is_on_way = True
     for step in after:
         # A failure moves goals too; whether who left the way is back on it, its goal says.
-        is_next = is_on_way and place < len(before) and step.key == before[place].key
+        is_next = is_on_way and place < len(before) and step.is_as(before[place])
         if not is_next:
             if step.ns >= fault_ns:
                 departures.append(_Departure(last_ns, step.ns))
@@ -195,7 +206,7 @@ def _place_of(step: _Step, before: Sequence[_Step], place: int) -> int | None:
         (
             at
             for at in (*later, *earlier)
-            if before[at].key == step.key and is_near(before[at].command.goal, step.command.goal)
+            if step.is_as(before[at]) and is_near(before[at].command.goal, step.command.goal)
         ),
         None,
     )
