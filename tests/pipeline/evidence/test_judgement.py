@@ -7,9 +7,21 @@ import pytest
 from tracerisk.common.evidence.cells import Cell
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.verdict import Reason, Verdict
+from tracerisk.errors import Location
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun
-from tracerisk.trace import Contact, Finding, ObjectOffset, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.pipeline.run.fault_run import FaultRun
+from tracerisk.trace import (
+    Contact,
+    Finding,
+    ObjectOffset,
+    RunEnd,
+    Trace,
+    TracedCommand,
+    TracedFunction,
+    Visit,
+)
+from tracerisk.twin.faults.fault import Fault
 
 PICK, PLACE = FunctionRef("cell.py", "pick"), FunctionRef("cell.py", "place")
 CELL = Cell(
@@ -174,3 +186,16 @@ def test_of_a_run_that_ended_early_it_is_kept_how_long_it_was_followed():
     failed = run(end=RunEnd("duration", "decided", 23.5))
     assert judge(good, failed, CELL).followed_s is None
     assert judge(good, replace(failed, is_decided=True), CELL).followed_s == 21.5
+
+
+@pytest.mark.parametrize(
+    ("kind", "told"), [("follow_joint_trajectory", "execution_failure"), ("joint_trajectory", "")]
+)
+def test_who_publishes_a_trajectory_is_told_nothing_of_its_end(kind, told):
+    sent = TracedCommand(PICK, 7, kind, ("joint_1",), 1.0, 2.5, "aborted")
+    aborted = Finding("execution_failure", "aborted", 2.5, Location("cell.py", 7, 5))
+    failed = run(commands=(sent,), findings=(aborted,))
+    assert judged(failed).told_by == told
+    faults = FaultRun((Fault("joint_1", "dead", 2.0),), run().trace, failed.trace)
+    assert faults.reported == ((aborted,) if told else ())
+    assert faults.other_findings == (() if told else (aborted,))

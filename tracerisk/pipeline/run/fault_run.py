@@ -30,6 +30,8 @@ REPORTED = frozenset(
     }
 )
 """The kinds of findings that an interface reports to the controller."""
+_MESSAGES = frozenset({"joint_trajectory"})
+"""The kinds of commands that are messages: nobody answers whether they came to their goal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +61,7 @@ class FaultRun:
         return tuple(
             finding
             for finding in _more_findings(self.nominal, self.trace, self.faults[0].time_s)
-            if finding.kind not in REPORTED | NOTES
+            if finding.kind not in NOTES and finding not in self.reported
         )
 
     @property
@@ -82,8 +84,21 @@ class FaultRun:
 
 def new_reports(nominal: Trace, trace: Trace, fault_s: float) -> tuple[Finding, ...]:
     """Return the failures reported to the controller after the fault [s], not in the run without"""
-    more = _more_findings(nominal, trace, fault_s)
-    return tuple(finding for finding in more if finding.kind in REPORTED)
+    unanswered = {
+        (command.function.file, command.line)
+        for command in trace.commands
+        if command.kind in _MESSAGES
+    }
+    return tuple(
+        finding
+        for finding in _more_findings(nominal, trace, fault_s)
+        if finding.kind in REPORTED
+        and not (
+            finding.kind == "execution_failure"
+            and finding.location is not None
+            and (finding.location.file, finding.location.line) in unanswered
+        )
+    )
 
 
 def _more_findings(nominal: Trace, trace: Trace, fault_s: float) -> Iterator[Finding]:
