@@ -9,6 +9,7 @@ from tests.pipeline.evidence.test_judgement import CELL
 from tests.pipeline.run.branching.test_branches import check_equal
 from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell
+from tracerisk.common.evidence.file import cell_line
 from tracerisk.pipeline.evidence import cell_runs
 from tracerisk.pipeline.evidence.cell_runs import CellBatch, fault_of, nominal_of, run_batch
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
@@ -86,7 +87,15 @@ def claimed(both, tmp_path_factory):
     claims = tmp_path_factory.mktemp("claims")
     (claims / "1").touch()
     cells = (cell(), cell("dead", 1.0), cell("dead", 6.0))
-    batch = CellBatch(str(both.controller.path), (), both.digest, cells, claims=str(claims))
+    journal = tmp_path_factory.mktemp("kept") / "journal.jsonl"
+    batch = CellBatch(
+        str(both.controller.path),
+        (),
+        both.digest,
+        cells,
+        claims=str(claims),
+        journal=str(journal),
+    )
     return batch, run_batch(batch)
 
 
@@ -96,6 +105,12 @@ def test_cells_that_another_batch_has_claimed_are_left_to_it(claimed):
     assert not done.whole_runs
     assert sorted(each.name for each in Path(batch.claims).iterdir()) == ["0", "1", "2"]
     assert run_batch(batch).cells == ()
+
+
+def test_each_cell_is_kept_as_soon_as_it_is_judged(claimed):
+    batch, done = claimed
+    kept = Path(batch.journal).read_text().splitlines()
+    assert sorted(kept) == sorted(map(cell_line, done.cells))
 
 
 def ended(found, cell: Cell, folder: Path, *, follows: bool = False):

@@ -194,7 +194,8 @@ def run_campaign(plan: Plan, options: CampaignOptions) -> Evidence:
         with journal(plan.journal) as keep:
             for done in _batches_done(plan, todo, Workers.of(options)):
                 known.update((cell.key, cell) for cell in done.cells)
-                keep(map(cell_line, done.cells))
+                if options.executor is not None:
+                    keep(map(cell_line, done.cells))
                 if options.progress is not None and done.cells:
                     number = sum(1 for cell in todo if cell.key in known)
                     spent_s = time.monotonic() - began
@@ -262,19 +263,26 @@ def _batches_done(plan: Plan, todo: Sequence[Cell], workers: Workers) -> Iterato
     left = {cell.key: cell for cell in todo}
     began = time.monotonic()
     jobs = workers.jobs or os.cpu_count() or 1
-    batch = partial(CellBatch, plan.controller, plan.options, plan.nominal.digest)
-    for is_shared in (True, False) if workers.executor is None else (False,):
+    # Workers of an executor may be on other machines.
+    is_local = workers.executor is None
+    batch = partial(
+        CellBatch,
+        plan.controller,
+        plan.options,
+        plan.nominal.digest,
+        folder=str(plan.nominal.folder) if is_local else "",
+        journal=str(plan.journal) if is_local else "",
+    )
+    for is_shared in (True, False) if is_local else (False,):
         if is_shared:
             parts = [
-                batch(cells, str(plan.nominal.folder), tempfile.mkdtemp(dir=plan.nominal.folder))
+                batch(cells=cells, claims=tempfile.mkdtemp(dir=plan.nominal.folder))
                 for cells in _split(todo, shared_sizes(len(todo), jobs))
             ]
             parts = [part for part in parts for _ in range(min(jobs, len(part.cells)))]
         else:
-            # Workers of an executor may be on other machines.
-            folder = str(plan.nominal.folder) if workers.executor is None else ""
             parts = [
-                batch(cells, folder)
+                batch(cells=cells)
                 for cells in _split([*left.values()], batch_sizes(len(left), jobs))
             ]
         spent_s = time.monotonic() - began

@@ -18,10 +18,12 @@ import numpy as np
 
 from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell, Effect
+from tracerisk.common.evidence.file import cell_line
 from tracerisk.common.sandbox.scratch import new_scratch, scratch
 from tracerisk.config import Settings
 from tracerisk.errors import ControllerFailedError, InputError, LogError
 from tracerisk.instrument.recording import Recording, read_recording
+from tracerisk.pipeline.evidence.journal import keep_lines
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun, mission_run
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
@@ -62,6 +64,9 @@ class CellBatch:
     claims: str = ""
     """The folder in which batches of the same cells claim them, first come first served; empty
     where no batch shares cells."""
+    journal: str = ""
+    """The file on this machine that keeps each cell as soon as it is judged; empty where the
+    campaign keeps those of a batch."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,6 +162,8 @@ def run_batch(batch: CellBatch) -> BatchDone:
         for index, judged, reason in _run(nominal, batch.cells, todo, beside, claims):
             cells[index] = judged
             reasons += [reason] if reason else []
+            if judged is not None and batch.journal:
+                keep_lines(Path(batch.journal), [cell_line(judged)])
         todo = [index for index, judged in cells.items() if judged is None]
     done = tuple(judged for _, judged in sorted(cells.items()) if judged is not None)
     return BatchDone(done, tuple(dict.fromkeys(reasons)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from pathlib import Path
 
 from tracerisk.errors import InputError, Location
@@ -25,17 +26,32 @@ def journal(path: Path) -> Iterator[Callable[[Iterable[str]], None]]:
     Raises InputError where that cannot be written.
     """
 
-    def write(text: str) -> None:
-        try:
-            make_kept(path.parent)
-            with path.open("a", encoding="utf-8") as stream:
-                stream.write(text)
-        except OSError as error:
-            raise InputError(
-                f"cannot be written: {error.strerror}; what was tried before is kept",
-                Location(str(path)),
-            ) from error
-
+    try:
+        make_kept(path.parent)
+    except OSError as error:
+        raise _not_written(path, error) from error
     # A line that a kill has cut stays one of its own.
-    write("\n" if path.exists() and path.stat().st_size else "")
-    yield lambda lines: write("".join(f"{line}\n" for line in lines))
+    _append(path, "\n" if path.exists() and path.stat().st_size else "")
+    yield partial(keep_lines, path)
+
+
+def keep_lines(path: Path, lines: Iterable[str]) -> None:
+    """Add lines to a journal that is there, from any process: a kill leaves each whole or not.
+
+    Raises InputError where it cannot be written.
+    """
+    _append(path, "".join(f"{line}\n" for line in lines))
+
+
+def _append(path: Path, text: str) -> None:
+    try:
+        with path.open("ab", buffering=0) as stream:
+            stream.write(text.encode())
+    except OSError as error:
+        raise _not_written(path, error) from error
+
+
+def _not_written(path: Path, error: OSError) -> InputError:
+    return InputError(
+        f"cannot be written: {error.strerror}; what was tried before is kept", Location(str(path))
+    )
