@@ -1,5 +1,6 @@
 """A run with a failure ends once its fate is decided, at the same instant wherever it runs."""
 
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from tests.pipeline.run.branching.test_branches import check_equal
 from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell
 from tracerisk.common.evidence.file import cell_line
-from tracerisk.pipeline.evidence import cell_runs
+from tracerisk.pipeline.evidence import cell_runs, workers
 from tracerisk.pipeline.evidence.cell_runs import CellBatch, fault_of, nominal_of, run_batch
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.pipeline.run.branching.fate import TOLD_S, UNTOLD_S
@@ -111,6 +112,17 @@ def test_each_cell_is_kept_as_soon_as_it_is_judged(claimed):
     batch, done = claimed
     kept = Path(batch.journal).read_text().splitlines()
     assert sorted(kept) == sorted(map(cell_line, done.cells))
+
+
+def test_a_worker_that_ends_keeps_nothing_for_its_files_may_be_gone(claimed, monkeypatch, tmp_path):
+    batch, _ = claimed
+    ending = threading.Event()
+    ending.set()
+    monkeypatch.setattr(workers, "_ENDING", ending)
+    journal = tmp_path / "journal.jsonl"
+    alone = replace(batch, cells=batch.cells[:1], claims="", journal=str(journal))
+    assert run_batch(alone).cells == ()
+    assert not journal.exists()
 
 
 def ended(found, cell: Cell, folder: Path, *, follows: bool = False):

@@ -26,6 +26,7 @@ from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.evidence.journal import keep_lines
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun, mission_run
+from tracerisk.pipeline.evidence.workers import is_ending
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.pipeline.run.branching.flow import key_of
 from tracerisk.pipeline.run.controller_run import run_again
@@ -160,6 +161,8 @@ def run_batch(batch: CellBatch) -> BatchDone:
     # What a run that was ended early does not show, one shows that goes on.
     for beside, claims in ((nominal.beside, batch.claims), (None, "")):
         for index, judged, reason in _run(nominal, batch.cells, todo, beside, claims):
+            if is_ending():
+                return BatchDone(())
             cells[index] = judged
             reasons += [reason] if reason else []
             if judged is not None and batch.journal:

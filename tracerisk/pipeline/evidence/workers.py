@@ -31,6 +31,8 @@ CellProgress = Callable[[int, int, float], None]
 _CONTEXT = multiprocessing.get_context("spawn")
 _POOLS = 3
 """How often a pool of workers of which one died is started again."""
+_ENDING = threading.Event()
+"""Set in a worker that ends, before its temporary files go."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +117,15 @@ def _pool(workers: int, alive: Connection, folder: Path | None) -> ProcessPoolEx
     )
 
 
+def is_ending() -> bool:
+    """Return whether this process is a worker that ends, or whose campaign was killed.
+
+    What it has read since may be gone in part: whoever ends or comes next removes the files.
+    """
+    parent = multiprocessing.parent_process()
+    return _ENDING.is_set() or (parent is not None and not parent.is_alive())
+
+
 def _begin(alive: Connection, folder: Path | None) -> None:
     """Begin a worker: its temporary files go into the folder, and it ends with its parent.
 
@@ -126,6 +137,7 @@ def _begin(alive: Connection, folder: Path | None) -> None:
     def watch() -> None:
         with contextlib.suppress(OSError, EOFError):
             alive.recv_bytes()
+        _ENDING.set()
         # The folders that this process was to remove at its end.
         atexit._run_exitfuncs()
         os._exit(1)
