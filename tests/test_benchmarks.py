@@ -121,6 +121,19 @@ def test_the_modules_of_a_distribution_are_those_of_its_metadata(
     assert table.modules_of(importlib.metadata.distribution(distribution)) == modules
 
 
+def test_the_pages_say_of_active_and_needed_what_the_benchmark_wrote(monkeypatch):
+    needed = _loaded("needed", monkeypatch)
+    with (ROOT / "benchmarks" / "needed.csv").open(encoding="utf-8", newline="") as file:
+        rows = [needed.Row(*row[:3], *map(int, row[3:])) for row in list(csv.reader(file))[1:]]
+    theory = (ROOT / "docs" / "theory.md").read_text()
+    section = theory.split("### Active against needed\n")[1].split("\n### ")[0]
+    assert "\n".join(needed.table_of(rows)) in section
+    tries, reported = sum(sum(row[3:7]) for row in rows), sum(row.reported for row in rows)
+    assert f"Of the {tries:,} failures {reported:,} were reported to the controller" in section
+    assert len({row.sample for row in rows}) == 7
+    assert f"[{tries:,} injected failures]" in (ROOT / "docs" / "safety.md").read_text()
+
+
 @pytest.mark.parametrize(
     ("code", "cause", "is_traced"),
     [(0, "ended", True), (1, "ended", True), (4, "wall_limit", False), (4, "raised", False)],
