@@ -45,8 +45,10 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 # What fails a test is what it finds, not how busy the machine is.
 settings.register_profile(
-    "any_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    "any_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=20
 )
+# `--hypothesis-profile thorough` tries a hundred times as many, where a test gives no number.
+settings.register_profile("thorough", settings.get_profile("any_machine"), max_examples=2000)
 settings.load_profile("any_machine")
 
 SAMPLES = Path(__file__).parent.parent / "sample_controllers"

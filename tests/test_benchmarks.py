@@ -24,10 +24,11 @@ PROGRAMS = sorted(
     if '__name__ == "__main__"' in path.read_text(encoding="utf-8") and path.name not in STARTED
 )
 LONG = {
-    *("branches.py", "broken_controllers.py", "bug_reports.py", "check_speed.py", "corpus.py"),
-    "comments.py",
-    *("editor_times.py", "greenlets.py", "independent_missions.py", "needed.py"),
-    *("run_overhead.py", "sandbox.py", "streams.py", "watch_speed.py", "worlds.py"),
+    *("activity_truth.py", "branches.py", "broken_controllers.py", "bug_reports.py"),
+    *("check_speed.py", "comments.py", "corpus.py", "editor_times.py", "fault_trees.py"),
+    *("greenlets.py", "history_speed.py", "independent_missions.py", "needed.py", "planning.py"),
+    *("run_overhead.py", "sandbox.py", "start_up.py", "streams.py", "upstream_tests.py"),
+    *("watch_speed.py", "worlds.py"),
 }
 """Those whose quick form makes several runs of controllers, or waits for what it measures."""
 SPAWNING = {"prism_suite.py"}
