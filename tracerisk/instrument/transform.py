@@ -29,6 +29,8 @@ TRACER_MODULE = "__tracerisk__"
 DECORATOR = "__tracerisk_traced__"
 """The name of the decorator in instrumented code; not mangled in classes, hidden from `*`."""
 
+_WITHOUT_FUNCTIONS = (cst.BaseExpression, cst.SimpleStatementLine, cst.SimpleStatementSuite)
+
 
 @dataclass(frozen=True, slots=True)
 class InstrumentedSource:
@@ -106,6 +108,11 @@ class _DecoratorInserter(cst.CSTTransformer):
     def sites(self) -> list[FunctionSite]:
         """The functions that were decorated, in the order of the file."""
         return sorted(self._met, key=lambda site: site.line)
+
+    def on_visit(self, node: cst.CSTNode) -> bool:
+        # No function is defined inside an expression or a simple statement: they are most of a
+        # source, and libcst makes each part that it goes through anew.
+        return super().on_visit(node) and not isinstance(node, _WITHOUT_FUNCTIONS)
 
     def visit_FunctionDef(self, node: cst.FunctionDef) -> None:  # noqa: N802, ARG002
         self._open.append(next(self._remaining))

@@ -24,7 +24,7 @@ from tracerisk.twin.physics.declared_log import POSE, DeclaredChange, LoggedShap
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.recording.activity import ElementActivity
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
-from tracerisk.twin.robots.file import dump_robot
+from tracerisk.twin.robots.file import robot_data
 from tracerisk.twin.robots.robot import Robot
 
 MOST_UNPACKED = 1024**3
@@ -64,7 +64,7 @@ def packed_run(
         "header": asdict(samples.header),
         "n_steps": n_steps,
         "changed_at": samples.changed_at,
-        "robot": json.loads(dump_robot(robot)),
+        "robot": robot_data(robot),
         "scene": asdict(scene),
         "elements": [asdict(item.element) for item in activity.values()],
         "declared": [
