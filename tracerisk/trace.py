@@ -87,6 +87,20 @@ NOTES: frozenset[str] = frozenset(
 )
 """The kinds of findings by which nothing went wrong: what was assumed, is not simulated, or did
 nothing, and what may be meant otherwise."""
+REPORTED: frozenset[str] = frozenset(
+    {
+        "attach_failure",
+        "execution_failure",
+        "fk_failure",
+        "goal_rejected",
+        "ik_failure",
+        "lookup_failure",
+        "path_cut",
+        "planning_failure",
+        "service_refused",
+    }
+)
+"""The kinds of findings that an interface reports to the controller."""
 GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idle", "duration"})
 
 

@@ -31,11 +31,12 @@ from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.pipeline.run.branching.flow import key_of
 from tracerisk.pipeline.run.controller_run import run_again
 from tracerisk.pipeline.run.ended_run import ControllerRun, RunOptions
-from tracerisk.pipeline.run.fault_run import REPORTED, nominal_run
+from tracerisk.pipeline.run.fault_run import nominal_run
 from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.success import Condition
+from tracerisk.trace import REPORTED
 from tracerisk.twin.faults.fault import Fault, fault_named
 from tracerisk.twin.recording.samples import Samples
 

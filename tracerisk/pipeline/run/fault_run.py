@@ -12,24 +12,10 @@ from tracerisk.pipeline.run.attempts import trace_attempts
 from tracerisk.pipeline.run.controller_run import run_again
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import NOTES, Finding, Trace
+from tracerisk.trace import NOTES, REPORTED, Finding, Trace
 from tracerisk.twin.faults.fault import Fault, check_faults
 from tracerisk.twin.robots.robot import Robot
 
-REPORTED = frozenset(
-    {
-        "attach_failure",
-        "execution_failure",
-        "fk_failure",
-        "goal_rejected",
-        "ik_failure",
-        "lookup_failure",
-        "path_cut",
-        "planning_failure",
-        "service_refused",
-    }
-)
-"""The kinds of findings that an interface reports to the controller."""
 _MESSAGES = frozenset({"joint_trajectory"})
 """The kinds of commands that are messages: nobody answers whether they came to their goal."""
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.branching.flow import flow_key
-from tracerisk.pipeline.run.fault_run import REPORTED
 from tracerisk.pipeline.trace.run_files import DECIDED, RunBeside
 from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.trace import REPORTED
 from tracerisk.twin.faults.armed import first_step
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.recording.contact_log import LoggedBody
