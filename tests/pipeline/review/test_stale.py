@@ -1,10 +1,12 @@
 """A version that nobody has run: its figure is that of another, and no limit holds for it."""
 
 from dataclasses import replace
+from itertools import product
 
 import pytest
 
 from tests.pipeline.review.test_review import lock_of, only, write
+from tests.slow import slow_but_every
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.text.plain_data import plain_data
 from tracerisk.common.verdict import Coverage, Verdict
@@ -47,25 +49,22 @@ def cell(repository, annotated_source):
     return repository
 
 
-@pytest.mark.parametrize(
-    ("file", "text", "said"),
-    [
-        ("hw.yaml", hardware("3e-7"), "hw.yaml has changed"),
-        ("helper.py", "REACH = 0.5\n", "helper.py has changed"),
-        ("scene.xml", "<mujoco><worldbody/></mujoco>", "scene.xml has changed"),
-        ("pyproject.toml", f"{SETTINGS}seed = 4\n", "setting seed was the default, is 4"),
-        (
-            "pyproject.toml",
-            "[tool.tracerisk]\n",
-            "setting hardware was hw.yaml, is the default",
-        ),
-    ],
+CHANGES = (
+    ("hw.yaml", hardware("3e-7"), "hw.yaml has changed"),
+    ("helper.py", "REACH = 0.5\n", "helper.py has changed"),
+    ("scene.xml", "<mujoco><worldbody/></mujoco>", "scene.xml has changed"),
+    ("pyproject.toml", f"{SETTINGS}seed = 4\n", "setting seed was the default, is 4"),
+    ("pyproject.toml", "[tool.tracerisk]\n", "setting hardware was hw.yaml, is the default"),
 )
-@pytest.mark.parametrize("limit", LIMITS)
-@pytest.mark.parametrize("versions", [["HEAD"], ["HEAD~1..HEAD"], ["HEAD", "pick.py"]])
-def test_a_change_that_nobody_has_run_is_said_and_passes_no_limit(
-    cell, file, text, said, limit, versions
-):
+VERSIONS = (["HEAD"], ["HEAD~1..HEAD"], ["HEAD", "pick.py"])
+
+
+# Every fourth has each change, and each limit with each way to name versions.
+@pytest.mark.parametrize(
+    ("versions", "limit", "change"), slow_but_every(4, [*product(VERSIONS, LIMITS, CHANGES)])
+)
+def test_a_change_that_nobody_has_run_is_said_and_passes_no_limit(cell, versions, limit, change):
+    file, text, said = change
     cell.write(file, text)
     if versions == ["HEAD~1..HEAD"]:
         cell.commit()

@@ -9,6 +9,7 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
+from tests.slow import slow_but_every
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros1_base import DeserializationError, Message
 from tracerisk.ros.time.rostime import Duration, Time
@@ -77,7 +78,7 @@ def store() -> Typestore:
     return get_typestore(Stores.ROS1_NOETIC)
 
 
-@pytest.mark.parametrize("name", STORED)
+@pytest.mark.parametrize("name", slow_but_every(4, STORED))
 def test_rosbags_reads_and_writes_the_same_bytes(name, store):
     message = filled(INTERFACES.message(name), random.Random(name))
     data = to_bytes(message)
@@ -95,11 +96,14 @@ def test_the_md5_sum_is_that_of_rosbags(name, store):
 
 @pytest.mark.parametrize(
     "name",
-    [
-        f"{package}/{name}"
-        for package in ("moveit_msgs", "control_msgs", "std_msgs", "sensor_msgs")
-        for name in INTERFACES.message_names(package)
-    ],
+    slow_but_every(
+        4,
+        [
+            f"{package}/{name}"
+            for package in ("moveit_msgs", "control_msgs", "std_msgs", "sensor_msgs")
+            for name in INTERFACES.message_names(package)
+        ],
+    ),
 )
 def test_what_is_written_is_read_again(name):
     kind = INTERFACES.message(name)
