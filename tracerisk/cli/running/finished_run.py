@@ -7,30 +7,18 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tracerisk import api
-from tracerisk.cli.reporting.against import both_runs, review_against
-from tracerisk.cli.reporting.report_input import (
-    RunShown,
-    evidence_shown,
-    record_of,
-    report_input,
-    worlds_shown,
-)
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.explain import explained
 from tracerisk.cli.shared.output import note, note_warnings, write_file, write_sarif
 from tracerisk.cli.shared.run_report import recording_folder, write_outputs, write_record
 from tracerisk.cli.shared.sources import read_profile
-from tracerisk.cli.shared.verdict import as_typed, verdict_details
 from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
 from tracerisk.common import trace_json
-from tracerisk.common.verdict import verdict_line
 from tracerisk.pipeline.failure_data.band import figure_band
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.model import blocks_of
-from tracerisk.pipeline.pictures.run_section import replay_of, run_section
 from tracerisk.pipeline.review.alerts import run_alerts
 from tracerisk.prm.formats import model_json
-from tracerisk.report.html.report import render_report
 from tracerisk.report.run_figures import outcomes_set_by_hand, run_figures, set_by_hand
 from tracerisk.trace import RunFailedError
 
@@ -40,11 +28,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.failure_data.band import Band
     from tracerisk.pipeline.run.ended_run import Progress
     from tracerisk.prm.questions.uncertainty import Uncertainty
-    from tracerisk.report.html.section import Section
     from tracerisk.report.run_figures import RunFigures
-
-_MADE = ("report", "trace", "model", "log", "sarif", "record")
-"""The options that name a file to write."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,36 +143,7 @@ def _write_files(options: argparse.Namespace, finished: FinishedRun) -> None:
     if options.sarif is not None:
         write_sarif(options.sarif, run_alerts(done.trace, done.controller.root))
     if options.report is not None:
-        recorded = replay_of(done.trace) or ""
-        section = run_section(done.trace, done.hardware, recorded)
-        sections: tuple[Section, ...] = () if section is None else (section,)
-        sections += worlds_shown(done.trace)
-        sections += evidence_shown(done.controller, done.settings, done.annotated.fingerprint)
-        verdict = as_typed(done.trace.verdict, done.controller.path)
-        run = RunShown(done.trace, done.hardware, done.annotated.computed, sections)
-        review = review_against(options.against, done.sources)
-        page = report_input(
-            done.assessment,
-            done.model,
-            done.sources,
-            run=run,
-            review=review,
-            both_runs=both_runs(
-                options,
-                done.controller,
-                review=review,
-                fingerprint=done.annotated.fingerprint,
-                now=recorded,
-                sources=done.sources,
-            ),
-            verdict=(verdict_line(verdict), *verdict_details(verdict)),
-            band="" if finished.band is None else finished.band.words,
-            record=record_of(
-                run,
-                done.sources,
-                done.settings,
-                fingerprint=done.annotated.fingerprint,
-                made=[file for name in _MADE if (file := getattr(options, name)) is not None],
-            ),
-        )
-        write_file(options.report, render_report(page))
+        # A page takes more modules than all else that a run writes.
+        from tracerisk.cli.running.run_page import write_page
+
+        write_page(options, done, finished.band)
