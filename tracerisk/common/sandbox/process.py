@@ -146,8 +146,10 @@ def start(
         given = [*reads, *map(Path, sandbox.readable)]
         ours = [_PACKAGE, *_interpreter(), *(Path(name) for name in paths)]
         kept = [pair for folder in (*ours, *given) for pair in _within(folder)]
+        whole = [path for path, is_whole in kept if is_whole]
         plan |= {
-            "readable": [*_SYSTEM, *(path for path, is_whole in kept if is_whole)],
+            "readable": [*_SYSTEM, *whole],
+            "held": sorted(filter(os.path.isfile, dict.fromkeys(whole)), key=_is_no_source),
             "listable": [path for path, is_whole in kept if not is_whole],
             "writable": [str(write) for write in writes],
         }
@@ -255,6 +257,10 @@ def _interpreter() -> list[Path]:
     program = Path(sys.executable)
     folders = [sys.prefix, sys.base_prefix, sys.exec_prefix, *named]
     return list(dict.fromkeys([*map(Path, folders), program.parent, program.resolve().parent]))
+
+
+def _is_no_source(path: str) -> bool:
+    return not path.endswith(_SOURCE_ENDINGS)
 
 
 def _within(place: Path) -> list[tuple[str, bool]]:

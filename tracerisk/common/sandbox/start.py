@@ -25,6 +25,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
+from tracerisk.common.sandbox import held_files
 from tracerisk.common.sandbox import kernel_features as kernel
 from tracerisk.common.sandbox.fork_server import serve
 
@@ -198,10 +199,12 @@ def _end_as(status: int) -> NoReturn:
 
 
 def _restrict(plan: dict[str, Any]) -> None:
+    held = held_files.hold(plan["held"])
     try:
-        kernel.restrict(plan["readable"], plan["listable"], plan["writable"])
+        kernel.restrict([*plan["readable"], *held.values()], plan["listable"], plan["writable"])
     except OSError as error:
         sys.exit(f"the sandbox cannot be set up here ({error.strerror}); see tracerisk doctor")
+    held_files.serve(held)
 
 
 if __name__ == "__main__":

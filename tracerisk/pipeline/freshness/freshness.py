@@ -124,19 +124,8 @@ def run_inputs(
     `given` are those of the settings that came from the command line.
     Raises InputError for a file that cannot be read.
     """
-    # Not needed to check whether a trace is fresh, which must be quick.
-    from tracerisk.pipeline.robot.choice import robot_files
-    from tracerisk.pipeline.workspace.driver_files import driver_files
-
     root = controller.root.resolve()
-    scene = settings.scene if settings.scene is not None and Path(settings.scene).suffix else None
-    robot = map(str, robot_files(controller, settings))
-    drivers = map(str, driver_files(controller.project, settings))
-    named = (settings.scenario, scene, *settings.params, *drivers, *robot)
-    listed = {
-        *trace.inputs,
-        *(from_root(root, Path(file).resolve()) for file in named if file is not None),
-    }
+    listed = {*trace.inputs, *files_named(controller, settings)}
     sources = {controller.file, *trace.files}
     inputs = RunInputs(
         settings=settings_data(settings, root),
@@ -152,6 +141,20 @@ def run_inputs(
         inputs = replace(inputs, settings={**inputs.settings, _MEASURED: True})
     used = evidence_digest(controller, settings, inputs.fingerprint)
     return replace(inputs, evidence=used)
+
+
+def files_named(controller: Controller, settings: Settings) -> set[str]:
+    """Return the files that settings, robot and drivers name for a run, from the root."""
+    # Not needed to check whether a trace is fresh, which must be quick.
+    from tracerisk.pipeline.robot.choice import robot_files
+    from tracerisk.pipeline.workspace.driver_files import driver_files
+
+    root = controller.root.resolve()
+    scene = settings.scene if settings.scene is not None and Path(settings.scene).suffix else None
+    robot = map(str, robot_files(controller, settings))
+    drivers = map(str, driver_files(controller.project, settings))
+    named = (settings.scenario, scene, *settings.params, *drivers, *robot)
+    return {from_root(root, Path(file).resolve()) for file in named if file is not None}
 
 
 def settings_data(settings: Settings, root: Path) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import shutil
 import signal
 import subprocess
 import time
@@ -32,7 +31,6 @@ from tracerisk.pipeline.run.ended_run import (
     ProcessEnd,
     RunOptions,
     ended_run,
-    replaced_file,
 )
 from tracerisk.pipeline.run.run_folders import run_folders
 from tracerisk.pipeline.trace.run_files import (
@@ -60,8 +58,6 @@ if TYPE_CHECKING:
 
 _STARTING = "starting the twin"
 _MB = 1024 * 1024
-_MOST_STARTS = 5
-"""How often a run is started whose files are being replaced."""
 _LIVE = "tracerisk.pipeline.run.live.child"
 _FIGURES = "module://tracerisk.ros.controller.unseen_windows"
 """The backend of matplotlib in a run, which has no screen."""
@@ -226,18 +222,7 @@ def run_request(
     (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
     if options.progress is not None:
         options.progress(_STARTING, 0.0)
-    for _ in range(_MOST_STARTS):
-        process_end = _run_child(request, settings, options, watch or _watch)
-        file = replaced_file(process_end, Path(request.root))
-        if file is None:
-            break
-        shutil.rmtree(written / TEMPORARY, ignore_errors=True)  # each start makes its own
-    else:
-        raise errors.InputError(
-            "is replaced again and again while the run starts; end what writes it, then run "
-            "the same command again",
-            errors.Location(os.path.relpath(str(file))),
-        )
+    process_end = _run_child(request, settings, options, watch or _watch)
     done = ended_run(controller, robot, settings, request, process_end, options)
     return replace(done, request=asked_for)
 

@@ -175,7 +175,7 @@ def _read(
     folder = Path(request.folder)
     recording = _recording(folder, request)
     _raise_failure(recording)
-    _raise_unstarted(recording, process_end, settings)
+    _raise_unstarted(recording, process_end, settings, Path(request.root))
     ran = controller.as_ran(recording.sources)
     end = _run_end(recording, process_end, ran)
     if options.progress is not None:
@@ -267,16 +267,14 @@ def _installed(
     return lines, shown(read, Path(request.root))
 
 
-def replaced_file(process: ProcessEnd, root: Path) -> Path | None:
-    """Return the file that was replaced while a run started, which then did not begin; else `None`.
+def _replaced_file(process: ProcessEnd, root: Path) -> Path | None:
+    """Return the file that came while a run started, which then did not begin; else `None`.
 
-    An editor saves by renaming a new file: what the sandbox lets a process read is the old one.
+    The sandbox lets a process read what was there when it began.
     """
     found = re.fullmatch(r"PermissionError: \[Errno 13\] [^']*'([^']+)'", process.last_line)
-    if process.has_begun or found is None:
-        return None
-    path = Path(found[1])
-    is_ours = path.is_relative_to(root.resolve()) and os.access(path, os.R_OK)
+    path = None if found is None else Path(found[1])
+    is_ours = path is not None and path.is_relative_to(root.resolve()) and os.access(path, os.R_OK)
     return path if is_ours else None
 
 
@@ -298,7 +296,9 @@ def _raise_failure(recording: Recording) -> None:
     raise kind(message)
 
 
-def _raise_unstarted(recording: Recording, process: ProcessEnd, settings: Settings) -> None:
+def _raise_unstarted(
+    recording: Recording, process: ProcessEnd, settings: Settings, root: Path
+) -> None:
     """Raise what kept the process from reaching the controller's first line."""
     if recording.note(STARTED) is not None or process.limit is not None:
         return
@@ -315,6 +315,11 @@ def _raise_unstarted(recording: Recording, process: ProcessEnd, settings: Settin
         raise errors.MachineError(
             "the process of the run was ended by SIGKILL before it began: the system may be short "
             "of memory; free some"
+        )
+    if file := _replaced_file(process, root):
+        raise errors.InputError(
+            "was put there while the run started; run the same command again",
+            Location(os.path.relpath(file)),
         )
     dependencies.check(dependencies.SIMULATION)
     said = f": {process.last_line}" if process.last_line else ""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,7 +38,8 @@ def trace_controller(
     What is assumed of its robot and its launch file is tried again where the run shows that it
     does not fit: see `Trace.assumptions`. What it asks its world for in vain is drafted where it
     would show no risk without, and the settings do not say otherwise: see `Trace.drafted`.
-    Raises SourceError, RobotError, HardwareError before anything runs, and as `require_runs`.
+    Raises SourceError, RobotError, HardwareError before anything runs, InputError where a file
+    that it read was changed meanwhile, and as `require_runs`.
     """
     if not controller.is_python:
         raise InputError(
@@ -60,7 +63,36 @@ def trace_controller(
         return trace_live(controller, settings, options)
     from tracerisk.pipeline.scenarios.drafted_run import trace_with_draft
 
-    return trace_with_draft(controller, settings, options)
+    began_ns = time.time_ns()
+    trace = trace_with_draft(controller, settings, options)
+    _forbid_changed(trace, controller, settings, began_ns)
+    return trace
+
+
+def _forbid_changed(
+    trace: Trace, controller: Controller, settings: Settings, began_ns: int
+) -> None:
+    """Raise InputError where a file that a run read was changed since it began.
+
+    Nobody knows which of its contents the run read. Sources need none of it, for the recording
+    holds them. Without a sandbox, the controller itself may have written the file.
+    """
+    from tracerisk.common.sandbox.process import is_contained
+    from tracerisk.pipeline.freshness.freshness import files_named
+
+    if not is_contained(settings.limits.sandbox):
+        return
+    root = controller.root.resolve()
+    read = {*trace.inputs, *files_named(controller, settings)} - {controller.file, *trace.files}
+    written = [Path(folder).resolve() for folder in settings.writable]
+    for path in (Path(os.path.normpath(root / file)) for file in sorted(read)):
+        with contextlib.suppress(OSError):
+            is_own = any(map(path.is_relative_to, written))
+            if path.stat().st_ctime_ns > began_ns and not is_own:
+                raise InputError(
+                    "was changed while the run went on; run the same command again",
+                    Location(os.path.relpath(path)),
+                )
 
 
 def _read_ahead(controller: Controller) -> None:
