@@ -11,7 +11,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.cli.shared.sources import named_robot
 from tracerisk.common.text.plain_data import picked
-from tracerisk.twin.robots.index import shipped_names
+from tracerisk.twin.robots.index import shipped_grippers, shipped_names
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.index import RobotNames
@@ -106,7 +106,13 @@ def _listed(robots: Iterable[RobotNames]) -> list[str]:
         for robot in robots
     ]
     heads = ("name", "robot", "joints", "gripper", "payload", "figures from")
-    return [*_table(_fitting((heads, *rows))), "", "`tracerisk robots NAME` shows one of them."]
+    return [
+        *_table(_fitting((heads, *rows))),
+        "",
+        "`tracerisk robots NAME` shows one of them.",
+        "`ARM+GRIPPER` is an arm that is given one of these grippers: "
+        f"{', '.join(shipped_grippers())}.",
+    ]
 
 
 def _fitting(rows: Sequence[Sequence[str]]) -> list[Sequence[str]]:
@@ -185,6 +191,8 @@ def _measured(robot: Robot) -> list[dict[str, str]]:
 
 
 def _described(robot: Robot) -> list[str]:
+    from tracerisk.twin.robots.gripper_ends import gripper_ends
+
     lines = [f"{robot.name}: {robot.title}"]
     if robot.aliases:
         lines.append(f"also called: {', '.join(robot.aliases)}")
@@ -200,6 +208,7 @@ def _described(robot: Robot) -> list[str]:
             f"gripper {gripper.name} (group {gripper.group}):",
             f"  joints: {', '.join(gripper.joints)}",
             f"  from {gripper.least:g} to {gripper.opening:g} {unit}, "
+            f"open at {gripper_ends(robot, gripper).opened:g}, "
             f"at most {gripper.effort:g} {force} a finger; it holds with {', '.join(gripper.pads)}",
         ]
     if robot.actuators:

@@ -87,10 +87,11 @@ def named_robot(name: str, root: Path | None = None, settings: Settings | None =
 
     from tracerisk.pipeline.robot.choice import read_model
     from tracerisk.pipeline.workspace.project import Project
-    from tracerisk.twin.robots.robot import is_model_file, load_robot
+    from tracerisk.twin.robots import added_gripper
+    from tracerisk.twin.robots.robot import is_model_file
 
     if not is_model_file(name):
-        return load_robot(name)
+        return added_gripper.named_robot(name)
     here = Project((root or Path()).resolve())
     return read_model(here, name, (settings or here.settings()).limits).robot
 

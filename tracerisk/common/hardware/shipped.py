@@ -16,11 +16,13 @@ _SHOWN_FOLDER = "tracerisk/common/hardware/robots/"
 
 GENERIC = "generic"
 """The description, all assumed, of an arm for which none of its own is shipped."""
+ADDED = "+"
+"""What stands before the gripper that an arm is given, in the name of a robot."""
 
 
 def hardware_of(robot: str) -> Hardware:
     """Return the description shipped for `robot`, else the generic one."""
-    return shipped_hardware(robot if is_shipped(robot) else GENERIC)
+    return shipped_hardware(bare_arm(robot) if is_shipped(robot) else GENERIC)
 
 
 def shipped_bytes(hardware: Hardware) -> bytes:
@@ -35,7 +37,12 @@ def shipped_names() -> tuple[str, ...]:
 
 def is_shipped(robot: str) -> bool:
     """Return whether a description of its own is shipped for a robot."""
-    return robot != GENERIC and (_FOLDER / f"{robot}.yaml").is_file()
+    return robot != GENERIC and (_FOLDER / f"{bare_arm(robot)}.yaml").is_file()
+
+
+def bare_arm(robot: str) -> str:
+    """Return the name of a robot without the gripper that its arm is given."""
+    return robot.partition(ADDED)[0]
 
 
 def shipped_hardware(robot: str) -> Hardware:

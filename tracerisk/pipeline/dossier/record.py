@@ -9,7 +9,7 @@ from pathlib import Path
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.hardware.model import Hardware
-from tracerisk.common.hardware.shipped import shipped_bytes
+from tracerisk.common.hardware.shipped import bare_arm, shipped_bytes
 from tracerisk.common.hardware.source_files import source_files
 from tracerisk.common.outcome.kept import OUTCOME, outcome_summary
 from tracerisk.common.outcome.tolerances import Tolerances
@@ -131,7 +131,7 @@ def _robot(trace: Trace, settings: Settings) -> RobotOrigin:
         kind = "assumed"
     elif is_named or any(name.endswith(_DESCRIPTIONS) for name in trace.inputs):
         kind = "own description"
-    elif trace.robot in robot_names():
+    elif bare_arm(trace.robot) in robot_names():
         kind = "shipped with tracerisk"
     return RobotOrigin(trace.robot, kind, reasons)
 

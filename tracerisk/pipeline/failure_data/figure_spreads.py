@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 from tracerisk.common.hardware.model import Component, FailureFigure, Hardware
+from tracerisk.common.hardware.shipped import bare_arm
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.distributions import NORMAL_95, Beta, Lognormal
 from tracerisk.prm.questions.set_values import groups_of
@@ -118,7 +119,8 @@ def load_factor_of(robot: str) -> float:
     For a robot that is not shipped, or none (""), nothing is known: it is 1.
     """
 
-    masses = load_robot(robot).masses if robot in robot_names() else None
+    arm = bare_arm(robot)
+    masses = load_robot(arm).masses if arm in robot_names() else None
     return 1.0 if masses is None else masses.error_factor
 
 

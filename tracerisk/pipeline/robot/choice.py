@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.common.dependencies import require_simulator
+from tracerisk.common.hardware.shipped import ADDED
 from tracerisk.common.limits import Limits
 from tracerisk.config import Settings
 from tracerisk.errors import Location, RobotError
@@ -19,10 +20,15 @@ from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import workspace_of
 from tracerisk.twin.model_files.paths import ModelFolder
-from tracerisk.twin.robots.assumed_gripper import commands_gripper, with_assumed_gripper
+from tracerisk.twin.robots.added_gripper import (
+    commands_gripper,
+    named_robot,
+    with_assumed_gripper,
+    with_finger_joint,
+)
 from tracerisk.twin.robots.generic import NAME as GENERIC
 from tracerisk.twin.robots.generic import names_asked
-from tracerisk.twin.robots.robot import is_model_file, load_robot
+from tracerisk.twin.robots.robot import is_model_file
 from tracerisk.twin.robots.robot_names import words_in
 
 if TYPE_CHECKING:
@@ -92,7 +98,7 @@ def choose_robot(
         installed = workspace_of(controller, settings).installed
         read = read_model(controller.project, settings.robot, settings.limits, installed)
         return RobotChoice(replace(read.robot, chosen_by=origin), files=read.files)
-    robot = load_robot(settings.robot)
+    robot = named_robot(settings.robot)
     if any(parts[:2] == _GROUP_NAMES for _, parts in whole.project.imports(whole.source)):
         robot = with_groups_of(robot, string_literals(whole))
     return RobotChoice(equipped(replace(robot, chosen_by=origin), whole))
@@ -110,9 +116,11 @@ def with_groups_of(robot: Robot, strings: Iterable[str]) -> Robot:
 def equipped(robot: Robot, controller: Controller) -> Robot:
     """Return a robot, with an assumed gripper if it has none and the controller commands one."""
 
-    if robot.grippers or not commands_gripper(controller.tree):
-        return robot
-    return with_assumed_gripper(robot, names_asked(controller.tree).joints)
+    if not robot.grippers and commands_gripper(controller.tree):
+        return with_assumed_gripper(robot, names_asked(controller.tree).joints)
+    if ADDED in robot.name:
+        return with_finger_joint(robot, names_asked(controller.tree).joints)
+    return robot
 
 
 def read_model(

@@ -24,8 +24,7 @@ from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import searched
 from tracerisk.ros.vendors.driver_search import shipped_drivers
-from tracerisk.twin.robots.robot import load_robot
-from tracerisk.twin.robots.robot import load_robot as load_named
+from tracerisk.twin.robots.added_gripper import named_robot
 
 HOOK_FILE = ".pre-commit-config.yaml"
 """The file at the top of the repository from which pre-commit installs hooks of git."""
@@ -162,7 +161,7 @@ def _robots(
     from tracerisk.twin.robots.generic import NAME as GENERIC
 
     if given is not None:
-        return {load_named(given).name: controllers}, ""
+        return {named_robot(given).name: controllers}, ""
     robots: dict[str, list[str]] = {}
     why = "" if controllers else "no controller was found"
     for text in controllers[:_MOST_READ]:
@@ -207,7 +206,7 @@ def _hardware(robot: str) -> tuple[str, list[str]] | None:
     if "sim" in missing_extras():
         return None
     try:
-        result = load_robot(robot)
+        result = named_robot(robot)
     except TraceRiskError:
         # A robot of the workspace itself has no name under which it could be read again.
         return None

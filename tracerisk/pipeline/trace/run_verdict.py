@@ -43,8 +43,8 @@ from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import Samples
-from tracerisk.twin.robots.assumed_gripper import NAME as ASSUMED_GRIPPER
-from tracerisk.twin.robots.assumed_gripper import has_assumed_gripper
+from tracerisk.twin.robots.added_gripper import NAME as ASSUMED_GRIPPER
+from tracerisk.twin.robots.added_gripper import has_assumed_gripper
 from tracerisk.twin.robots.generic import NAME as GENERIC
 from tracerisk.twin.robots.gripper_ends import GripperEnds, gripper_ends
 

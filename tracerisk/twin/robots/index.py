@@ -18,6 +18,10 @@ _SECTION = re.compile(r"^(\w+):(.*)$")
 _ENTRY = re.compile(r"^  - \{?name: (\S+?)(?:,|\}|$)(.*)$")
 _GROUP = re.compile(r"^  (\S+):\n    joints: \[([^\]]*)\]", re.MULTILINE)
 _JOINTS = re.compile(r"\bjoints: \[([^\]]*)\]")
+_OF_THEIR_ARM = frozenset(
+    {"gripper", "interbotix_gripper", "left_gripper", "right_gripper", "tool"}
+)
+"""Grippers whose names do not say which they are, or whose body is part of the arm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +61,16 @@ def shipped_names() -> tuple[RobotNames, ...]:
         scan_names((SHIPPED_ROBOTS / f"{name}.yaml").read_text(encoding="utf-8"))
         for name in robot_names()
     )
+
+
+def shipped_grippers() -> dict[str, str]:
+    """Return the grippers that any arm can be given, each with a shipped robot that has it."""
+    grippers: dict[str, str] = {}
+    for robot in shipped_names():
+        for name in robot.grippers:
+            if name not in _OF_THEIR_ARM:
+                grippers.setdefault(name, robot.name)
+    return dict(sorted(grippers.items()))
 
 
 def scan_names(text: str) -> RobotNames:

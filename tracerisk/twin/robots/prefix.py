@@ -68,7 +68,7 @@ def with_prefix(robot: Robot, prefix: str) -> Robot:
 
     Groups and controllers keep their names; those that a controller asks for are assumed.
     """
-    return _renamed(robot, lambda name: f"{prefix}{name}")
+    return renamed(robot, lambda name: f"{prefix}{name}")
 
 
 def without_prefix(robot: Robot, prefix: str) -> Robot:
@@ -77,7 +77,7 @@ def without_prefix(robot: Robot, prefix: str) -> Robot:
     A name that is another's without the prefix keeps it.
     """
     parts = {*robot.link_names, *(joint.name for joint in robot.joints)}
-    return _renamed(
+    return renamed(
         robot,
         lambda name: name if name.removeprefix(prefix) in parts else name.removeprefix(prefix),
     )
@@ -98,10 +98,12 @@ def with_numbered(robot: Robot, listed: Sequence[str]) -> Robot | None:
     if not {joint.name for joint in robot.joints}.isdisjoint(listed):
         return None
     names = dict(zip(own, listed, strict=True))
-    return _renamed(robot, lambda name: names.get(name, name))
+    return renamed(robot, lambda name: names.get(name, name))
 
 
-def _renamed(robot: Robot, named: Callable[[str], str]) -> Robot:
+def renamed(robot: Robot, named: Callable[[str], str]) -> Robot:
+    """Return the robot with its links, joints and actuators as `named` calls them."""
+
     def all_named(names: Iterable[str]) -> tuple[str, ...]:
         return tuple(named(name) for name in names)
 

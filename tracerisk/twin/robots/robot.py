@@ -492,8 +492,8 @@ def load_robot(name_or_path: str | Path) -> Robot:
     if path.suffix in (".yaml", ".yml"):
         return read_robot(path)
     raise RobotError(
-        f"unknown robot '{text}'; {one_of(robot_names(), text)}; or give a robot file "
-        f"(.yaml, {', '.join(MODEL_SUFFIXES)})"
+        f"unknown robot '{text}'; {one_of(robot_names(), text)}; or an arm with a gripper "
+        f"(ur5e+robotiq_2f_85), or a robot file (.yaml, {', '.join(MODEL_SUFFIXES)})"
     )
 
 

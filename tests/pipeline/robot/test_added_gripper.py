@@ -1,4 +1,4 @@
-"""An arm that is sold without a gripper gets one, assumed, where the controller commands one."""
+"""An arm that is sold without a gripper gets one: a shipped one that is named, or an assumed one."""
 
 from dataclasses import replace
 
@@ -6,15 +6,20 @@ import pytest
 
 from tracerisk import api
 from tracerisk.common import trace_json
+from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.config import Settings
+from tracerisk.errors import RobotError
 from tracerisk.instrument.source.python_source import parsed
 from tracerisk.pipeline.robot.choice import choose_robot
 from tracerisk.trace import Trace
-from tracerisk.twin.robots.assumed_gripper import (
+from tracerisk.twin.robots.added_gripper import (
     commands_gripper,
     has_assumed_gripper,
+    named_robot,
     with_assumed_gripper,
 )
+from tracerisk.twin.robots.gripper_ends import gripper_ends, width_at
+from tracerisk.twin.robots.index import shipped_grippers
 from tracerisk.twin.robots.robot import Controller, Group, Robot, load_robot, robot_names
 from tracerisk.twin.urdf.urdf import read_urdf
 
@@ -183,3 +188,71 @@ def test_an_assumed_gripper_leaves_group_and_controller_of_that_name_as_they_are
     assert robot.groups["gripper"] == group
     assert robot.controllers[0] == driver
     assert robot.gripper("gripper").group == "assumed_gripper"
+
+
+NAMED = "ur5e+robotiq_2f_85"
+
+
+@pytest.fixture(scope="module")
+def gripped(tmp_path_factory):
+    """The trace of a controller of an UR5e with a Robotiq 2F-85 that uses its driver's joint."""
+    script = tmp_path_factory.mktemp("press") / "press.py"
+    closing = CONTROLLER.replace("position = 0.0", "position = 0.62")
+    script.write_text(f"FINGER = 'finger_joint'\n{closing}")
+    controller = api.load_controller(script)
+    return api.trace_controller(controller, controller.settings_with({"robot": NAMED}))
+
+
+def test_an_arm_with_a_named_gripper_is_nothing_that_is_assumed(gripped):
+    assert gripped.robot == NAMED
+    assert gripped.verdict.kind == "complete", gripped.verdict.reasons
+    (grip,) = [one for one in gripped.commands if one.elements == ("robotiq_2f_85",)]
+    assert grip.end == "arrived"
+    assert "robot: robotiq_2f_85 is on tool0 as gen3 bears it" in "\n".join(gripped.assumptions)
+
+
+@pytest.mark.parametrize(
+    ("said", "joint"),
+    [("finger_joint", "finger_joint"), ("wheel_joint", "robotiq_85_left_knuckle_joint")],
+)
+def test_the_joint_of_the_driver_is_that_of_the_gripper(tmp_path, said, joint):
+    (tmp_path / "press.py").write_text(f"JOINTS = [{said!r}]\n{CONTROLLER}")
+    controller = api.load_controller(tmp_path / "press.py")
+    robot = choose_robot(controller, Settings(robot=NAMED)).robot
+    assert robot.grippers[0].joints[0] == joint
+    assert robot.joint(joint).upper == 0.8
+
+
+@pytest.mark.parametrize("name", shipped_grippers())
+def test_each_gripper_fits_an_arm_and_is_as_wide_as_on_its_own(name):
+    robot, own = named_robot(f"ur5e+{name}"), load_robot(shipped_grippers()[name])
+    (gripper,) = robot.grippers
+    (theirs,) = [one for one in own.grippers if one.name == name]
+    ends = gripper_ends(robot, gripper)
+    assert ends == gripper_ends(own, theirs)
+    assert width_at(robot, gripper, ends.opened) == pytest.approx(
+        width_at(own, theirs, ends.opened), abs=1e-9
+    )
+    # Each part hangs on the arm, and the arm has its joints as before.
+    assert all("tool0" in [up.parent for up in robot.above(pad)] for pad in gripper.pads)
+    borne = {link.name for link in own.links if link.mass > 0.0} & {
+        link.name for link in robot.links
+    }
+    assert any("base" in link or "hand" in link for link in borne)
+    assert [one.name for one in robot.arm_joints] == [
+        one.name for one in load_robot("ur5e").arm_joints
+    ]
+    assert hardware_of(robot.name) == hardware_of("ur5e")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("ur5e+robotiq", r"unknown gripper 'robotiq'; did you mean 'robotiq_2f_85'\?"),
+        ("panda+robotiq_2f_85", "panda has the gripper panda_hand already"),
+        ("ur55e+robotiq_2f_85", "unknown robot 'ur55e'"),
+    ],
+)
+def test_what_is_no_arm_with_a_gripper_is_refused(name, words):
+    with pytest.raises(RobotError, match=words):
+        named_robot(name)
