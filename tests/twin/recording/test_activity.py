@@ -357,3 +357,36 @@ def test_a_release_belongs_to_the_span_in_which_the_grasp_ends(panda: Robot):
     assert (second.grasps, second.releases) == (0, 1)
     assert first.grasping_moving_s == pytest.approx(0.1)
     assert second.grasping_moving_s == 0.0
+
+
+@pytest.mark.parametrize("touched", [(), ("panda_leftfinger",)])
+@pytest.mark.parametrize(
+    ("link", "expected"),
+    [("panda_hand", [(300, 700)]), ("panda_link8", [(300, 700)]), ("panda_link3", [])],
+)
+def test_what_is_attached_to_the_hand_is_grasped_whichever_pad_touches_it(
+    panda: Robot, link: str, expected: list, touched: tuple[str, ...]
+):
+    log = touching(LoggedBody("box", "free", 0.1), panda.grippers[0].pads, 300, 700)
+    log = replace(log, welds=(Weld(2, link, 300, 700),))
+    forces = {f"force_{pad}": steps((400, 500, 30.0)) for pad in touched}
+    samples = replace(crafted(panda, **forces), contacts=log)
+    found = element_activity(samples, panda)["panda_hand"]
+    assert intervals(found.grasping) == expected
+    over = exposure(found, np.ones(N, dtype=bool), STEP)
+    assert (over.grasps, over.borderline) == (len(expected), False)
+
+
+def test_a_grasp_by_the_pads_and_one_by_attaching_are_one(panda: Robot):
+    pads = panda.grippers[0].pads
+    log = touching(LoggedBody("box", "free", 0.1), pads, 100, 400)
+    samples = replace(
+        crafted(
+            panda,
+            **{f"force_{pad}": steps((100, 400, 5.0)) for pad in pads},
+            **pressing(panda, (100, 400, 5.0)),
+        ),
+        contacts=replace(log, welds=(Weld(2, "panda_hand", 350, 600),)),
+    )
+    found = element_activity(samples, panda)["panda_hand"]
+    assert intervals(found.grasping) == [(100, 600)]

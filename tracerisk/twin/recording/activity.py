@@ -17,7 +17,7 @@ from tracerisk.errors import LogError
 from tracerisk.trace import Element
 from tracerisk.twin.motion.execution import servo_lead
 from tracerisk.twin.motion.gripper_track import FINGER_LENGTH_M
-from tracerisk.twin.recording.contact_pairs import between_pads
+from tracerisk.twin.recording.contact_pairs import between_pads, borne_by
 from tracerisk.twin.recording.joint_motion import LEVER_M, SetPoint, motion_steps
 from tracerisk.twin.recording.samples import Samples
 from tracerisk.twin.robots.robot import Gripper, Joint, Robot
@@ -114,8 +114,11 @@ def element_activity(
         fingers = [robot.joint(name) for name in gripper.joints]
         columns = [index[name] for name in gripper.joints]
         pads = [pad_index[name] for name in gripper.pads]
+        borne = np.zeros(samples.n_steps, dtype=np.bool_)
+        if samples.contacts is not None:
+            borne = borne_by(samples.contacts, robot, gripper.name, samples.n_steps)
         element_activities[gripper.name] = _gripper_activity(
-            samples, gripper, fingers, columns, pads
+            samples, gripper, fingers, columns, pads, borne
         )
     return element_activities
 
@@ -179,6 +182,7 @@ def _gripper_activity(
     fingers: list[Joint],
     columns: list[int],
     pads: list[int],
+    borne: Flags,
 ) -> ElementActivity:
     n_steps, step_s = samples.n_steps, samples.step_s
     signs = np.array([gripper.sign(name) for name in gripper.joints], dtype=np.float64)
@@ -207,10 +211,10 @@ def _gripper_activity(
         element=Element(gripper.name, "gripper"),
         moving=moving,
         holding=_holding(torques / gripper.effort, moving, step_s),
-        grasping=LIMITS.debounced(grasped, step_s),
+        grasping=LIMITS.debounced(grasped | borne, step_s),
         speed=(np.abs(samples.velocity[:, columns]) / rated).max(axis=1),
         torque=np.abs(torques).max(axis=1) / gripper.effort,
-        grip=grip,
+        grip=np.where(borne & ~grasped, 0.0, grip),
         travel=travel,
     )
 

@@ -118,6 +118,18 @@ def between_pads(log: ContactLog, gripper: Gripper, n_steps: int) -> Flags:
     return zeros
 
 
+def borne_by(log: ContactLog, robot: Robot, gripper: str, n_steps: int) -> Flags:
+    """Return the steps in which a body is welded to the hand of a gripper, (n_steps,).
+
+    What a controller attaches is in the hand, whichever pads happen to touch it on the twin.
+    """
+    flags = np.zeros(n_steps, dtype=np.bool_)
+    for weld in log.welds:
+        if _hand_around(robot, weld.link) == gripper:
+            flags[weld.start : weld.stop] = True
+    return flags
+
+
 def holds(
     robot: Robot,
     log: ContactLog,
@@ -186,11 +198,19 @@ def hand_links(robot: Robot, gripper: str) -> tuple[frozenset[str], frozenset[st
 
 def _holder(robot: Robot, link: str) -> str:
     """Return the gripper in whose hand a link is, or that hangs on it; else the link."""
+    hand = _hand_around(robot, link)
+    if hand is not None:
+        return hand
+    return link if len(robot.grippers) != 1 else robot.grippers[0].name
+
+
+def _hand_around(robot: Robot, link: str) -> str | None:
+    """Return the gripper in whose hand a link is, or that hangs on it; `None` for none."""
     for gripper in robot.grippers:
         fingers, hand = hand_links(robot, gripper.name)
         if link in hand or _above(robot, fingers) & {link}:
             return gripper.name
-    return link if len(robot.grippers) != 1 else robot.grippers[0].name
+    return None
 
 
 def _above(robot: Robot, links: frozenset[str]) -> frozenset[str]:
