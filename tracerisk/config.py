@@ -57,6 +57,7 @@ FROM_ONE = ("mission_cycles", "evidence_cells")
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _TABLE = ("tool", "tracerisk")
 _CONTROLLERS = "controllers"
+_RELEASE = re.compile(r"\d+\.\d+\.\d+")
 _ALIASES = {"max_risk": "max_failure_probability"}  # older names
 _LISTS = {
     **dict.fromkeys(("args", "answers"), "strings"),
@@ -90,6 +91,9 @@ class Settings:
     """The part of a description in SysML that is the system; `None`: the one with failure data."""
     ros_distro: RosDistro | None = None
     """The ROS distribution whose rules apply; `None`: found in the workspace or assumed."""
+    moveit_release: str | None = None
+    """The release of MoveIt 1 whose arguments calls have; `None`: that of the moveit_commander in
+    the workspace or installed, or assumed by the arguments of the call."""
     ros_prefixes: tuple[str, ...] = ()
     """Folders of installed packages that precede those of the environment."""
     active: ActiveMode = "moving+holding"
@@ -502,6 +506,8 @@ class _Reader:
             return value
         if not isinstance(value, str):
             self.fail(key, f"expected a string, found {value!r}")
+        if key == "moveit_release" and not _RELEASE.fullmatch(value):
+            self.fail(key, f"expected a release as its package.xml has it, 1.1.15, found {value!r}")
         return value
 
     def fail(self, key: str, message: str) -> NoReturn:

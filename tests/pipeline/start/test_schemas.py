@@ -28,6 +28,7 @@ VALUES = """
 [tool.tracerisk]
 robot = "cell.yaml"
 ros_distro = "jazzy"
+moveit_release = "1.1.14"
 active = "moving"
 duration_s = 12
 launch = false

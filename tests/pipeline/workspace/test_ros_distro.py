@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import quick_controller
+from tracerisk.api import trace_controller
 from tracerisk.config import Settings
 from tracerisk.errors import SettingsError
 from tracerisk.pipeline.workspace.controller import load_controller
@@ -145,3 +147,31 @@ def test_an_unknown_one_is_an_error_of_the_settings(example, quick):
     example.write("pyproject.toml", '[tool.tracerisk]\nros_distro = "foxy"\n')
     outcome = example.run("doctor", "arm.py")
     assert "ros_distro: 'foxy' is not allowed; " in outcome.err
+
+
+JUMP = "arm.compute_cartesian_path([arm.get_current_pose().pose], 0.01, 0.0)"
+
+
+@pytest.mark.parametrize(
+    ("release", "end", "codes"),
+    [
+        (None, "ended", ["distro-assumed"]),
+        ("1.1.14", "ended", []),
+        ("1.1.15", "raised", ["run-raised"]),
+    ],
+)
+def test_the_settings_name_the_release_of_moveit(tmp_path, release, end, codes):
+    (tmp_path / "a.py").write_text(quick_controller(JUMP))
+    controller = load_controller(tmp_path / "a.py")
+    given = {"moveit_release": release, "ros_distro": "noetic"}
+    trace = trace_controller(controller, controller.settings_with(given))
+    assert trace.end.cause == end
+    found = [reason.code for reason in trace.verdict.reasons if reason.code != "never-ran"]
+    assert found == codes
+
+
+def test_a_release_of_moveit_has_three_numbers(tmp_path):
+    (tmp_path / "a.py").write_text("")
+    (tmp_path / "pyproject.toml").write_text('[tool.tracerisk]\nmoveit_release = "noetic"\n')
+    with pytest.raises(SettingsError, match="expected a release as its package"):
+        load_controller(tmp_path / "a.py").settings  # noqa: B018

@@ -226,7 +226,7 @@ def test_a_path_with_a_jump_threshold_is_taken_and_reported_where_nothing_names_
     reported = [] if moveit else ["distro_assumed"]
     assert [each.kind for each in ran.recording.findings] == reported
     for finding in ran.recording.findings:
-        assert "its package.xml names the release, ros_distro does not" in finding.message
+        assert "moveit_release in [tool.tracerisk] names the release" in finding.message
 
 
 @pytest.mark.parametrize(

@@ -130,6 +130,7 @@ def run_controller(
             memory_limit_mb=settings.memory_limit_mb,
             seed=settings.seed,
             distro=choose_distro(controller, settings),
+            moveit_release=settings.moveit_release,
             drafts=options.drafts,
             idle_s=options.idle_s,
             packages={name: str(package) for name, package in workspace.packages.items()},

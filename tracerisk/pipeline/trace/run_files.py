@@ -229,6 +229,8 @@ class RunRequest:
     """The seed of all that is random."""
     distro: DistroChoice
     """The distribution of ROS whose rules the run follows."""
+    moveit_release: str | None = None
+    """The release of MoveIt that the settings name; `None` where they name none."""
     drafts: DraftsNoted = "never"
     """When the run notes what a scenario could provide for every need."""
     written: str | None = None

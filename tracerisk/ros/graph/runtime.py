@@ -46,6 +46,8 @@ class Runtime:
     """The parameters of the scenario and of files, in rising rank."""
     distro: DistroRules = field(default_factory=DistroRules)
     """The rules of the ROS distribution that the run follows."""
+    moveit_release: str | None = None
+    """The release of MoveIt that the settings name; `None` where they name none."""
     clients: dict[type, Any] = field(default_factory=dict)
     """The state of each client library, by its class."""
     beside: Runtime | None = None

@@ -124,6 +124,7 @@ def _runtime_of(request: RunRequest, world: SimulatedWorld, workspace: Workspace
         packages=workspace.packages,
         installed=workspace.installed,
         distro=distro,
+        moveit_release=request.moveit_release,
     )
 
 

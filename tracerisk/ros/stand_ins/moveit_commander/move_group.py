@@ -1,5 +1,6 @@
 """MoveGroupCommander: plan and execute for one planning group."""
 
+import contextlib
 import re
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -76,10 +77,7 @@ def _take_as_older_plan(attribute: str) -> None:
     )
 
 
-_SETTLED = (
-    ", or put the moveit_commander that runs into the workspace; its package.xml names the release,"
-    " ros_distro does not"
-)
+_SETTLED = "; moveit_release in [tool.tracerisk] names the release that runs, ros_distro does not"
 """How a user settles which release of MoveIt a call is for."""
 
 
@@ -87,7 +85,7 @@ def _path_arguments(*given: Any, **named: Any) -> tuple[Any, Any]:
     """Return `avoid_collisions` and `path_constraints` of a call of compute_cartesian_path.
 
     Noetic was released with `jump_threshold` before them and lost it with MoveIt 1.1.15, so either
-    form is evidence of the program's version, unless the workspace has a moveit_commander.
+    form is evidence of the program's version, unless a setting or a moveit_commander names it.
     """
     has_threshold_first = bool(given) and (
         (isinstance(given[0], Real) and not isinstance(given[0], Integral))
@@ -110,14 +108,16 @@ def _path_arguments(*given: Any, **named: Any) -> tuple[Any, Any]:
 
 
 def _moveit_release() -> tuple[int, ...] | None:
-    """Return the release of the workspace's moveit_commander; `None` where nothing names it."""
-    folder = current().packages.get("moveit_commander")
-    if folder is None:
-        return None
-    try:
-        text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return None
+    """Return the release of MoveIt: of the settings, else of the moveit_commander that is here.
+
+    `None` where nothing names it.
+    """
+    runtime = current()
+    text = "" if runtime.moveit_release is None else f"<version>{runtime.moveit_release}"
+    folder = runtime.findable.get("moveit_commander")
+    if not text and folder is not None:
+        with contextlib.suppress(OSError):
+            text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     matched = re.search(r"<version>\s*(\d+)\.(\d+)\.(\d+)", text)
     return None if matched is None else tuple(map(int, matched.groups()))
 
@@ -273,8 +273,8 @@ class MoveGroupCommander(GroupPickPlace):
         Returns the RobotTrajectory and the fraction of the way that it covers. It is timed for
         the rated speeds whatever the scaling factors, as MoveIt does; see retime_trajectory.
         The other arguments are `avoid_collisions` and `path_constraints`. Releases before 1.1.15
-        had `jump_threshold` before them, which is taken and reported unless the workspace has a
-        later moveit_commander. The path ends in any case where the joints would have to jump.
+        had `jump_threshold` before them, which is taken and reported unless the release is known.
+        The path ends in any case where the joints would have to jump.
 
         Raises:
             ArgumentError: an argument is of another type.
