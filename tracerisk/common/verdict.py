@@ -135,6 +135,12 @@ class Reason:
         is_here = self.location is not None and self.location.file == self.by.file
         return f"{self.words}, by line {self.by.line}" + ("" if is_here else f" of {self.by.file}")
 
+    @property
+    def message_with_caller(self) -> str:
+        """The message with the line that called the function, if one did, beside a place."""
+        caller = self.called_from
+        return self.message + (f" ({_called(caller, self.location)})" if caller else "")
+
     def __str__(self) -> str:
         place = self.location
         where = [] if place is None else [str(Location(place.file, place.line))]

@@ -148,7 +148,7 @@ def _faults(diff: RiskDiff) -> Iterator[Alert]:
         if reason.verdict in ("faulted", "stuck"):
             place = reason.location or Location(diff.name, 1)
             # Known by the same as that of a check: both may be handed to one report.
-            yield _alert("faulted-run", reason.message, place, function=reason.function)
+            yield _alert("faulted-run", reason.message_with_caller, place, function=reason.function)
 
 
 def run_alerts(trace: Trace, root: Path) -> tuple[Alert, ...]:
@@ -191,7 +191,8 @@ def _of_reason(reason: Reason, trace: Trace, root: Path) -> Alert:
     place = reason.location or Location(trace.controller)
     rule = "partial-run" if reason.verdict == "partial" else "faulted-run"
     subject = f"{reason.code} {reason.object}"
-    return _alert(rule, reason.message, place, root, function=reason.function, subject=subject)
+    message = reason.message_with_caller
+    return _alert(rule, message, place, root, function=reason.function, subject=subject)
 
 
 def _of_world(run: WorldRun, trace: Trace, root: Path) -> Alert:
