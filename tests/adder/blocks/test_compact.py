@@ -10,6 +10,7 @@ from tracerisk.adder.blocks.compact import with_names
 from tracerisk.adder.blocks.grammar import parse_block, print_block
 from tracerisk.adder.blocks.lines import BlockLine
 from tracerisk.adder.lock.digest import with_digest
+from tracerisk.config import BlockForm
 from tracerisk.errors import BlockError
 
 COMPACT = """\
@@ -82,6 +83,56 @@ def test_any_block_is_the_same_in_both_forms_and_back(block: RiskBlock, width: i
     assert again.digest == parsed(published).digest
     assert text_of(replace(again, form="published"), width) == published
     assert text_of(again, width) == compact
+
+
+def typed_anew(text: str, breaks: list[bool]) -> str:
+    """A block whose reasons are typed in other lines: on one long line, or broken elsewhere."""
+    lines: list[str] = []
+    for line in text.splitlines():
+        words = line.removeprefix("# | ").strip()
+        if not words.startswith("!") or "!" not in lines[-1]:
+            lines.append(line)
+        elif breaks[len(lines) % len(breaks)]:
+            lines[-1] += words.removeprefix("!")
+        else:
+            first, _, rest = words.partition(" ")[2].partition(" ")
+            lines.append(f"# |     ! {first}")
+            lines += [f"# |     ! {rest}"] if rest else []
+    return "".join(f"{line}\n" for line in lines)
+
+
+@settings(max_examples=50)
+@given(
+    blocks(),
+    st.integers(30, 120),
+    st.sampled_from(["published", "compact"]),
+    st.lists(st.booleans(), min_size=1, max_size=3),
+)
+def test_reasons_come_back_from_the_other_form_as_they_were_typed(
+    block: RiskBlock, width: int, form: BlockForm, breaks: list[bool]
+) -> None:
+    wrapped = text_of(replace(block, form=form), width)
+    typed = typed_anew(wrapped, breaks)
+    other = "compact" if form == "published" else "published"
+    moved = text_of(replace(parsed(typed), form=other, moved_from=form), width)
+    assert parsed(moved) == block
+    assert text_of(replace(parsed(moved), form=form, moved_from=other), width) == typed
+    # What is written anew is wrapped, whoever typed it.
+    assert text_of(parsed(typed), width) == wrapped
+
+
+def test_a_long_line_of_a_user_stays_one_and_what_the_tool_wrapped_is_wrapped() -> None:
+    long = "  ! computed 1e-09; service log of cell 3, 2026: the drive belt was changed in June"
+    source = (
+        "# | RiskAnnotation\n# | @Function {\n# |   name = f\n# |   callSequence = 1\n# | }\n"
+        "# | @Component {\n# |   name = gripper\n"
+        f"# |   probability := 5e-08{long}\n# |   quantity = 1\n# |   redundancy = false\n# | }}\n"
+    )
+    compact = text_of(replace(parsed(source), form="compact", moved_from="published"), 79)
+    assert any(line.endswith(long) for line in compact.splitlines())
+    wrapped = text_of(parsed(source), 79)
+    moved = text_of(replace(parsed(wrapped), form="compact", moved_from="published"), 79)
+    assert max(map(len, moved.splitlines())) <= 79
 
 
 def test_the_digest_does_not_depend_on_the_form() -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Generic, NamedTuple, TypeVar
 
@@ -32,6 +33,8 @@ class Field(Generic[T]):
     """The user's reason for a pinned value, in single spaces; `None` where not given."""
     location: Location | None = field(default=None, compare=False)
     """The file and line; `None` for a value that is not read from a file. It is not compared."""
+    comment_lines: tuple[str, ...] = field(default=(), compare=False)
+    """The lines of its comment, as they are typed; empty where it is not read. Not compared."""
 
     @property
     def is_stated(self) -> bool:
@@ -69,6 +72,8 @@ class ComponentEntry:
     """The file and line; `None` for a component that is not read from a file."""
     reason: str | None = None
     """The user's reason for adding or omitting it; `None` where not given."""
+    reason_lines: tuple[str, ...] = field(default=(), compare=False)
+    """The lines of that reason, as they are typed; empty where it is not read. Not compared."""
     failures: Field[FailureModes] = field(default=Field((), ""))
     """What follows its failures, one field over all `mode` lines; left out where nothing is
     said."""
@@ -93,6 +98,8 @@ class RiskBlock:
     """The file and line; `None` for a block that is not read from a file."""
     reason: str | None = None
     """The user's reason for giving the block; `None` where not given."""
+    reason_lines: tuple[str, ...] = field(default=(), compare=False)
+    """The lines of that reason, as they are typed; empty where it is not read. Not compared."""
     digest: str | None = field(default=None, compare=False)
     """The digest of the values that the tool wrote (`adder/lock/digest.py`); `None` for a block of
     an earlier version or in the published form. It is not compared."""
@@ -100,3 +107,30 @@ class RiskBlock:
     """Whether the computed values count only failures that ended the mission on the twin."""
     form: BlockForm = field(default="published", compare=False)
     """The form in which it is written. It is not compared, for both forms say the same."""
+    moved_from: BlockForm | None = field(default=None, compare=False)
+    """The form in which it was read, if it is converted: then reasons keep the lines that a user
+    gave them. `None` for a block that is written anew. It is not compared."""
+
+    def with_comment_lines(self, change: Callable[[tuple[str, ...]], tuple[str, ...]]) -> RiskBlock:
+        """Return the block with the lines of its comments changed."""
+
+        def of_field(value: Field[T]) -> Field[T]:
+            return replace(value, comment_lines=change(value.comment_lines))
+
+        return replace(
+            self,
+            call_sequence=of_field(self.call_sequence),
+            next=None if self.next is None else of_field(self.next),
+            components=tuple(
+                replace(
+                    component,
+                    probability=of_field(component.probability),
+                    quantity=of_field(component.quantity),
+                    redundancy=of_field(component.redundancy),
+                    failures=of_field(component.failures),
+                    reason_lines=change(component.reason_lines),
+                )
+                for component in self.components
+            ),
+            reason_lines=change(self.reason_lines),
+        )

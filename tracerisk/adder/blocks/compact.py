@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -23,6 +23,7 @@ from tracerisk.adder.blocks.lines import (
     BlockLine,
     ValueText,
     comment_text,
+    field_with_comment,
     forbid_conflict_marker,
     joined_comment,
     read_field,
@@ -180,6 +181,8 @@ class _Reader:
                         "a reason is allowed only for what a user set; write `:=` before the value",
                     )
                 if last is not None:
+                    if text.startswith("->") and not any(last):
+                        last.clear()  # what it continues has nothing beside it
                     last.append(comment.strip())
         return read
 
@@ -260,6 +263,7 @@ class _Reader:
             added=parts["added"] is not None,
             location=Location(self._file, start),
             reason=joined_comment(line.comments.get("", [])),
+            reason_lines=tuple(line.comments.get("", [])),
         )
 
     def component(self, line: _Line) -> ComponentEntry:
@@ -291,6 +295,7 @@ class _Reader:
             omitted=omitted,
             location=Location(self._file, line.number),
             reason=joined_comment(line.comments.get("", [])),
+            reason_lines=tuple(line.comments.get("", [])),
             failures=Field((), "") if modes is None else self._field(line, FAILURES, modes),
         )
 
@@ -359,7 +364,8 @@ def _print_function(block: RiskBlock, width: int) -> list[str]:
     if block.next is not None:
         fields.append((NEXT, block.next))
         lines = wrapped(f"{lines[0]} -> ", _marked(block.next).split(", "), "  -> ", width)
-    return lines[:-1] + _with_comments(lines[-1], block.added, block.reason, fields, width)
+    by_hand = (block.reason, block.reason_lines) if block.added else None
+    return lines[:-1] + _with_comments(lines[-1], by_hand, fields, width)
 
 
 def _print_component(name: str, entry: ComponentEntry, width: int) -> list[str]:
@@ -373,8 +379,8 @@ def _print_component(name: str, entry: ComponentEntry, width: int) -> list[str]:
         values = [f"{mark:{_PROBABILITY_WIDTH}}", " " * _COUNT_WIDTH]
     elif mark:
         values = [mark, *values]
-    is_by_hand = entry.added or entry.omitted
-    lines = _with_comments("  ".join((name, *values)), is_by_hand, entry.reason, fields, width)
+    by_hand = (entry.reason, entry.reason_lines) if entry.added or entry.omitted else None
+    lines = _with_comments("  ".join((name, *values)), by_hand, fields, width)
     return lines + _print_modes(entry.failures, width)
 
 
@@ -387,8 +393,7 @@ def _print_modes(failures: Field[Any], width: int) -> list[str]:
         for mode in failures.text.split(" | ")
         for line in wrapped(f"  -> {mark}", mode.split(", "), FURTHER, width)
     ]
-    comment = comment_text(failures.computed, failures.reason)
-    return lines[:-1] + with_comment(lines[-1], comment, width)
+    return lines[:-1] + field_with_comment(lines[-1], failures, width)
 
 
 def _marked(field: Field[Any]) -> str:
@@ -411,22 +416,24 @@ def _printed_count(entry: ComponentEntry) -> str:
 
 def _with_comments(
     line: str,
-    is_by_hand: bool,
-    reason: str | None,
+    by_hand: tuple[str | None, Sequence[str]] | None,
     fields: Iterable[tuple[FieldKind, Field[Any]]],
     width: int,
 ) -> list[str]:
-    """Return a line with the reason of what a user set first, and one for each further reason."""
-    comments: list[tuple[str, str | None]] = [("", reason)] if is_by_hand else []
+    """Return a line with the reason of what a user set first, and one for each further reason.
+
+    `by_hand` is the reason for the whole line, with its lines; `None` where the tool gave it.
+    """
+    comments = [] if by_hand is None else [("", *by_hand)]
     comments += [
-        (kind.key, comment_text(value.computed, value.reason))
+        (kind.key, comment_text(value.computed, value.reason), value.comment_lines)
         for kind, value in fields
         if value.pinned
     ]
-    first, *others = comments or [("", None)]
+    first, *others = comments or [("", None, ())]
     padded = line if first[1] is not None else line.rstrip()
-    lines = with_comment(padded, first[1], width)
-    for key, comment in others:
+    lines = with_comment(padded, first[1], width, first[2])
+    for key, comment, typed in others:
         if comment is not None:
-            lines += with_comment(f"  {key}", comment, width)
+            lines += with_comment(f"  {key}", comment, width, typed)
     return lines

@@ -106,4 +106,28 @@ def print_block(block: RiskBlock, width: int = DEFAULT_WIDTH) -> tuple[str, ...]
     """
     marks = [block.digest or "", WITH_EVIDENCE if block.has_evidence else ""]
     header = " ".join([HEADER, *(mark for mark in marks if mark)])
-    return tuple(GUTTER + line for line in (header, *_PRINTED[block.form](block, width)))
+    return tuple(GUTTER + line for line in (header, *_lines(block, width)))
+
+
+def _lines(block: RiskBlock, width: int) -> list[str]:
+    """Return the lines behind the header.
+
+    Of a block that is converted, reasons are wrapped anew only if they were wrapped before: it
+    comes back from the other form as it was typed. Where typed lines look wrapped in the other
+    form, a `!` alone behind them says that they are not.
+    """
+    wrapped = block.with_comment_lines(lambda _: ())
+    if block.moved_from is None or _printed(block, width, block.moved_from) == _printed(
+        wrapped, width, block.moved_from
+    ):
+        return _printed(wrapped, width, block.form)
+    typed = block.with_comment_lines(lambda lines: lines[:-1] if lines[-1:] == ("",) else lines)
+    lines = _printed(typed, width, block.form)
+    if lines != _printed(wrapped, width, block.form):
+        return lines
+    marked = typed.with_comment_lines(lambda lines: (*lines, "") if lines else ())
+    return _printed(marked, width, block.form)
+
+
+def _printed(block: RiskBlock, width: int, form: BlockForm) -> list[str]:
+    return _PRINTED[form](block, width)

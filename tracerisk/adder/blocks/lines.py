@@ -76,6 +76,7 @@ def read_field(kind: FieldKind, stated: ValueText) -> Field[Any]:
         computed=computed,
         reason=reason,
         location=stated.location,
+        comment_lines=tuple(stated.comment),
     )
 
 
@@ -145,10 +146,25 @@ def wrapped(lead: str, items: Sequence[str], further: str, width: int) -> list[s
     return lines
 
 
-def with_comment(line: str, comment: str | None, width: int) -> list[str]:
-    """Return `line` with its comment, wrapped onto lines of its own where the room ends."""
+def field_with_comment(line: str, value: Field[Any], width: int) -> list[str]:
+    """Return the line of a value with its comment, as `with_comment`."""
+    comment = comment_text(value.computed, value.reason)
+    return with_comment(line, comment, width, value.comment_lines)
+
+
+def with_comment(
+    line: str, comment: str | None, width: int, typed: Sequence[str] = ()
+) -> list[str]:
+    """Return `line` with its comment, wrapped onto lines of its own where the room ends.
+
+    Where the comment is still the one that was `typed`, its lines end where they did.
+    """
     if comment is None:
         return [line]
+    if comment == joined_comment([*typed]):
+        first, *others = typed
+        begin = f"{line}  ! {first}" if first else line
+        return [begin, *(f"    ! {text}".rstrip() for text in others)]
     room = width - len(GUTTER)
     lines, mark = [line], "  !"
     for word in comment.split(" "):

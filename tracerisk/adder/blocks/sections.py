@@ -13,7 +13,7 @@ from tracerisk.adder.blocks.lines import (
     FURTHER,
     BlockLine,
     ValueText,
-    comment_text,
+    field_with_comment,
     forbid_conflict_marker,
     joined_comment,
     read_field,
@@ -131,7 +131,9 @@ class _Parser:
                 sections.append(self._section_header(line.number, text))
                 is_open = True
             elif text.startswith("!"):
-                self._comment_of_last(sections, is_open, line.number).append(text[1:].strip())
+                comment = self._comment_of_last(sections, is_open, line.number)
+                # Nothing of it stands beside the value.
+                comment += [text[1:].strip()] if comment else ["", text[1:].strip()]
             elif not is_open:
                 raise self._error(
                     line.number,
@@ -230,6 +232,7 @@ class _Parser:
             added=section.by_hand,
             location=Location(self._file, start),
             reason=joined_comment(section.comment),
+            reason_lines=tuple(section.comment),
         )
 
     def _failures(self, sections: list[_Section]) -> dict[str, tuple[_Section, Field[Any]]]:
@@ -274,6 +277,7 @@ class _Parser:
             omitted=section.omitted,
             location=Location(self._file, section.line),
             reason=joined_comment(section.comment),
+            reason_lines=tuple(section.comment),
             failures=of_failures,
         )
 
@@ -331,19 +335,18 @@ def _lines_of(keys: Iterable[str]) -> list[str]:
 
 def print_sections(block: RiskBlock, width: int) -> list[str]:
     """Return the lines of a block behind its header, without gutter, indentation and line ends."""
-    lines = _print_header("Function", block.added, False, block.reason, width)
+    lines = with_comment(
+        "@Function := {" if block.added else "@Function {", block.reason, width, block.reason_lines
+    )
     lines.append(f"  name = {block.name}")
     lines += _print_field(CALL_SEQUENCE, block.call_sequence, width)
     if block.next is not None:
         lines += _print_field(NEXT, block.next, width)
     lines.append("}")
     for component in block.components:
-        lines += _print_header(
-            "Component",
-            component.added or component.omitted,
-            component.omitted,
-            component.reason,
-            width,
+        mark = ":= omit " if component.omitted else ":= " if component.added else ""
+        lines += with_comment(
+            f"@Component {mark}{{", component.reason, width, component.reason_lines
         )
         lines.append(f"  name = {component.name}")
         for kind, value in component_fields(component):
@@ -357,13 +360,6 @@ def print_sections(block: RiskBlock, width: int) -> list[str]:
     return lines
 
 
-def _print_header(
-    kind: str, by_hand: bool, omitted: bool, reason: str | None, width: int
-) -> list[str]:
-    mark = ":= omit " if omitted else ":= " if by_hand else ""
-    return with_comment(f"@{kind} {mark}{{", reason, width)
-
-
 def _print_field(kind: FieldKind, field: Field[Any], width: int) -> list[str]:
     operator = ":=" if field.pinned else "="
     key, mark = {NEXT: (kind.key, ", "), FAILURES: ("mode", " | ")}.get(kind, (kind.key, "\n"))
@@ -371,5 +367,4 @@ def _print_field(kind: FieldKind, field: Field[Any], width: int) -> list[str]:
     for value in field.text.split(mark):
         items = value.split(", ") if kind is FAILURES else [value]
         lines += wrapped(f"  {key} {operator} ", items, FURTHER, width)
-    comment = comment_text(field.computed, field.reason)
-    return lines[:-1] + with_comment(lines[-1], comment, width)
+    return lines[:-1] + field_with_comment(lines[-1], field, width)

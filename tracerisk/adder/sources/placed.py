@@ -115,7 +115,7 @@ def in_other_form(
 ) -> dict[tuple[QualifiedName, int], RiskBlock | None]:
     """Return the targets of `insert_at` that bring the blocks of a source into one form."""
     return {
-        (block.function, block.line): replace(block.block, form=form)
+        (block.function, block.line): replace(block.block, form=form, moved_from=block.block.form)
         for block in placed
         if block.block.form != form
     }
@@ -133,7 +133,7 @@ def check_same_blocks(
     expected: Iterable[RiskBlock], placed: Iterable[PlacedBlock], file: str
 ) -> None:
     """Raise UnsafeRewriteError where a source holds other blocks than were meant for it."""
-    if sorted(map(print_block, expected)) != sorted(
+    if sorted(print_block(replace(block, moved_from=None)) for block in expected) != sorted(
         print_block(placed_block.block) for placed_block in placed
     ):
         raise UnsafeRewriteError(
