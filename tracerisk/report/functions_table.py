@@ -55,7 +55,7 @@ def functions_table(
 
 def add_legend(table: Table) -> None:
     """Put below a table of a run what its figures are of."""
-    table.caption = "active s: all visits; p failure: one visit"
+    table.caption = "active s: all visits; p failure: one visit\n "
     table.caption_justify = "left"
     table.caption_style = ""
 

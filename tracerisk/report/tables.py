@@ -216,8 +216,11 @@ def share_cells(share: float, width: int) -> list[RenderableType]:
     return cells
 
 
-def filled(text: str, width: int, margin: str = "") -> str:
-    """Return text broken between words, but never between a number and its unit."""
+def filled(text: str, width: int, margin: str = "", *, breaks_words: bool = False) -> str:
+    """Return text broken between words, but never between a number and its unit.
+
+    A word that is wider than a line is broken only if asked.
+    """
     import textwrap
 
     joined = _UNIT.sub("\N{NO-BREAK SPACE}", text)
@@ -225,7 +228,7 @@ def filled(text: str, width: int, margin: str = "") -> str:
         joined,
         width,
         subsequent_indent=margin,
-        break_long_words=False,
+        break_long_words=breaks_words,
         break_on_hyphens=False,
         replace_whitespace=False,
     )

@@ -127,6 +127,15 @@ def test_a_rest_that_is_added_loses_nothing():
     assert not changes.does_something_else
 
 
+def test_many_rests_in_a_row_that_are_added_are_one_line():
+    added = [rest(x, 0.1) for x in (0.1, 0.2, -0.2)]
+    after = outcome(*MISSION[:5], *added, *MISSION[5:], objects=[thing()])
+    (line,) = outcome_changes(WHOLE, after).added
+    assert line == (
+        "3 rests in a row are new, from (0.100, 0.100, 0.300) m to (-0.200, 0.100, 0.300) m"
+    )
+
+
 def test_a_rest_elsewhere_says_how_far():
     after = outcome(*MISSION[:5], rest(-0.3, 0.024), *MISSION[6:], objects=[thing()])
     (line,) = outcome_changes(WHOLE, after).lost

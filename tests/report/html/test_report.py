@@ -3,6 +3,7 @@ import hashlib
 import json
 import math
 import re
+from dataclasses import replace
 from fractions import Fraction
 from html import unescape
 from itertools import combinations, pairwise
@@ -14,9 +15,10 @@ from markupsafe import Markup
 
 from tracerisk.adder.blocks.override import Override
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
-from tracerisk.common.verdict import UNKNOWN_VERDICT, VERDICTS
+from tracerisk.common.verdict import UNKNOWN_VERDICT, VERDICTS, Coverage, Verdict
 from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel, solve
+from tracerisk.prm.review.change_records import RunVerdicts
 from tracerisk.prm.trees.events import BasicEvent, Share
 from tracerisk.report.html import figures
 from tracerisk.report.html.notes import drift as drift_of_pin
@@ -486,3 +488,14 @@ def test_of_a_long_history_the_latest_commits_are_in_sight_and_the_others_folded
         first = rows(document, "history")[0].text_content().split()[0]
         assert first.startswith(f"c{count - shown}")
     assert len(document.xpath("//details//table[@id='history-earlier-table']")) == 1
+
+
+def test_a_history_page_gives_the_ratio_that_the_terminal_gives(parsed, eventful):
+    faulted = Verdict("faulted", (), Coverage(1, 1))
+    verdicts = RunVerdicts(Verdict("complete", (), Coverage(1, 1)), faulted)
+    point = HistoryPoint("c1", "2026-01-02", "Change", "c.py", 1e-6, None)
+    later = replace(point, commit="c2", failure_probability=2e-6, diff=eventful)
+    broken = replace(later, commit="c3", diff=replace(eventful, verdicts=verdicts))
+    document = parsed(page("h", Markup(""), [history_section("a.py", [point, later, broken])]))
+    ratios = [row.xpath("./td")[1].text_content().strip() for row in rows(document, "history")]
+    assert ratios == ["", "x2", "not comparable"]

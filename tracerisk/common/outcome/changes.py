@@ -172,7 +172,7 @@ class _Comparison:
         for old, new in zip(rests, others, strict=False):
             lost.append(f"{self._rest_name(old)} is now {self._apart(old, new)} there")
         lost += self._lost_rests(rests[len(others) :])
-        added += [f"a rest at {_place(new.tool_m)} is new" for new in others[len(rests) :]]
+        added += _new_rests(others[len(rests) :])
         lost += self._grip_changes(gone, come, added)
 
     def in_step(self) -> Iterator[AlignedSteps]:
@@ -389,6 +389,15 @@ def _rests_before(outcome: Outcome) -> dict[int, Rest | None]:
         rests[rest.order] = last.get(rest.arm)
         last[rest.arm] = rest
     return rests
+
+
+def _new_rests(rests: Sequence[Rest]) -> Iterator[str]:
+    """Yield rests in a row that are new, many of them in one sentence."""
+    places = [_place(rest.tool_m) for rest in rests]
+    if len(places) < _IN_A_ROW:
+        yield from (f"a rest at {place} is new" for place in places)
+        return
+    yield f"{len(places)} rests in a row are new, from {places[0]} to {places[-1]}"
 
 
 def _number_of_rests(steps: Sequence[Step], place: int) -> int:

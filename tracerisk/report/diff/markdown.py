@@ -159,9 +159,10 @@ def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) ->
     for pin in diff.pins:
         place = review.place(pin.location, is_gone=pin.kind == "removed")
         yield f"- {links.text(f'{sentences.pin(pin)} ({place})')}"
-    if diff.within_noise:
-        yield f"- values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
-    if diff.single_points or diff.pins or diff.within_noise:
+    noise = diff.within_noise if diff.is_comparable else 0
+    if noise:
+        yield f"- values that changed by less than 1 %, reported as unchanged: {noise}"
+    if diff.single_points or diff.pins or noise:
         yield ""
     yield from _list(sentences.OF_PACE, sentences.of_pace(diff), links)
     yield from _list(sentences.OF_INPUTS, diff.inputs, links)

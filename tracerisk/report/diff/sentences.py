@@ -153,21 +153,45 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
         if not diff.is_same_mission and _can_tell(diff):
             pairs.append((OF_VISITS, list(_at_most(tuple(_visits(diff))))))
     if diff.verdicts is not None:
+        broke = list(map(str, diff.verdicts.broke))
+        # The one that broke stands in the line of the verdict.
+        is_told = len(broke) == 1 and _is_wrong(diff) and _is_said(diff.verdicts.after, broke[0])
         pairs += [
-            (BROKE, [str(reason) for reason in diff.verdicts.broke]),
+            (BROKE, [] if is_told else broke),
             (REPAIRED, [str(reason) for reason in diff.verdicts.repaired]),
         ]
     return [(title, lines) for title, lines in pairs if lines]
 
 
+def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return what else differs, below the figures, with the title of each list."""
+    single = [f"{point.component}, in {some(point.functions)}" for point in diff.single_points]
+    pairs = [
+        ("Single points of failure that were none", single),
+        (OF_HARDWARE, list(of_hardware(diff))),
+        ("Pins", pins(review, diff)),
+        (OF_PACE, list(of_pace(diff))),
+        (OF_RUN, list(diff.of_run)),
+        (OF_INPUTS, list(diff.inputs)),
+    ]
+    return [(title, lines) for title, lines in pairs if lines]
+
+
+def _is_said(verdict: Verdict | None, reason: str) -> bool:
+    return verdict is not None and reason in verdict_line(verdict)
+
+
 def _visits(diff: RiskDiff) -> Iterator[str]:
-    """Yield which functions another mission visits more or less often."""
+    """Yield which functions another mission visits more or less often, those alike in one line."""
+    alike: dict[tuple[str, str], list[str]] = {}
     for function in diff.functions:
         old, new = function.before, function.after
         if old is None or new is None or is_noise(old.expected_visits, new.expected_visits):
             continue
-        now, was = count(new.expected_visits), count(old.expected_visits)
-        yield f"{function.name}: {now} visit{'s' * (now != '1')}, before: {was}"
+        counts = count(new.expected_visits), count(old.expected_visits)
+        alike.setdefault(counts, []).append(function.name)
+    for (now, was), names in alike.items():
+        yield f"{', '.join(names)}: {now} visit{'s' * (now != '1')}, before: {was}"
 
 
 def of_hardware(diff: RiskDiff) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator, Sequence
 
 from tracerisk.prm.review.change_records import (
@@ -13,6 +12,7 @@ from tracerisk.prm.review.change_records import (
     is_noise,
 )
 from tracerisk.report.diff import sentences
+from tracerisk.report.tables import filled
 
 _FIGURES = (10, 10, 9)  # the widths of before, after and ratio
 _ALONE = 10  # that of a contribution
@@ -59,20 +59,9 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
         yield ""
     if diff.is_comparable:
         yield from _functions(diff.functions, room)
-    yield from _list(
-        "Single points of failure that were none",
-        [
-            f"{point.component}, in {sentences.some(point.functions)}"
-            for point in diff.single_points
-        ],
-        room,
-    )
-    yield from _list(sentences.OF_HARDWARE, sentences.of_hardware(diff), room)
-    yield from _list("Pins", sentences.pins(review, diff), room)
-    yield from _list(sentences.OF_PACE, sentences.of_pace(diff), room)
-    yield from _list(sentences.OF_RUN, diff.of_run, room)
-    yield from _list(sentences.OF_INPUTS, diff.inputs, room)
-    if diff.within_noise:
+    for title, entries in sentences.of_parts(review, diff):
+        yield from _list(title, entries, room)
+    if diff.within_noise and diff.is_comparable:
         values = "value changes" if diff.within_noise == 1 else "values change"
         yield f"  {diff.within_noise} {values} by less than 1 %: reported as unchanged"
         yield ""
@@ -170,11 +159,4 @@ def _list(title: str, entries: Sequence[str], room: int) -> Iterator[str]:
 
 
 def _wrapped(text: str, room: int, *, hanging: int = 0) -> list[str]:
-    return textwrap.wrap(
-        text,
-        room,
-        subsequent_indent=" " * hanging,
-        break_on_hyphens=False,
-        replace_whitespace=False,
-        drop_whitespace=True,
-    )
+    return filled(text, room, " " * hanging, breaks_words=True).splitlines()

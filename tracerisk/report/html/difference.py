@@ -25,8 +25,10 @@ class _Controller:
     """Path of the controller, with the earlier one where it was moved."""
     tables: tuple[Table, ...]
     """Tables of the mission, the changes and the functions."""
-    lines: tuple[str, ...]
-    """Sentences below the tables."""
+    lists: tuple[tuple[str, list[str]], ...]
+    """What is said below the tables: each list with its title."""
+    note: str
+    """How many values are left out as unchanged; empty for none."""
 
 
 def difference_section(report: ReportInput) -> Section | None:
@@ -76,30 +78,19 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
     is_other = any(function.status != "unchanged" for function in diff.functions)
     if is_other and diff.is_comparable:
         tables.append(_functions(name, diff))
-    lines = [
-        f"{point.component} is a single point of failure now, in {sentences.some(point.functions)}"
-        for point in diff.single_points
-    ]
-    lines += sentences.pins(review, diff)
-    lines += (*diff.hardware, *diff.of_run, *diff.inputs)
-    lines[:0] = [
-        f"{title}: {entry}" for title, lines in sentences.of_missions(diff) for entry in lines
-    ]
-    lines += [f"{sentences.OF_PACE}: {entry}" for entry in sentences.of_pace(diff)]
-    if diff.within_noise:
-        lines.append(
-            f"values that changed by less than 1 %, reported as unchanged: {diff.within_noise}"
-        )
-    return _Controller(sentences.name_of(diff), tuple(tables), tuple(lines))
+    lists = [*sentences.of_missions(diff), *sentences.of_parts(review, diff)]
+    note = ""
+    if diff.within_noise and diff.is_comparable:
+        note = f"Values that changed by less than 1 %, reported as unchanged: {diff.within_noise}."
+    return _Controller(sentences.name_of(diff), tuple(tables), tuple(lists), note)
 
 
 def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
     old, new = diff.before, diff.after
-    kinds = {
-        "mission failure": "failure_probability",
-        "failure per cycle": "cycle_failure_probability",
-        "expected cycles": "expected_cycles",
-    }
+    kinds = {"mission failure": "failure_probability"}
+    if sentences.has_cycles(diff):
+        kinds["failure per cycle"] = "cycle_failure_probability"
+        kinds["expected cycles"] = "expected_cycles"
     rows = []
     for label, kind in kinds.items():
         figures = (None if figure is None else getattr(figure, kind) for figure in (old, new))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape
@@ -87,6 +87,15 @@ class HistoryPoint:
         return self.commit[:8] or WORKING_TREE
 
 
+def changes_of(rows: Sequence[HistoryPoint]) -> Iterator[str]:
+    """Yield for each commit its figure over the last one before it, or why there is no ratio."""
+    last: float | None = None
+    for row in rows:
+        figure = row.failure_probability
+        yield "" if row.diff is None else compared(row.diff, last, figure)
+        last = figure if figure is not None else last
+
+
 def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER) -> str:
     """Return the table of one controller for a terminal, the oldest commit first."""
     table = table_of(name)
@@ -95,10 +104,8 @@ def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER
     for heading in ("commit", "date", "mission failure", "ratio", *changes, "verdict", "subject"):
         is_number = heading in ("mission failure", "ratio")
         table.add_column(heading, justify="right" if is_number else "left", overflow="fold")
-    last: float | None = None
-    for row in rows:
+    for row, change in zip(rows, changes_of(rows), strict=True):
         figure = row.failure_probability
-        change = "" if row.diff is None else compared(row.diff, last, figure)
         table.add_row(
             row.name,
             row.date,
@@ -108,7 +115,6 @@ def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER
             kind_of(row.verdict),
             row.subject,
         )
-        last = figure if figure is not None else last
     return render_parts([table], paper)
 
 

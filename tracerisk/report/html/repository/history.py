@@ -11,7 +11,7 @@ from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.tables import Cell, Column, Row, Table, numbers, row_of, texts
-from tracerisk.report.series.history import HistoryPoint, history_svg
+from tracerisk.report.series.history import HistoryPoint, changes_of, history_svg
 
 MOST_SHOWN = 20
 """How many commits are in sight; those before them are folded."""
@@ -38,20 +38,18 @@ def history_section(name: str, rows: Sequence[HistoryPoint]) -> Section:
 
 def _rows(rows: Sequence[HistoryPoint]) -> list[Row]:
     result = []
-    last: float | None = None
-    for row in rows:
+    for row, change in zip(rows, changes_of(rows), strict=True):
         risk = row.failure_probability
         none = "unreadable" if row.error else figures.NOTHING
         result.append(
             row_of(
                 Cell(row.name, note=row.date),
                 none if risk is None else figures.probability(risk),
-                f"x{risk / last:.3g}" if risk is not None and last else "",
+                change,
                 kind_of(row.verdict),
                 Cell(row.subject, note=row.change),
             )
         )
-        last = risk if risk is not None else last
     return result
 
 
