@@ -23,13 +23,13 @@ from tracerisk.adder.lock.lock import (
     written_block,
 )
 from tracerisk.adder.merge.authors import Evidence
-from tracerisk.adder.merge.bases import SourceEvidence, bases_of, merge_with_bases
+from tracerisk.adder.merge.bases import SourceEvidence, merge_with_bases
 from tracerisk.adder.merge.hand_edits import check_targets, give_way, is_next_by_hand, ranks_by_hand
 from tracerisk.adder.merge.merge import HandEdit, MergePolicy, edits_error, in_the_way
 from tracerisk.adder.merge.steady import is_same_run, kept_values, steady_components
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.adder.sources.renames import FollowedSource, followed_sources
 from tracerisk.adder.sources.write import FileWrite
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import EditInTheWayError
@@ -51,8 +51,6 @@ class SourceBlocks:
     """The path in messages; `None` for `file`."""
     original: bytes | None = None
     """The content of the file where `source` differs from it by renamed functions; else `None`."""
-    renamed: Mapping[QualifiedName, QualifiedName] = field(default_factory=dict)
-    """The new name of each function renamed since the last annotation, by its old one."""
     instances: Mapping[QualifiedName, InstanceValues] = field(default_factory=dict)
     """How the units of each component fail, by function."""
 
@@ -162,8 +160,17 @@ def annotate_sources(
     entry = lock.controllers.get(controller)
     evidence = evidence or (lambda _: Evidence(is_fresh=entry is not None))
     behind = behind or Behind()
-    sources = _with_free_ranks([_with_renames(source, entry) for source in sources])
-    merge = partial(_merge_source, entry=entry, behind=behind, policy=policy, evidence=evidence)
+    shown = {source.file: source.name for source in sources}
+    followed = followed_sources({source.file: source.source for source in sources}, entry, shown)
+    sources = _with_free_ranks([_with_names(source, followed[source.file]) for source in sources])
+    merge = partial(
+        _merge_source,
+        followed=followed,
+        entry=entry,
+        behind=behind,
+        policy=policy,
+        evidence=evidence,
+    )
     merged = {source.file: merge(source) for source in sources}
     edits = _in_the_way(merged, policy)
     if not edits and policy.edits == "accept":
@@ -193,7 +200,12 @@ def annotate_sources(
     same = entry if is_same_run(entry, fingerprint, behind, policy) else None
     final = ControllerLock(
         fingerprint=fingerprint,
-        blocks={file: _written(one.blocks) for file, one in merged.items()},
+        blocks={
+            file: written
+            for file, one in merged.items()
+            # A module of which no block is left is looked at no more.
+            if (written := _written(one.blocks)) or file == controller
+        },
         trace=trace,
         inputs=inputs or {},
         behind=behind,
@@ -229,12 +241,10 @@ def _in_the_way(merged: Mapping[str, _MergedSource], policy: MergePolicy) -> tup
     return in_the_way((edit for one in merged.values() for edit in one.edits), policy)
 
 
-def _with_renames(source: SourceBlocks, entry: ControllerLock | None) -> SourceBlocks:
-    known = {QualifiedName(name) for base in bases_of(source.file, entry) for name in base}
-    followed = follow_renames(source.source, source.name, known)
-    if not followed.renamed:
+def _with_names(source: SourceBlocks, followed: FollowedSource) -> SourceBlocks:
+    if followed.source == source.source:
         return source
-    return replace(source, source=followed.source, original=source.source, renamed=followed.renamed)
+    return replace(source, source=followed.source, original=source.source)
 
 
 def _by_function(merged: Mapping[str, _MergedSource]) -> dict[FunctionRef, RiskBlock]:
@@ -277,24 +287,25 @@ def _with_free_ranks(
 
 def _merge_source(
     source: SourceBlocks,
+    followed: Mapping[str, FollowedSource],
     entry: ControllerLock | None,
     behind: Behind,
     policy: MergePolicy,
     evidence: SourceEvidence,
 ) -> _MergedSource:
-    current = {placed.function: placed.block for placed in read_blocks(source.source, source.name)}
-    bases = [base_with_names(base, source.renamed) for base in bases_of(source.file, entry)]
+    of_file = followed[source.file]
+    current = {placed.function: placed.block for placed in of_file.placed}
     blocks: dict[QualifiedName, RiskBlock | None] = {}
     edits: list[HandEdit] = []
     for name in sorted({*current, *source.computed}):
         outcome = merge_with_bases(
             name,
-            bases,
+            of_file.bases,
             current.get(name),
             source.computed.get(name),
             policy,
             lambda: evidence(source.file),
-            source.renamed,
+            of_file.names,
             steady_components(entry, behind, source.file, name, source.computed.get(name)),
         )
         blocks[name] = outcome.block

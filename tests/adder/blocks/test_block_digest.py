@@ -9,6 +9,7 @@ from tracerisk.adder.blocks.values import NEXT, PROBABILITY, QUANTITY, computed_
 from tracerisk.adder.lock.digest import DigestReading, digest_of, is_as_written, with_digest
 from tracerisk.adder.lock.lock import WrittenBlock, written_block
 from tracerisk.adder.merge.authors import Evidence
+from tracerisk.adder.merge.bases import EarlierNames
 from tracerisk.adder.merge.merge import MergePolicy, merge
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
@@ -262,7 +263,7 @@ def test_git_knows_a_target_by_the_name_that_it_had_before_a_renaming(make_block
             block,
             policy=STOP,
             evidence=lambda kept=kept: kept,
-            names={"rest": "home"},
+            names=EarlierNames({}, {"rest": "home"}),
         )
         (edit,) = merged.edits
         assert (edit.field, edit.is_certain) == ("place.next", False)

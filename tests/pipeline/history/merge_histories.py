@@ -9,6 +9,7 @@ import os
 import random
 import re
 import subprocess
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from tracerisk.errors import EditInTheWayError, TraceRiskError
 from tracerisk.pipeline.annotate import Annotated
 from tracerisk.pipeline.check.check import check_controller
 from tracerisk.pipeline.workspace.project import Projects
+from tracerisk.trace import Trace
 
 COMPONENTS = ("camera", "gripper", "motor")
 START = """\
@@ -61,8 +63,9 @@ class Typed:
     number: int = 0
 
     def first_name(self, function: str) -> str:
-        """Return the name that a function had before all renamings."""
-        return self.first_names.get(function, function)
+        """Return the name that a function had before all renamings, without that of its class."""
+        name = re.split(r"[.:]+", function)[-1]
+        return self.first_names.get(name, name)
 
     def figure(self) -> str:
         """Return a probability that the tool never computes: it has six digits."""
@@ -73,6 +76,8 @@ class Typed:
 class History:
     """A repository with a controller, and a person who works on its branches."""
 
+    main = "c.py"
+
     def __init__(self, folder: Path, seed: int) -> None:
         self.folder = folder
         self.chance = random.Random(seed)
@@ -81,13 +86,16 @@ class History:
         self.stops = 0
         folder.mkdir(exist_ok=True)
         self.git("init", "--quiet", "--initial-branch=b0")
-        self.write("c.py", START)
+        self.start()
         self.write("pyproject.toml", "")
         self.write(".gitignore", ".tracerisk_cache\n")
         self.hardware()
         self.refresh()
         self.commit()
         self.branches = ["b0"]
+
+    def start(self) -> None:
+        self.write(self.main, START)
 
     # What git does.
 
@@ -117,8 +125,8 @@ class History:
         self.git("add", "--all")
         self.git("commit", "--quiet", "--allow-empty", "-m", "change")
 
-    def read(self, name: str = "c.py") -> str:
-        return (self.folder / name).read_text()
+    def read(self, name: str | None = None) -> str:
+        return (self.folder / (name or self.main)).read_text()
 
     def write(self, name: str, text: str) -> None:
         (self.folder / name).write_text(text)
@@ -138,25 +146,27 @@ class History:
     def work(self) -> None:
         """Make one to three changes, refresh or not, and commit."""
         for _ in range(self.chance.randint(1, 3)):
-            self.chance.choice(
-                (
-                    *(self.change_code,) * 4,
-                    *(self.hardware,) * 2,
-                    *(self.pin,) * 2,
-                    self.edit,
-                    self.omit,
-                    self.add_by_hand,
-                    self.take_out,
-                    self.rename,
-                    self.delete_block,
-                    self.format,
-                )
-            )()
+            self.chance.choice(self.changes())()
             if self.chance.random() < 0.7:
                 self.refresh()
         if self.chance.random() < 0.8:
             self.refresh()
         self.commit()
+
+    def changes(self) -> Sequence[Callable[[], None]]:
+        """Return what a person may do, as often as it is done."""
+        return (
+            *(self.change_code,) * 4,
+            *(self.hardware,) * 2,
+            *(self.pin,) * 2,
+            self.edit,
+            self.omit,
+            self.add_by_hand,
+            self.take_out,
+            self.rename,
+            self.delete_block,
+            self.format,
+        )
 
     def change_code(self) -> None:
         source = self.read()
@@ -177,7 +187,7 @@ class History:
             source = re.sub(rf"def {gone}\(arm\):\n(?:(?:    .*)?\n)+?(?=def |\Z)", "", source)
             left = functions(source)
             source = re.sub(rf"\b{gone}\b(?=.*\")", left[0], source)
-        self.write("c.py", source)
+        self.write(self.main, source)
 
     def rename(self) -> None:
         source = self.read()
@@ -190,11 +200,11 @@ class History:
         # By search and replace, in the `next` lines of other blocks too.
         if f"next = {new} " in source:
             self.typed.targets.add(new)
-        self.write("c.py", source)
+        self.write(self.main, source)
 
     def format(self) -> None:
         source = self.read().replace("\n\n\n\n", "\n\n\n")
-        self.write("c.py", source.replace("    motor(arm)", "    motor(arm)  # turn", 1))
+        self.write(self.main, source.replace("    motor(arm)", "    motor(arm)  # turn", 1))
 
     def _value(self) -> re.Match[str] | None:
         found = [each for each in _VALUE.finditer(self.read()) if "probability" in each[1]]
@@ -214,7 +224,7 @@ class History:
         figures.add(figure)
         source = self.read()
         text = found[1] + text.format(figure)
-        self.write("c.py", source[: found.start()] + text + source[found.end() :])
+        self.write(self.main, source[: found.start()] + text + source[found.end() :])
 
     def _section(self) -> re.Match[str] | None:
         found = list(_SECTION.finditer(self.read()))
@@ -228,7 +238,7 @@ class History:
         figure = self.typed.figure()
         self.typed.pins.add(figure)
         text = found[0].replace("@Component {", f"@Component := omit {{  ! {figure}")
-        self.write("c.py", source[: found.start()] + text + source[found.end() :])
+        self.write(self.main, source[: found.start()] + text + source[found.end() :])
 
     def add_by_hand(self) -> None:
         found = self._section()
@@ -242,7 +252,7 @@ class History:
         text = re.sub(r"name = .*", f"name = hose{self.typed.number}", text)
         text = re.sub(r"probability :?= .*", f"probability = {figure}", text)
         text = re.sub(r"(quantity|redundancy) :?= (\S+).*", r"\1 = \2", text)
-        self.write("c.py", source[: found.end()] + text + source[found.end() :])
+        self.write(self.main, source[: found.end()] + text + source[found.end() :])
 
     def take_out(self) -> None:
         """Take out a component, which is a change of what the tool writes, or an omission."""
@@ -256,12 +266,14 @@ class History:
         assert name is not None
         function = re.findall(r"@Function.*\n.*name = (\S+)", source[: found.start()])[-1]
         self.typed.removed.add((self.typed.first_name(function), name[1]))
-        self.write("c.py", source[: found.start()] + source[found.end() :])
+        self.write(self.main, source[: found.start()] + source[found.end() :])
 
     def delete_block(self) -> None:
         source = self.read()
         if ":=" not in source:
-            self.write("c.py", re.sub(r"(?:^ *# \|.*\n)+", "", source, count=1, flags=re.MULTILINE))
+            self.write(
+                self.main, re.sub(r"(?:^ *# \|.*\n)+", "", source, count=1, flags=re.MULTILINE)
+            )
 
     # What brings branches together.
 
@@ -298,7 +310,7 @@ class History:
             self.git("checkout", "--quiet", other)
             self.git(*style, "stash", "pop", fails=True)
         else:
-            names = self.chance.choice((("c.py",), ("tracerisk.lock",), ("arm.yaml",)))
+            names = self.chance.choice(((self.main,), ("tracerisk.lock",), ("arm.yaml",)))
             self.git("checkout", other, "--", *names, fails=True)
         for _ in range(20):
             self.resolve()
@@ -329,10 +341,10 @@ class History:
         self.refresh()
         self.commit()
         self.git("checkout", "--quiet", one)
-        names = functions(self.read())
+        names = self.names()
         self.chance.shuffle(names)
         calls = f'CALLS = "{" ".join([*names, names[0]])}"'
-        self.write("c.py", re.sub(r"CALLS = .*", calls, self.read()))
+        self.write(self.main, re.sub(r'CALLS = ".*"', calls, self.read()))
         self.refresh()
         self.commit()
         return other
@@ -397,7 +409,7 @@ class History:
         calls = re.search(r'CALLS = "(.*)"', source)
         assert calls is not None
         left = [name for name in calls[1].split() if name in names] or names[:1]
-        self.write("c.py", source.replace(calls[0], f'CALLS = "{" ".join(left)}"'))
+        self.write(self.main, source.replace(calls[0], f'CALLS = "{" ".join(left)}"'))
 
     def _takes_sound(self, branch: str) -> bool:
         self.git("checkout", branch, "--", "c.py", fails=True)
@@ -438,11 +450,14 @@ class History:
         ]
         return "\n".join([*rows, "", "CallSequence:" + ",".join(f"{each}()" for each in calls)])
 
+    def trace(self) -> Trace:
+        return read_log(self.computed_log(), "run.log", controller=self.main)
+
     def annotated(self, policy: MergePolicy) -> Annotated:
-        controller = api.load_controller(self.folder / "c.py")
+        controller = api.load_controller(self.folder / self.main)
         hardware = str(self.folder / "arm.yaml")
         settings = api.load_settings(controller, {"hardware": hardware})
-        trace = read_log(self.computed_log(), "run.log", controller="c.py")
+        trace = self.trace()
         return api.annotate(
             controller,
             trace,
@@ -469,13 +484,13 @@ class History:
 
     def _refresh(self) -> None:
         self.check()
-        before = self.read()
+        before = self.text()
         for edits in ("stop", self.chance.choice(("accept", "discard")), "discard"):
             try:
                 done = self.annotated(MergePolicy(edits))
             except EditInTheWayError as error:
                 assert edits != "discard"
-                assert self.read() == before
+                assert self.text() == before
                 self.stops += 1
                 self.judge(str(error))
                 continue
@@ -492,13 +507,14 @@ class History:
                 raise AssertionError(f"{self.notes}: {error}") from error
             done.write()
             break
-        after = self.read()
+        after = self.text()
         self.keeps_pins(before, after)
+        self.invents_nothing()
         if edits == "stop":
             lost = {each for each in self.typed.edits if f"= {each}\n" in before} - {
                 each for each in self.typed.edits if each in after
             }
-            gone = {each for each in lost if not is_in_live_block(before, each)}
+            gone = {each for each in lost if not self.is_in_live_block(before, each)}
             assert lost == gone, f"{self.notes}: typed and lost: {lost}"
         assert not self.annotated(MergePolicy()).is_changed
         assert not self.findings(), self.findings()
@@ -506,11 +522,11 @@ class History:
     def _leads_to_what_was_renamed(self, expected: str) -> bool:
         """Return whether a `next` leads to a name that was typed for a function since deleted."""
         found = re.search(r"leads to '(\w+)', not a function", expected)
-        return found is not None and found[1] in self.typed.targets - set(functions(self.read()))
+        return found is not None and found[1] in self.typed.targets - set(self.names())
 
     def findings(self) -> list[str]:
         """Return what check finds that a refresh would mend."""
-        found = check_controller(self.folder / "c.py", Projects()).findings
+        found = check_controller(self.folder / self.main, Projects()).findings
         return [str(each) for each in found if each.kind != "unknown"]
 
     def keeps_pins(self, before: str, after: str) -> None:
@@ -518,6 +534,9 @@ class History:
             return {each for each in self.typed.pins if each in text}
 
         assert held(before) <= held(after), f"{self.notes}: {held(before) - held(after)} lost"
+
+    def invents_nothing(self) -> None:
+        """Assert that whatever is set by hand was typed, or taken out, by a person."""
 
     def judge(self, expected: str) -> None:
         """Compare what is called a person's with what was typed, and that alone with advice."""
@@ -532,7 +551,7 @@ class History:
         if changed is not None:
             # Where a renamed function is there, the tool knows the name in a `next` by it.
             targets = {each.split(" ")[0] for each in changed[2].split(", ")}
-            is_left = targets & self.typed.targets - set(functions(self.read()))
+            is_left = targets & self.typed.targets - set(self.names())
             assert is_left or changed[2] in self.typed.edits, f"{self.notes}: {line}"
         if re.search(r" was removed", line):
             path = line.split(" was removed")[0].split()[-1]
@@ -541,12 +560,29 @@ class History:
             assert pair in self.typed.removed, f"{self.notes}: {line}"
         assert " was added" not in line, f"{self.notes}: {line}"
 
+    def names(self) -> list[str]:
+        return functions(self.read())
+
+    def text(self) -> str:
+        """Return all that the sources hold."""
+        return self.read()
+
+    def is_in_live_block(self, text: str, figure: str) -> bool:
+        """Return whether a value stands in the block of a function that is called."""
+        calls = re.search(r'CALLS = "(.*)"', text)
+        assert calls is not None
+        for part in re.split(r"^(?=def )", text, flags=re.MULTILINE):
+            name = re.match(r"def (\w+)", part)
+            if figure in part and name is not None:
+                return name[1] in calls[1].split()
+        return False
+
     def check(self) -> None:
         """Judge what `check` says; where it finds nothing, nothing is stale."""
         if not (self.folder / "tracerisk.lock").exists():
             return
         try:
-            found = check_controller(self.folder / "c.py", Projects()).findings
+            found = check_controller(self.folder / self.main, Projects()).findings
         except TraceRiskError:
             return
         for each in found:
@@ -554,28 +590,18 @@ class History:
                 self.judge_line(each.message)
         if not found:
             done = self.annotated(MergePolicy("discard"))
-            assert values(done.source) == values(self.read().encode()), self.notes
+            for file, content in done.sources.items():
+                assert values(content, file) == values(done.before[file], file), self.notes
 
 
 def functions(source: str) -> list[str]:
     return [node.name for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
 
 
-def is_in_live_block(source: str, figure: str) -> bool:
-    """Return whether a value stands in the block of a function that is called."""
-    calls = re.search(r'CALLS = "(.*)"', source)
-    assert calls is not None
-    for part in re.split(r"^(?=def )", source, flags=re.MULTILINE):
-        name = re.match(r"def (\w+)", part)
-        if figure in part and name is not None:
-            return name[1] in calls[1].split()
-    return False
-
-
-def values(source: bytes) -> dict[str, list[str]]:
+def values(source: bytes, file: str) -> dict[str, list[str]]:
     """Return the tool's values in the blocks of a source."""
     found: dict[str, list[str]] = {}
-    for placed in read_blocks(source, "c.py"):
+    for placed in read_blocks(source, file):
         block = placed.block
         row = [f"{block.call_sequence.text}", "" if block.next is None else block.next.text]
         for each in block.components:
@@ -587,7 +613,11 @@ def values(source: bytes) -> dict[str, list[str]]:
 
 def run_history(folder: Path, seed: int) -> int:
     """Make one history; return how often the tool stopped."""
-    history = History(folder, seed)
+    return live(History(folder, seed))
+
+
+def live(history: History) -> int:
+    """Branch and bring together at random; return how often the tool stopped."""
     for _ in range(history.chance.randint(1, 3)):
         history.branch()
         history.work()

@@ -20,6 +20,7 @@ from tracerisk.adder.blocks.failures import failures_text, with_renamed
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
+    DONE,
     FAILURES,
     NEXT,
     PROBABILITY,
@@ -138,14 +139,20 @@ class DigestReading:
         self._names = names or {}
         groups = (block.digest or "").split("-")
         self._first, self._groups = groups[0], {group[:_NAME_WIDTH]: group for group in groups[1:]}
-        own = (_digest_now(block, self._names) or "").split("-")
-        shorter = len(self._first) - _WHOLE_WIDTH
+        own = [_digest_now(block, names) for names in (self._names, {})]
         # Each value matches its checksum but the checksum of the whole does not: one matches by
         # chance, so none is believed.
-        self._is_believed = bool(self._first) and not (
-            sorted(own[1:]) == sorted(groups[1:])
-            and own[0][:shorter] == self._first[:shorter]
-            and own[0] != self._first
+        self._is_believed = bool(self._first) and (
+            block.digest in own or not any(self._is_chance(digest) for digest in own)
+        )
+
+    def _is_chance(self, digest: str | None) -> bool:
+        """Return whether a digest has all checksums of values, and another one of the whole."""
+        first, *groups = (digest or "").split("-")
+        shorter = len(self._first) - _WHOLE_WIDTH
+        return (
+            sorted(groups) == sorted(self._groups.values())
+            and first[:shorter] == self._first[:shorter]
         )
 
     @property
@@ -165,7 +172,14 @@ class DigestReading:
         """Return whether the tool wrote this value, of a component or of the function itself."""
         if not self._is_believed:
             return False
-        said = f"{kind.key}={_plain_value(kind.key, self.earlier(kind, value))}"
+        # It may have been written before a function that it names was renamed, or since.
+        return any(
+            self._has(component, kind, _plain_value(kind.key, one))
+            for one in (value, self.earlier(kind, value))
+        )
+
+    def _has(self, component: str | None, kind: FieldKind, text: str) -> bool:
+        said = f"{kind.key}={text}"
         if component is None:
             return _is_at(self._first, 0, _FUNCTION_WIDTHS, kind.key, said)
         named = (
@@ -179,9 +193,23 @@ class DigestReading:
 
     def earlier(self, kind: FieldKind, value: Any) -> Any:
         """Return a value with the earlier names of the functions that it names."""
-        if kind is FAILURES:
-            return with_renamed(value, self._names)
-        return _renamed(value, self._names) if kind is NEXT and self._names else value
+        return value_with_names(kind, value, self._names)
+
+
+def value_with_names(kind: FieldKind, value: Any, names: Mapping[str, str]) -> Any:
+    """Return a value with other names for the functions that it names."""
+    if kind is FAILURES:
+        return with_renamed(value, names)
+    return _renamed(value, names) if kind is NEXT and names else value
+
+
+def functions_named(kind: FieldKind, value: Any) -> frozenset[str]:
+    """Return the functions that a value names: those that follow, after a failure among them."""
+    if kind is NEXT:
+        return frozenset(step.target for step in value if step.target != DONE)
+    outcomes = [outcome for mode in value for outcome in mode.outcomes] if kind is FAILURES else []
+    named = {name for outcome in outcomes for name in (outcome.target, outcome.shows_in)}
+    return frozenset(name for name in named if name)
 
 
 def _is_at(group: str, start: int, widths: Mapping[str, int], key: str, said: str) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import permutations
 from typing import Any, Literal
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
@@ -20,10 +21,18 @@ from tracerisk.adder.blocks.values import (
     FieldKind,
     component_fields,
 )
-from tracerisk.adder.lock.digest import DigestReading, digest_of
+from tracerisk.adder.lock.digest import (
+    DigestReading,
+    digest_of,
+    functions_named,
+    value_with_names,
+)
 from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent
+from tracerisk.adder.merge.bases import NO_EARLIER_NAMES, EarlierNames
 
 Author = Literal["tool", "user", "unknown"]
+
+_MOST_RENAMED = 5  # in one `next`: each way to pair them is tried
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,15 +60,15 @@ class KnownBlock:
         current: RiskBlock,
         bases: Sequence[WrittenBlock],
         evidence: Callable[[], Evidence] = Evidence,
-        names: Mapping[str, str] | None = None,
+        names: EarlierNames = NO_EARLIER_NAMES,
     ) -> None:
-        """`bases` is what the lock holds, latest first; `names` maps new names to earlier ones."""
+        """`bases` is what the lock holds, latest first."""
         self._current = current
         self._bases = bases
-        self._digest = DigestReading(current, names)
+        self._digest = DigestReading(current, names.following)
         self._evidence = evidence
         # In git's versions the block has its current name, or the one it had before a renaming.
-        self._names = frozenset({current.name, (names or {}).get(current.name, current.name)})
+        self._names = frozenset({current.name, names.own.get(current.name, current.name)})
 
     @property
     def is_known(self) -> bool:
@@ -135,7 +144,30 @@ class KnownBlock:
             for block in self._standing(names)
             for field in (_field(block, component, kind),)
         )
+        texts = [_value(block, component, kind) for block in (*self._bases, *self._written(names))]
+        if any(text and self._may_be_renamed(kind, value, kind.read(text)) for text in texts):
+            return "unknown"
         return self._user_or_unknown(stood)
+
+    def _may_be_renamed(self, kind: FieldKind, value: Any, written: Any) -> bool:
+        """Return whether a value may only have new names for functions that it named before.
+
+        Another branch may have renamed them. Two that had blocks in one version are two.
+        """
+        now, before = functions_named(kind, value), functions_named(kind, written)
+        new, old = sorted(now - before), sorted(before - now)
+        if not new or len(new) != len(old) or len(new) > _MOST_RENAMED:
+            return False
+        versions = self._evidence().versions
+        return any(
+            kind.same(value_with_names(kind, value, dict(zip(new, chosen, strict=True))), written)
+            and not any(
+                {one, other} <= names
+                for one, other in zip(new, chosen, strict=True)
+                for names in versions
+            )
+            for chosen in permutations(old)
+        )
 
     def author_of_component(self, component: str, value: float) -> Author:
         """Return who put in a component that neither the digest nor the lock knows."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock
+from tracerisk.adder.lock.lock import Written
 from tracerisk.common.function_ref import QualifiedName
 
 if TYPE_CHECKING:
@@ -17,30 +17,33 @@ SourceEvidence: TypeAlias = "Callable[[str], Evidence]"
 """What is known of a source beyond its blocks and the lock, by the name of its file."""
 
 
-def bases_of(file: str, entry: ControllerLock | None) -> list[Mapping[str, WrittenBlock]]:
-    """Return what was last written into a source, then all else that it may hold.
+class EarlierNames(NamedTuple):
+    """What functions were called when their blocks were written."""
 
-    That is what it held before a write that was cut short, and what other branches had written.
-    """
-    if entry is None:
-        return [{}]
-    return [blocks.get(file, {}) for blocks in entry.all_blocks]
+    own: Mapping[str, str] = {}
+    """The earlier name of each renamed function of one file, by the name that it has now."""
+    following: Mapping[str, str] = {}
+    """The earlier name of a function in what follows another, by the name that it has there now."""
+
+
+NO_EARLIER_NAMES = EarlierNames()
+"""Where no function was renamed."""
 
 
 def merge_with_bases(
     name: QualifiedName,
-    bases: Sequence[Mapping[str, WrittenBlock]],
+    bases: Sequence[Written],
     current: RiskBlock | None,
     computed: RiskBlock | None,
     policy: MergePolicy,
     evidence: Callable[[], Evidence],
-    renamed: Mapping[QualifiedName, QualifiedName],
+    names: EarlierNames,
     steady: Collection[str] = (),
 ) -> Merged:
     """Merge the block of one function; `bases` are those of its file, under the current names."""
     from tracerisk.adder.merge.merge import merge
 
-    base, *others = [fields.get(name) for fields in bases]
+    base, *others = [written.get(name) for written in bases]
     return merge(
         base,
         current,
@@ -48,6 +51,6 @@ def merge_with_bases(
         policy=policy,
         others=[other for other in others if other is not None and other != base],
         evidence=evidence,
-        names={str(new): str(old) for old, new in renamed.items()},
+        names=names,
         steady=steady,
     )

@@ -7,7 +7,7 @@ branch, is refreshed; where it is unknown which of the two it is, it is left alo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -25,6 +25,7 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.adder.merge.authors import Author, Evidence, KnownBlock
+from tracerisk.adder.merge.bases import NO_EARLIER_NAMES, EarlierNames
 from tracerisk.errors import EditInTheWayError, Location
 
 
@@ -139,7 +140,7 @@ def merge(
     policy: MergePolicy,
     others: Sequence[WrittenBlock] = (),
     evidence: Callable[[], Evidence] = Evidence,
-    names: Mapping[str, str] | None = None,
+    names: EarlierNames = NO_EARLIER_NAMES,
     steady: Collection[str] = (),
 ) -> Merged:
     """Return what becomes of a block and which edits of a user were found.

@@ -15,10 +15,10 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.lock.digest import is_as_written
 from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock, as_written, written_block
-from tracerisk.adder.merge.bases import bases_of, merge_with_bases
+from tracerisk.adder.merge.bases import NO_EARLIER_NAMES, merge_with_bases
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import PlacedBlock
-from tracerisk.adder.sources.renames import base_with_names
+from tracerisk.adder.sources.renames import FollowedSource
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import places
 from tracerisk.errors import Location
@@ -39,10 +39,13 @@ class CheckedSource(NamedTuple):
     """The path in messages."""
     source: bytes
     """The content of the file."""
-    placed: tuple[PlacedBlock, ...]
-    """The risk blocks in the file, with their lines."""
-    renamed: Mapping[QualifiedName, QualifiedName]
-    """The new name of each function that was renamed since the lock was written."""
+    followed: FollowedSource
+    """The same under the names that its functions have now, and what was last written into it."""
+
+    @property
+    def placed(self) -> tuple[PlacedBlock, ...]:
+        """The risk blocks in the file, with their lines."""
+        return self.followed.placed
 
 
 def blocks_against_lock(
@@ -53,7 +56,7 @@ def blocks_against_lock(
 ) -> Iterable[CheckFinding]:
     """Yield what the sources do not hold as it was written: blocks renamed, edited, lost, gone."""
     for source in sources:
-        for old, new in source.renamed.items():
+        for old, new in source.followed.renamed.items():
             line = next(b.first_line for b in source.placed if b.function == new)
             yield CheckFinding(
                 "orphaned",
@@ -62,15 +65,14 @@ def blocks_against_lock(
                 old,
             )
         current = {block.function: block for block in source.placed}
-        bases = [base_with_names(base, source.renamed) for base in bases_of(source.file, entry)]
         reported = set()
         for name, placed in current.items():
-            written = bases[0].get(name)
+            written = source.followed.bases[0].get(name)
             lost = () if written is None else tuple(_lost_lines(written, source, placed))
             yield from lost
             if lost:
                 reported.add(name)
-        yield from _edits(bases, source, current, evidence, reported)
+        yield from _edits(source, current, evidence, reported)
         yield from _missing(entry, source, current)
     gone = set(entry.blocks) - {source.file for source in sources}
     for file in sorted(file for file in gone if entry.blocks[file]):
@@ -82,7 +84,6 @@ def blocks_against_lock(
 
 
 def _edits(
-    bases: Sequence[Mapping[str, WrittenBlock]],
     source: CheckedSource,
     current: Mapping[QualifiedName, PlacedBlock],
     evidence: SourceEvidence,
@@ -92,12 +93,13 @@ def _edits(
 
     Of the functions in `reported` it is known already that they are stale.
     """
+    followed = source.followed
     for name, placed in current.items():
-        written = bases[0].get(name)
+        written = followed.bases[0].get(name)
         is_settled = written is not None and (
             is_as_written(placed.block, written)
             # Only the names in it are new; the digest is of the earlier ones.
-            or (bool(source.renamed) and written_block(placed.block) == written)
+            or (followed.names != NO_EARLIER_NAMES and written_block(placed.block) == written)
         )
         if is_settled or placed.block.added:
             continue
@@ -105,12 +107,12 @@ def _edits(
 
         outcome = merge_with_bases(
             name,
-            bases,
+            followed.bases,
             placed.block,
             None if written is None else as_written(name, written),
             MergePolicy(),
             lambda: evidence(source.file),
-            source.renamed,
+            followed.names,
         )
         place = Location(source.shown, placed.first_line)
         for edit in outcome.edits:
@@ -178,7 +180,7 @@ def _is_computed_as_written(kind: FieldKind, field: Field[Any], was: str) -> boo
 def _missing(
     entry: ControllerLock, source: CheckedSource, current: Mapping[QualifiedName, PlacedBlock]
 ) -> Iterable[CheckFinding]:
-    written = set(entry.blocks.get(source.file, {})) - set(source.renamed)
+    written = set(entry.blocks.get(source.file, {})) - set(source.followed.renamed)
     lost = sorted(written - set(current))
     if not lost:
         return

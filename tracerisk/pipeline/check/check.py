@@ -14,10 +14,8 @@ from tracerisk.adder.blocks.values import component_fields, has_pins
 from tracerisk.adder.lock.digest import is_as_written
 from tracerisk.adder.lock.kept import as_computed
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
-from tracerisk.adder.merge.bases import bases_of
 from tracerisk.adder.sources.placed import PlacedBlock
-from tracerisk.adder.sources.read import read_blocks
-from tracerisk.adder.sources.renames import base_with_names, follow_renames
+from tracerisk.adder.sources.renames import follow_renames, followed_sources
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.verdict import Verdict
@@ -39,7 +37,12 @@ from tracerisk.pipeline.freshness.freshness import (
     stale_reasons,
     values_reasons,
 )
-from tracerisk.pipeline.freshness.known_controllers import is_gone, moved_from, with_moved
+from tracerisk.pipeline.freshness.known_controllers import (
+    is_gone,
+    moved_from,
+    sources_with_blocks,
+    with_moved,
+)
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap, kept_evidence
 from tracerisk.pipeline.freshness.who_wrote import evidence_for
@@ -99,7 +102,7 @@ def check_loaded(controller: Controller, limits: CoverageLimits = _NO_LIMITS) ->
     was = moved_from(lock, controller)
     entry = with_moved(lock, controller).controllers.get(controller.file)
     if entry is None:
-        blocks = read_blocks(controller.source, str(controller.path))
+        blocks = follow_renames(controller.source, str(controller.path), ()).placed
         check_steps(controller, [(placed.block, {}) for placed in blocks], (), before_run=False)
         number = "risk block" if len(blocks) == 1 else f"{len(blocks)} risk blocks"
         finding = CheckFinding("unknown", f"{LOCK_NAME} knows nothing of its {number}", place)
@@ -192,24 +195,16 @@ def given_options(recorded: RunInputs, controller: Controller) -> dict[str, obje
 
 
 def _sources(controller: Controller, entry: ControllerLock) -> list[CheckedSource]:
-    sources = []
-    for file in (controller.file, *sorted(set(entry.blocks) - {controller.file})):
-        if file != controller.file and not controller.path_of(file).is_file():
-            continue
-        source, shown = controller.source_of(file), str(controller.path_of(file))
-        known = {QualifiedName(name) for base in bases_of(file, entry) for name in base}
-        followed = follow_renames(source, shown, known)
-        sources.append(CheckedSource(file, shown, source, followed.placed, followed.renamed))
-    return sources
+    sources, shown = sources_with_blocks(controller, entry)
+    followed = followed_sources(sources, entry, shown)
+    return [CheckedSource(file, shown[file], sources[file], one) for file, one in followed.items()]
 
 
 def _check_steps(
     controller: Controller, entry: ControllerLock, sources: Sequence[CheckedSource]
 ) -> None:
     placed = [
-        (block.block, base_with_names(entry.blocks.get(source.file, {}), source.renamed))
-        for source in sources
-        for block in source.placed
+        (block.block, source.followed.bases[0]) for source in sources for block in source.placed
     ]
     others = {name for base in entry.blocks.values() for name in base}
     check_steps(controller, placed, others, before_run=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -19,17 +19,15 @@ from tracerisk.adder.blocks.values import (
     FieldKind,
     component_fields,
 )
-from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, WrittenBlock, lock_key
-from tracerisk.adder.merge.bases import bases_of
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, WrittenBlock, lock_key
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
-from tracerisk.adder.sources.renames import base_with_names, follow_renames
-from tracerisk.common.function_ref import QualifiedName
+from tracerisk.adder.sources.renames import followed_sources
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.known_controllers import locks_in
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.project import Project, Projects
+from tracerisk.pipeline.workspace.project import Projects
 
 
 def overrides_in(
@@ -74,28 +72,25 @@ def files_of_locks(root: Path) -> tuple[Path, ...]:
 def _of_file(path: Path, content: bytes | None, projects: Projects) -> Iterator[Override]:
     with readable(path):
         source = path.read_bytes() if content is None else content
-    bases = _bases(path, projects.of(path))
-    if is_c_like(path.name) and not bases:
+    project = projects.of(path)
+    key, shown = lock_key(path, project.root), str(path)
+    entry = _last_writer(key, project.lock)
+    if is_c_like(path.name) and entry is None:
         for block in read_c_blocks(source, str(path)):
             yield from _of_block(block, None, str(path))
         return
-    known = {QualifiedName(name) for base in bases for name in base}
-    followed = follow_renames(source, str(path), known)
-    base = base_with_names(bases[0] if bases else {}, followed.renamed)
+    followed = followed_sources({key: source}, entry, {key: shown})[key]
     for placed in followed.placed:
-        yield from _of_block(placed.block, base.get(placed.function), str(path))
+        yield from _of_block(placed.block, followed.bases[0].get(placed.function), shown)
     if not is_c_like(path.name):
         for block in read_plain_blocks(source, str(path)):
             yield from _of_block(block, None, str(path))
 
 
-def _bases(path: Path, project: Project) -> list[Mapping[str, WrittenBlock]]:
-    """Return what the lock says was last written into a file, by whichever controller."""
-    lock, key = project.lock, lock_key(path, project.root)
-    users: Iterable[ControllerLock] = (
-        entry for entry in lock.controllers.values() if key in entry.blocks
-    )
-    return [base for entry in users for base in bases_of(key, entry) if base]
+def _last_writer(file: str, lock: Lock) -> ControllerLock | None:
+    """Return what the lock says of the controller that has blocks in a file; `None` for none."""
+    users = (entry for entry in lock.controllers.values() if file in entry.blocks)
+    return next((entry for entry in users if any(b.get(file) for b in entry.all_blocks)), None)
 
 
 def _of_block(block: RiskBlock, base: WrittenBlock | None, file: str) -> Iterator[Override]:

@@ -10,8 +10,10 @@ from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
-from tracerisk.adder.lock.lock import LOCK_NAME, Lock, LockError, lock_key
+from tracerisk.adder.lock.digest import digest_of
+from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, LockError, lock_key
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.instrument.source.language import is_c
@@ -247,7 +249,7 @@ def with_moved(lock: Lock, controller: Controller) -> Lock:
     """Return the lock with what it knows of a controller under the name that this has now.
 
     A controller that the lock does not know is a renamed one where exactly one that it knows is
-    gone that had blocks in the same functions of its file.
+    gone whose blocks stand in its file, or more of them than of any other.
     """
     key = controller.file
     old = moved_from(lock, controller)
@@ -278,15 +280,38 @@ def moved_from(lock: Lock, controller: Controller) -> str | None:
     if controller.file in lock.controllers or not lock.controllers:
         return None
     gone = {
-        key: set(entry.blocks.get(key, ()))
+        key: entry.blocks.get(key, {})
         for key, entry in lock.controllers.items()
         if not (controller.root / key).is_file()
     }
     if not gone:
         return None
-    blocks = {placed.block.name for placed in read_blocks(controller.source, str(controller.path))}
-    keys = [key for key, names in gone.items() if names and names <= blocks]
-    return keys[0] if len(keys) == 1 else None
+    followed = follow_renames(controller.source, str(controller.path), ())
+    digests = {placed.block.digest for placed in followed.placed}
+    names = {placed.block.name for placed in followed.placed} | set(followed.renamed)
+    fits = []
+    for key, written in gone.items():
+        known = [name for name, block in written.items() if digest_of(block) in digests]
+        if known or (written and names.issuperset(written)):
+            fits.append((len(known), key))
+    best = [key for count, key in fits if count == max(fits)[0]]
+    return best[0] if len(best) == 1 else None
+
+
+def sources_with_blocks(
+    controller: Controller, entry: ControllerLock | None
+) -> tuple[dict[str, bytes], dict[str, str]]:
+    """Return what each file of a controller holds that has or had blocks, and its path in messages.
+
+    The script comes first; files that are gone are left out.
+    """
+    known = {} if entry is None else entry.blocks
+    files = [controller.file, *sorted(set(known) - {controller.file})]
+    files = [
+        file for file in files if file == controller.file or controller.path_of(file).is_file()
+    ]
+    shown = {file: str(controller.path_of(file)) for file in files}
+    return {file: controller.source_of(file) for file in files}, shown
 
 
 def without_controllers(files: Sequence[Path | str], projects: Projects) -> tuple[str, ...]:

@@ -13,12 +13,11 @@ from tracerisk.adder.blocks.values import DONE
 from tracerisk.adder.lock.lock import Written, lock_key
 from tracerisk.adder.merge.hand_edits import check_targets, is_next_by_hand
 from tracerisk.adder.sources.functions import functions_in
-from tracerisk.adder.sources.renames import base_with_names, follow_renames
-from tracerisk.common.function_ref import QualifiedName
+from tracerisk.adder.sources.renames import followed_sources
 from tracerisk.config import Settings
 from tracerisk.errors import SettingsError, TraceRiskError, one_of
 from tracerisk.instrument.source.function_definitions import MODULE
-from tracerisk.pipeline.freshness.known_controllers import with_moved
+from tracerisk.pipeline.freshness.known_controllers import sources_with_blocks, with_moved
 from tracerisk.pipeline.workspace.controller import Controller
 
 if TYPE_CHECKING:
@@ -147,16 +146,9 @@ def check_blocks(controller: Controller) -> None:
     """
     lock = with_moved(controller.project.lock, controller)
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
-    written = {} if entry is None else dict(entry.blocks)
-    written_components = []
-    for file in (controller.file, *sorted(set(written) - {controller.file})):
-        if file == controller.file or controller.path_of(file).is_file():
-            base = written.get(file, {})
-            known = {QualifiedName(name) for name in base}
-            shown = str(controller.path_of(file))
-            followed = follow_renames(controller.source_of(file), shown, known)
-            base = base_with_names(base, followed.renamed)
-            written_components += [(placed.block, base) for placed in followed.placed]
-    others = {name for base in written.values() for name in base}
-    check_steps(controller, written_components, others, before_run=True)
+    sources, shown = sources_with_blocks(controller, entry)
+    followed = followed_sources(sources, entry, shown)
+    placed = [(block.block, one.bases[0]) for one in followed.values() for block in one.placed]
+    others = {name for base in ({} if entry is None else entry.blocks).values() for name in base}
+    check_steps(controller, placed, others, before_run=True)
     check_named_functions(controller, controller.settings)

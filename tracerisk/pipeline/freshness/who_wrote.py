@@ -5,16 +5,17 @@ It is asked only where a block's digest and the lock do not know a value: git ta
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE
 from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import ControllerLock
-from tracerisk.adder.sources.renames import base_with_names, follow_renames
-from tracerisk.common.function_ref import QualifiedName
+from tracerisk.adder.sources.renames import FollowedSource, followed_sources
 from tracerisk.config import Settings
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
+from tracerisk.pipeline.freshness.known_controllers import sources_with_blocks
 from tracerisk.pipeline.workspace.controller import Controller
 
 if TYPE_CHECKING:
@@ -36,31 +37,43 @@ def evidence_for(
         return not (reasons or values_reasons(recorded, controller, settings))
 
     @cache
+    def of_controller() -> Mapping[str, FollowedSource]:
+        sources, shown = sources_with_blocks(controller, entry)
+        return followed_sources(sources, entry, shown)
+
+    @cache
     def of_file(file: str) -> Evidence:
         # Imported here: of most blocks nobody has to ask git.
         from tracerisk.adder.merge.authors import Evidence
         from tracerisk.pipeline.history.kept_by_git import kept_by_git
 
         kept = kept_by_git(controller.root.resolve(), file)
-        is_of_one = is_fresh() and _is_as_locked(controller, entry, file)
-        return Evidence(is_of_one, kept.is_complete, kept.written, kept.standing, kept.versions)
+        followed = of_controller()
+        is_of_one = is_fresh() and (file not in followed or _is_as_locked(followed[file]))
+        versions = {*kept.versions, *_versions_here(entry, followed)}
+        return Evidence(is_of_one, kept.is_complete, kept.written, kept.standing, versions)
 
     return of_file
 
 
-def _is_as_locked(controller: Controller, entry: ControllerLock | None, file: str) -> bool:
+def _versions_here(
+    entry: ControllerLock | None, followed: Mapping[str, FollowedSource]
+) -> Iterable[frozenset[str]]:
+    """Yield the functions with a block in the sources, and in what the lock says was written."""
+    yield frozenset(str(block.function) for one in followed.values() for block in one.placed)
+    # Lines that a merge has mixed may name a function twice, as it was and as it is.
+    for blocks in () if entry is None or entry.is_mixed else entry.all_blocks:
+        yield frozenset(name for written in blocks.values() for name in written)
+
+
+def _is_as_locked(followed: FollowedSource) -> bool:
     """Return whether every block of a file was last written as the lock says.
 
     Where one was written otherwise, another branch has come into the file. So it has where more
     than one rank is another: a function that is new on a branch moves all that come after it.
     """
-    last = {} if entry is None else entry.blocks.get(file, {})
-    names = [QualifiedName(name) for name in last]
-    row = follow_renames(controller.source_of(file), str(controller.path_of(file)), names)
-    written = base_with_names(last, row.renamed)
-    blocks = [
-        placed_block.block for placed_block in row.placed if placed_block.block.name in written
-    ]
+    written = followed.bases[0]
+    blocks = [placed.block for placed in followed.placed if placed.block.name in written]
     moved = 0
     for block in blocks:
         base = written[block.name]
