@@ -111,6 +111,16 @@ def test_it_stands_at_the_top_of_the_body_or_above_a_body_of_one_line(name, befo
     assert not lines[0].startswith(" " * (indent + 1))
 
 
+@pytest.mark.parametrize("between", ["\n\n", "// a word\n", "\n/* a\n word */\n\n// b\n"])
+def test_blank_lines_and_comments_may_follow_a_block_above_a_function(between):
+    source = "int a;\nvoid f() { go(); }\n"
+    annotated = insert_blocks(source.encode(), blocks(["f"]), "a.cpp")
+    apart = annotated.replace(b" ***/\n", f" ***/\n{between}".encode())
+    assert [each.function for each in read_blocks(apart, "a.cpp")] == ["f"]
+    assert insert_blocks(apart, blocks(["f"]), "a.cpp") == apart
+    assert strip_blocks(apart, "a.cpp").decode() == source.replace("void", f"{between}void")
+
+
 def test_its_form_is_the_published_one():
     _, lines, _ = lines_with("main")
     assert lines == [

@@ -150,6 +150,14 @@ def test_a_block_is_replaced_and_others_are_left_as_a_person_spaced_them() -> No
     assert after == source.replace(b"callSequence = 1", b"callSequence = 7", 1)
 
 
+@pytest.mark.parametrize("between", ["\n\n", "\n# a word\n\n", "@a\n\n@b\n"])
+def test_a_block_apart_from_its_function_on_one_line_stays_where_it_is(between) -> None:
+    source = expand(f"import os\n<block>\n{between}def f(): pass\n", "f").encode()
+    after = insert_blocks(source, {"f": short_block("f", 7)}, "c.py")
+    assert after == source.replace(b"callSequence = 1", b"callSequence = 7", 1)
+    assert strip_blocks(after, "c.py").decode() == f"import os\n{between}def f(): pass\n"
+
+
 def test_every_function_of_a_file_may_take_a_block_at_once() -> None:
     source = b"def f():\n    def g(): pass\n    def f(): pass\ndef f(): pass\n"
     sites = [("f", 1), ("f.<locals>.g", 2), ("f.<locals>.f", 3), ("f", 4), ("<module>", 1)]

@@ -29,6 +29,39 @@ READABLE = {
         [("f", 4, "body", 5, 9)],
     ),
     "a one-line function": (f"{block('f', '')}def f(): pass\n", [("f", 6, "above", 1, 5)]),
+    "blank lines below a block above a function": (
+        f"import os\n\n{block('f', '')}\n\ndef f(): pass\n",
+        [("f", 10, "above", 3, 7)],
+    ),
+    "a comment below a block above a function": (
+        f"import os\n{block('f', '')}\n# a word\n\ndef f(): pass\n",
+        [("f", 10, "above", 2, 6)],
+    ),
+    "decorators below a block above a function": (
+        f"import os\n{block('f', '')}\n@a(\n    1\n)\n# b\n\n@c\ndef f(): pass\n",
+        [("f", 14, "above", 2, 6)],
+    ),
+    "a block between decorators and blank lines": (
+        f"import os\n@a\n{block('f', '')}\n\n@b\n\ndef f(): pass\n",
+        [("f", 12, "above", 3, 7)],
+    ),
+    "blank lines below blocks in the body of a class": (
+        f"class A:\n    x = 1\n{block('A.f')}\n    def f(self): pass\n{block('A.g')}\n\n"
+        "    # a word\n    async def g(self): pass\n",
+        [("A.f", 9, "above", 3, 7), ("A.g", 18, "above", 10, 14)],
+    ),
+    "a block whose function a formatter has spread over lines": (
+        f"import os\n{block('f', '')}\n\ndef f():\n    pass\n",
+        [("f", 9, "above", 2, 6)],
+    ),
+    "blank lines below the block of a function that begins with another": (
+        f"def f():\n{block('f')}\n    def g(): pass\n",
+        [("f", 1, "body", 2, 6)],
+    ),
+    "a string before a function": (
+        f'x = """\n{block("f", "")}# | """\n\n\ndef f(): pass\n',
+        [],
+    ),
     "a function and the one-line function it begins with": (
         f"def f():\n{block('f')}{block('f.<locals>.g')}    def g(): pass\n",
         [("f", 1, "body", 2, 6), ("f.<locals>.g", 12, "above", 7, 11)],
@@ -96,6 +129,16 @@ REFUSED = {
         f"def f():\n    'doc'\n{block('f')}    pass\n",
         BlockError,
         "c.py:3: a risk block stands where no function begins",
+    ),
+    "a block whose function is gone": (
+        f"import os\n{block('f', '')}\n\ndef g():\n    pass\n",
+        BlockError,
+        "c.py:2: a risk block stands where no function begins",
+    ),
+    "a block apart from its function": (
+        f"import os\n{block('f', '')}\nx = 1\ndef f(): pass\n",
+        BlockError,
+        "c.py:2: a risk block stands where no function begins",
     ),
     "a comment between two parts": (
         f"def f():\n{block('f')}    # a word\n    # | @Component {{\n    # | }}\n    pass\n",

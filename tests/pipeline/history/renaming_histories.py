@@ -337,7 +337,8 @@ class RenamingHistory(History):
                     assert not entry.added or entry.probability.text in typed, self.notes
                     pinned = entry.probability.pinned
                     assert not pinned or entry.probability.text in typed, self.notes
-                    assert not (entry.quantity.pinned or entry.redundancy.pinned), self.notes
+                    assert not entry.quantity.pinned, self.notes
+                    assert not entry.redundancy.pinned, self.notes
 
 
 class CppHistory(RenamingHistory):

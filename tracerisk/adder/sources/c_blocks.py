@@ -39,7 +39,7 @@ from tracerisk.common.instance_name import is_name_at
 from tracerisk.config import BlockForm
 from tracerisk.errors import BlockError, InputError, Location, UnsafeRewriteError
 
-_BLANK = re.compile(rb"\s*")
+_BLANK_OR_COMMENT = re.compile(rb"(?:\s|//[^\n]*\n|/\*.*?\*/)*", re.DOTALL)
 
 
 def scan_c_blocks(source: bytes, file: str) -> tuple[PlacedBlock, ...]:
@@ -187,7 +187,7 @@ def _owners(parsed: CSource, comment: CComment) -> list[CFunction]:
     """Return the functions that a comment may describe: the one around it, and the one below it."""
     around = parsed.innermost(comment.start)
     c_functions = [] if around is None else [around]
-    below = _BLANK.match(parsed.source, comment.end)
+    below = _BLANK_OR_COMMENT.match(parsed.source, comment.end)
     assert below is not None
     return [
         *c_functions,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.grammar import HEADER_LINE, parse_block
@@ -45,6 +45,8 @@ class _Owner(NamedTuple):
     """The line of its `def`; of the first statement for module-level code."""
     place: Place
     """Where the block stands, seen from the function."""
+    is_certain: bool = True
+    """Whether the block is of this function whatever it says; else by the function's name in it."""
 
 
 class _Run(NamedTuple):
@@ -167,7 +169,6 @@ class _OwnerFinder:
     def __init__(self, source: PythonSource) -> None:
         self._source = source
         self._definitions = tuple(definitions(source.tree))
-        self._above: Mapping[int, Definition] = {d.line: d for d in self._definitions}
 
     def owners(self, run: _Run) -> tuple[_Owner, ...]:
         owners: list[_Owner] = []
@@ -179,10 +180,32 @@ class _OwnerFinder:
         module = self._module(run)
         if module is not None:
             owners.append(module)
-        below = self._above.get(run.last + 1)
+        below = self._below(run)
         if below is not None:
-            owners.append(_Owner(below.name, below.line, "above"))
+            is_on_one_line = below.line == below.body_line
+            is_within = any(owner.place == "body" for owner in owners)
+            is_certain = below.line == run.last + 1 or (is_on_one_line and not is_within)
+            owners.append(_Owner(below.name, below.line, "above", is_certain))
         return tuple(owners)
+
+    def _below(self, run: _Run) -> Definition | None:
+        """Return the function before whose `def` only blank lines and comments are, or decorators.
+
+        Formatters put blank lines between a block above a function and its `def`.
+        """
+        below = [one for one in self._definitions if one.line > run.last]
+        if not below:
+            return None
+        nearest = min(below, key=lambda one: one.line)
+        if nearest.line == run.last + 1:
+            return nearest
+        is_apart = any(map(self._is_code, range(run.last + 1, nearest.first_line)))
+        # Text in a string may look like a block too.
+        return None if is_apart or run.first not in comment_lines(self._source) else nearest
+
+    def _is_code(self, number: int) -> bool:
+        line = _bare(self._source.lines[number - 1]).lstrip(b" \t\f")
+        return bool(line) and not line.startswith(b"#")
 
     def _module(self, run: _Run) -> _Owner | None:
         body = self._source.tree.body
@@ -208,7 +231,9 @@ def _placed(source: PythonSource, run: _Run, owners: tuple[_Owner, ...]) -> Iter
         name = QualifiedName(normal_name(block.name))
         named = [owner for owner in owners if is_name_at(name, owner.name)]
         if not named:
-            functions = (owner.name for owner in owners)
+            functions = [owner.name for owner in owners if owner.is_certain]
+            if not any(owner.is_certain for owner in owners):
+                _forbid_strays(source, [start])
             raise MisplacedBlockError(block, name, functions, Location(source.file, start))
         owner = named[0]
         yield PlacedBlock(block, name, owner.line, owner.place, start, after - 1)
