@@ -18,6 +18,7 @@ from tracerisk.adder.annotate import (
     annotate_sources,
 )
 from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
+from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import LOCK_NAME, Behind, ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.merge.steady import is_same_run
@@ -243,7 +244,27 @@ def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     for blocks in entry.all_blocks if entry is not None else ():
         files |= {file for file in blocks if blocks[file] and controller.path_of(file).is_file()}
+    if entry is not None:
+        of_others = {
+            file
+            for key, other in lock.controllers.items()
+            if key != controller.file
+            for file, held in other.blocks.items()
+            if held
+        }
+        moved_to = set(trace.files) - files - of_others
+        files |= {file for file in moved_to if _has_block_of(entry, controller.source_of(file))}
     return (controller.file, *sorted(files - {controller.file}))
+
+
+def _has_block_of(entry: ControllerLock, source: bytes) -> bool:
+    """Return whether a source has a block of this controller, as of a function that moved there."""
+    return b"RiskAnnotation" in source and any(
+        digest_of(block).encode() in source
+        for blocks in entry.all_blocks
+        for written in blocks.values()
+        for block in written.values()
+    )
 
 
 def _source_blocks(

@@ -16,7 +16,6 @@ from typing import NamedTuple
 from tests.pipeline.history.merge_histories import COMPONENTS, History, live
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.c_source import parse_c
-from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.common.trace_log import read_log
 from tracerisk.errors import TraceRiskError
@@ -324,7 +323,7 @@ class RenamingHistory(History):
     def invents_nothing(self) -> None:
         typed = self.typed.pins | self.typed.edits
         for file in self.files():
-            for placed in read_blocks(self.read(file).encode(), file):
+            for placed in follow_renames(self.read(file).encode(), file, ()).placed:
                 block = placed.block
                 assert not block.added, self.notes
                 assert not block.call_sequence.pinned, self.notes
