@@ -3,6 +3,7 @@
 import pytest
 
 from tests.pipeline.history.merge_histories import run_history
+from tests.pipeline.history.renaming_histories import run_renaming_history
 
 
 def test_a_history(tmp_path) -> None:
@@ -14,3 +15,9 @@ def test_a_history(tmp_path) -> None:
 @pytest.mark.parametrize("seed", range(204))
 def test_two_hundred_histories(seed: int, tmp_path) -> None:
     run_history(tmp_path / "r", seed)
+
+
+@pytest.mark.parametrize("language", ["python", "cpp"])
+@pytest.mark.parametrize("seed", [5, *(pytest.param(s, marks=pytest.mark.slow) for s in range(50))])
+def test_histories_with_renamed_functions_and_files(seed: int, language: str, tmp_path) -> None:
+    run_renaming_history(tmp_path / "r", seed, language)

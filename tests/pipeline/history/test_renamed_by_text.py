@@ -5,8 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.pipeline.history.renaming_histories import CppHistory, RenamingHistory
+from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.cli import main
+from tracerisk.errors import EditInTheWayError
 from tracerisk.pipeline.check.check import check_controller
+from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
 
 HARDWARE = """\
@@ -130,3 +134,62 @@ def test_function_and_file_are_renamed_together(cell, capsys):
     assert cell.annotate("rest place rest leave", active=renamed(home="rest")) == 0
     assert pinned in cell.read()
     assert cell.findings() == []
+
+
+@pytest.fixture(params=["python", "cpp"])
+def history(request, tmp_path) -> RenamingHistory:
+    kind = RenamingHistory if request.param == "python" else CppHistory
+    return kind(tmp_path / "r", seed=1)
+
+
+def moved(history: RenamingHistory, name: str, new_name: str) -> str:
+    """Move a function to a file of its own, and replace its name in all files."""
+    part = next(part for part in history.parts() if part.name == name)
+    lines = history.lines_of(part)
+    history.put(part, [])
+    file = f"arm{Path(part.file).suffix}"
+    (history.folder / file).write_text("".join(lines))
+    for each in history.files():
+        history.write(each, re.sub(rf"\b{name}\b", new_name, history.read(each)))
+    return file
+
+
+def test_a_function_that_moved_under_another_name_leaves_no_edit(history):
+    file = moved(history, "home", "rest")
+    history.call(["leave", *history.calls()])
+    assert history.annotated(MergePolicy("accept")).is_changed
+    history.refresh()
+    assert ":=" not in history.text()
+    assert history.stops == 0
+    assert "name = rest" in history.read(file)
+
+
+def test_a_pinned_value_of_a_function_that_moved_and_is_called_no_more_stays(history):
+    part = next(part for part in history.parts() if part.name == "home")
+    lines = history.lines_of(part)
+    at = next(number for number, line in enumerate(lines) if "probability = " in line)
+    lines[at] = re.sub(r"= .*", ":= 2e-07  ! FMEA-112", lines[at])
+    history.typed.pins.add("2e-07")
+    history.put(part, lines)
+    history.refresh()
+    file = moved(history, "home", "rest")
+    history.call([name for name in history.calls() if name != "rest"])
+    history.refresh()
+    assert "probability := 2e-07  ! computed none; FMEA-112\n" in history.read(file)
+    # The lock knows the file from now on.
+    entry = load_controller(history.folder / history.script).project.lock.controllers
+    assert set(entry[history.script].blocks) == {history.script, file}
+
+
+def test_where_another_branch_may_have_renamed_what_follows_nobody_is_named(history):
+    """The lock and the digests are lost: git alone knows the earlier names."""
+    history.commit()
+    text = re.sub(r"(RiskAnnotation) \S+", r"\1", history.read())
+    history.write(history.script, re.sub(r"\bhome\b", "rest", text))
+    (history.folder / "tracerisk.lock").unlink()
+    place = history.calls()[1]
+    history.call(["rest", place, "leave"])
+    with pytest.raises(EditInTheWayError) as caught:
+        history.annotated(MergePolicy("accept"))
+    doubtful = str(caught.value).partition("it is unknown who wrote these values")[2]
+    assert ".next is rest 1" in doubtful
