@@ -1,4 +1,4 @@
-"""Live through random histories of branches, and compare each refresh with what persons typed.
+"""Live through random histories of branches, and compare each refresh with what users typed.
 
 A history is a git repository with a controller whose functions, classes and files are renamed,
 moved, put into another order and reformatted on several branches, which are merged, rebased,
