@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, get_args
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.verdict import Acceptance
 from tracerisk.errors import InputError, Location, SettingsError, one_of
 
@@ -314,7 +315,7 @@ def loads_toml(text: str) -> dict[str, Any]:
 
 def _text(path: Path, errors: str = "strict") -> str:
     try:
-        text = path.read_bytes().removeprefix(_BYTE_ORDER_MARK).decode("utf-8", errors)
+        text = file_bytes(path).removeprefix(_BYTE_ORDER_MARK).decode("utf-8", errors)
         return text.replace("\r\n", "\n")
     except OSError as error:
         raise SettingsError(f"cannot be read: {error.strerror}", Location(str(path))) from error

@@ -11,7 +11,17 @@ from importlib import import_module
 
 from tracerisk.cli.shared.output import note, place_data, print_json, scenario_advice
 from tracerisk.cli.verbs import module_of
-from tracerisk.errors import ExitCode, TraceRiskError, disk_full, interruption
+from tracerisk.common.text.bounded import NoFileError
+from tracerisk.common.text.printable import escaped, printable
+from tracerisk.errors import (
+    ExitCode,
+    InputError,
+    Location,
+    MachineError,
+    TraceRiskError,
+    disk_full,
+    interruption,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -52,8 +62,15 @@ def _known(error: Exception, verb: str) -> TraceRiskError | None:
         from tracerisk.common.dependencies import error_of
 
         return error_of(error, f"`tracerisk {verb}`")
+    if isinstance(error, NoFileError):
+        return InputError(f"cannot be read: {error.strerror}", Location(str(error.filename)))
     if isinstance(error, OSError) and error.errno == errno.ENOSPC:
         return disk_full(str(error.filename or "the temporary files"))
+    if isinstance(error, OSError) and error.errno == errno.EFBIG:
+        return MachineError(
+            "a file may not grow as large here as the command needs it; raise the limit with "
+            "`ulimit -f unlimited`, and run the same command again"
+        )
     return None
 
 
@@ -66,7 +83,7 @@ def _one_line(
 ) -> str:
     """Print our own warnings as everything else that we say."""
     if category.__module__.partition(".")[0] == "tracerisk":
-        return f"tracerisk: warning: {message}\n"
+        return f"{printable(f'tracerisk: warning: {message}')}\n"
     return _format(message, category, filename, lineno, line)
 
 
@@ -85,7 +102,7 @@ def _internal_error() -> int:
     from tracerisk.cli.shared.error_log import write_error_log
 
     lines = traceback.format_exc()
-    sys.stderr.write(lines)
+    sys.stderr.write(escaped(lines))
     log = write_error_log(lines)
     what = "the lines above" if log is None else f"the file {log}"
     note(f"tracerisk: this is an internal error of tracerisk; please report it with {what}")

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from tracerisk.common.text.plain_data import MismatchError, read_plain
+from tracerisk.common.text.printable import printable_json
 from tracerisk.errors import Location, LogError, one_of
 from tracerisk.trace import Trace
 
@@ -27,7 +28,7 @@ def dumps(trace: Trace, *, indent: int | None = 1) -> str:
     text = json.dumps(
         trace_data(trace), indent=indent, sort_keys=True, ensure_ascii=False, allow_nan=False
     )
-    return text + "\n"
+    return printable_json(text) + "\n"
 
 
 def loads(text: str, file: str) -> Trace:

@@ -18,6 +18,7 @@ from urllib.parse import unquote, urlsplit
 
 from tracerisk.adder.lock.lock import lock_key
 from tracerisk.common.evidence.advice import Advice, advice_of
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.verdict import Verdict
 from tracerisk.editor.figures import ControllerFigures, figures_of
 from tracerisk.editor.lines import Lines
@@ -140,7 +141,7 @@ class Session:
         if document is not None:
             return document.lines
         try:
-            text = path.read_bytes().decode("utf-8", "replace")
+            text = file_bytes(path).decode("utf-8", "replace")
         except OSError:
             text = ""
         return Lines(text, self.encoding)
@@ -223,7 +224,7 @@ class Session:
 def _is_saved(document: Document) -> bool:
     assert document.path is not None
     try:
-        return document.path.read_bytes() == document.source
+        return file_bytes(document.path) == document.source
     except OSError:
         return False
 
@@ -245,7 +246,7 @@ def _encoded(text: str, path: Path | None) -> bytes:
     kept = b""
     if path is not None:
         try:
-            kept = path.read_bytes()
+            kept = file_bytes(path)
         except OSError:
             kept = b""
     source = text.encode("utf-8", "surrogatepass")

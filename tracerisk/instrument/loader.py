@@ -10,6 +10,7 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType, MappingProxyType, ModuleType
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.hidden_frames import hidden_frames, hide
@@ -38,7 +39,7 @@ def compile_file(
         UnsafeRewriteError: it cannot be instrumented safely.
     """
     try:
-        source = path.read_bytes()
+        source = file_bytes(path)
     except OSError as error:
         raise InputError(
             f"the controller cannot be read: {error.strerror}; name a Python file",

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
-from tracerisk.common.text.bounded import loads_json
+from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes, loads_json
 from tracerisk.errors import Location, LogError, one_of
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.source.python_source import FunctionSite
@@ -117,7 +117,7 @@ def read_recording(path: Path | str) -> Recording:
         LogError: the file cannot be read, or another line is not an event.
     """
     try:
-        content = Path(path).read_bytes()
+        content = file_bytes(path, MOST_OF_A_RUN)
     except OSError as error:
         raise LogError(
             f"the recording cannot be read: {error.strerror}", Location(str(path))

@@ -30,6 +30,7 @@ from tracerisk.common.dependencies import require_simulator
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.outcome.tolerances import Tolerances
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.text.digests import short_digest
 from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
 from tracerisk.config import BlockForm, Settings
@@ -107,7 +108,7 @@ class Annotated:
         left = tuple(
             source
             for source in change.sources
-            if (self.lock_path.parent / source.file).read_bytes() != source.after
+            if file_bytes(self.lock_path.parent / source.file) != source.after
         )
         return Changed(
             left,

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from tracerisk.common.text.paper import PAPER, Paper
+from tracerisk.common.text.printable import without_controls
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -161,7 +162,7 @@ def table_of(
     from rich.text import Text
 
     table = Table(
-        title=Text(title, style=style, overflow="fold"),
+        title=Text(without_controls(title), style=style, overflow="fold"),
         title_justify="left",
         box=box.SIMPLE_HEAD,
         show_edge=False,
@@ -188,10 +189,10 @@ def part_of(title: str, shown: int, count: int) -> str:
 
 
 def plain(cells: Sequence[str]) -> list[RenderableType]:
-    """Keep names with brackets from being read as markup."""
+    """Keep names from being read as markup, and controls in them from reaching the terminal."""
     from rich.text import Text
 
-    return [Text(cell) for cell in cells]
+    return [Text(without_controls(cell)) for cell in cells]
 
 
 def add_share_columns(table: Table, width: int, *, heading: str = "share") -> None:
@@ -223,7 +224,7 @@ def filled(text: str, width: int, margin: str = "", *, breaks_words: bool = Fals
     """
     import textwrap
 
-    joined = _UNIT.sub("\N{NO-BREAK SPACE}", text)
+    joined = _UNIT.sub("\N{NO-BREAK SPACE}", without_controls(text))
     lines = textwrap.fill(
         joined,
         width,

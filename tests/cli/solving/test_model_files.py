@@ -677,7 +677,7 @@ def test_a_pipe_and_a_file_without_an_end_are_refused(tmp_path, capsys, monkeypa
     os.mkfifo(tmp_path / "pipe")
     assert main(["solve", str(tmp_path / "pipe")]) == 2
     assert "pipe: is a pipe, which is read only once; save it to a file" in capsys.readouterr().err
-    monkeypatch.setattr("tracerisk.cli.shared.sources.MOST_BYTES", 2**20)
+    monkeypatch.setattr("tracerisk.cli.shared.sources.MOST_WRITTEN", 2**20)
     (tmp_path / "large.tra").write_bytes(b" " * (2**20 + 1))
     for name in ("/dev/zero", str(tmp_path / "large.tra")):
         assert main(["solve", name]) == 2

@@ -212,7 +212,7 @@ def test_a_source_is_shown_line_by_line_with_its_blocks(arm, report_of, parsed):
     source = SourceFile("a/b.py", text, (SourceBlock("move", 1, 2, 2),))
     page = parsed(render_report(report_of(arm, sources=(source,))))
     lines = classed(page, "line", "span")
-    assert "".join(line.text_content() for line in lines).replace("\ufffd", "\f") == (
+    assert "".join(line.text_content() for line in lines).replace("\\x0c", "\f") == (
         text.removeprefix("\ufeff").replace("\r\n", "\n") + "\n"
     )
     assert [line.get("data-n") for line in lines] == ["1", "2", "3", "4", "5", "6"]
@@ -341,7 +341,7 @@ def test_hostile_texts_are_texts(hostile_page, parsed):
 
 def test_what_no_encoding_has_is_replaced(arm, report_of):
     page = render_report(report_of(arm, findings=("a\0b\udc80c\x1b[31m",)))
-    assert "a\ufffdb?c\ufffd[31m" in page
+    assert r"a\x00b\udc80c\x1b[31m" in page
     assert page.encode("utf-8")
 
 
@@ -350,7 +350,7 @@ def test_what_turns_the_direction_of_writing_is_seen(arm, report_of):
     page = render_report(
         report_of(arm, findings=(text,), sources=(SourceFile("arm.py", text, ()),))
     )
-    shown = "# [U+202E][U+2066] if admin[U+2069] [U+2066]begin"
+    shown = r"# \u202e\u2066 if admin\u2069 \u2066begin"
     assert page.count(shown) == 2
     assert not re.search("[\u202a-\u202e\u2066-\u2069\u200e\u200f\u061c]", page)
 

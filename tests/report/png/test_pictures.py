@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.text.printable import one_line
 from tracerisk.errors import InputError, LogError
 from tracerisk.report import html
 from tracerisk.report.png.pictures import (
@@ -21,7 +22,6 @@ from tracerisk.report.png.pictures import (
     legend_data,
     make_pictures,
     mixed,
-    printable,
 )
 from tracerisk.twin.physics.declared_log import DeclaredChange, LoggedShape
 
@@ -176,4 +176,4 @@ def test_states_have_the_colours_of_the_page():
 
 
 def test_what_would_not_show_is_written_as_its_code():
-    assert printable("a\u202eb\n größer") == "a\\u202eb\\n größer"
+    assert one_line("a\u202eb\n größer") == "a\\u202eb größer"

@@ -25,6 +25,7 @@ from tracerisk.adder.blocks.values import (
     component_fields,
 )
 from tracerisk.common.text.digests import blake2b
+from tracerisk.common.text.printable import printable_json
 from tracerisk.errors import InputError, Location
 
 LOCK_NAME = "tracerisk.lock"
@@ -215,7 +216,7 @@ class Lock:
             },
         }
         text = json.dumps(data, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
-        return text.encode() + b"\n"
+        return printable_json(text).encode() + b"\n"
 
 
 def lock_key(path: Path, folder: Path) -> str:

@@ -26,7 +26,7 @@ from tracerisk.adder.lock.lock import (
     check_relative,
     data_digest,
 )
-from tracerisk.common.text.bounded import loads_json
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, loads_json
 from tracerisk.errors import Location, one_of
 
 _READ_VERSIONS = (1, VERSION)  # before 2 neither entries nor blocks had a digest
@@ -39,9 +39,14 @@ def read_lock(path: Path) -> Lock:
         LockError: if the file is not a lock, or was cut short.
     """
     try:
-        data = path.read_bytes()
+        data = file_bytes(path, MOST_WRITTEN)
     except FileNotFoundError:
         return Lock()
+    except OSError as error:
+        raise LockError(
+            f"cannot be read: {error.strerror}; restore it from version control",
+            Location(str(path)),
+        ) from error
     return loads(data, str(path))
 
 

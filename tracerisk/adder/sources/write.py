@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.errors import InputError, Location
 
 _LONGEST_WRITE_S = 3600.0
@@ -54,7 +55,7 @@ def _check_writable(path: Path) -> None:
 
 
 def _check_expected(write: FileWrite) -> None:
-    if write.expected is not None and write.path.read_bytes() != write.expected:
+    if write.expected is not None and file_bytes(write.path, MOST_WRITTEN) != write.expected:
         raise InputError(
             "was changed by someone else meanwhile; run the same command again",
             Location(str(write.path)),

@@ -14,6 +14,7 @@ from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import failure_code, print_failure, trace_as_typed
 from tracerisk.cli.shared.values import positive
 from tracerisk.cli.shared.verdict import verdict_json
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.common.text.plain_data import picked
 from tracerisk.config import from_here
 from tracerisk.errors import ControllerFailedError, ExitCode, InputError, Location
@@ -113,7 +114,7 @@ def _exit_code(draft: ScenarioDraft) -> int:
 def write_scenario(output: Path, text: str) -> None:
     """Write the scenario, unless the file holds just that."""
     try:
-        is_same = output.read_bytes() == text.encode()
+        is_same = file_bytes(output, MOST_WRITTEN) == text.encode()
     except OSError:
         is_same = False
     if not is_same:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.cli.shared.output import note, print_json, write_file
 from tracerisk.cli.shared.verdict import verdict_json
+from tracerisk.common.text.bounded import regular_file
 from tracerisk.errors import ExitCode, InputError
 from tracerisk.pipeline.review.overview import overview
 
@@ -102,7 +103,7 @@ def is_report(path: Path) -> bool:
     try:
         if not path.is_file():
             return False
-        with path.open("rb") as file:
+        with regular_file(path) as file:
             return _GENERATED in file.read(_HEAD_BYTES)
     except OSError:
         return False

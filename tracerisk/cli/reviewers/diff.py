@@ -14,6 +14,7 @@ from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, terminal_width, write_alerts, write_file
 from tracerisk.cli.shared.sources import read_file
 from tracerisk.cli.shared.values import probability
+from tracerisk.common.text.printable import escaped
 from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import ExitCode, InputError
 from tracerisk.instrument.source.language import is_c
@@ -117,7 +118,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         _print_json(result, code, exceeded)
     elif options.silent_below is None or result.is_worth_telling(options.silent_below):
-        sys.stdout.buffer.write(_rendered(result, options).encode(errors="replace"))
+        sys.stdout.buffer.write(escaped(_rendered(result, options)).encode())
         sys.stdout.flush()
     for line in exceeded:
         note(f"tracerisk: {line}")

@@ -22,6 +22,7 @@ from tracerisk.cli.shared.watching import State, state_of
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import Hardware
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
@@ -204,7 +205,7 @@ class Site:
             return refused
         if path.stat().st_size > _MOST_BYTES:
             raise InputError(f"is larger than {_MOST_BYTES} bytes", Location(name))
-        return Reply(200, HTML, path.read_bytes(), _FILE_POLICY)
+        return Reply(200, HTML, file_bytes(path, _MOST_BYTES), _FILE_POLICY)
 
     def _read(self) -> tuple[KnownController, ...]:
         """Return what is known of the controllers, read anew where a file has changed."""

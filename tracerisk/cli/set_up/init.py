@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, get_args
 from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import BlockForm
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.history.merge_driver import install_merge_driver
@@ -104,7 +105,7 @@ def _form(options: argparse.Namespace, folder: Path) -> BlockForm | None:
     """Return the form of the blocks to come, as given or asked for; `None` for the default."""
     form: BlockForm | None = options.blocks
     settings = folder / "pyproject.toml"
-    is_set_up = settings.is_file() and b"[tool.tracerisk" in settings.read_bytes()
+    is_set_up = settings.is_file() and b"[tool.tracerisk" in file_bytes(settings)
     if form is None and not (options.yes or is_set_up):
         question = "Risk blocks: a line for each value (published) or component (compact)? [P/c] "
         return "compact" if _answer(options, question) in ("c", "compact") else None
@@ -131,7 +132,7 @@ def _write(start: ProjectStart) -> tuple[str, ...]:
     for file in start.files:
         path = start.root / file.path
         path.parent.mkdir(parents=True, exist_ok=True)
-        before = path.read_bytes() if path.exists() else None
+        before = file_bytes(path) if path.exists() else None
         writes.append(FileWrite(path, file.content, expected=before))
     write_all(writes)
     done = tuple(f"{file.path}: written" for file in start.files)

@@ -11,6 +11,7 @@ from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.errors import ExitCode, InputError, Location
 from tracerisk.pipeline.history.merge_driver import install_merge_driver
 
@@ -45,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
         if not path.is_file():
             raise InputError("there is no such file; git gives three locks", Location(str(path)))
     # git gives an empty file for a side that has none.
-    texts = [path.read_bytes() for path in paths]
+    texts = [file_bytes(path, MOST_WRITTEN) for path in paths]
     locks = [
         loads(text, str(path)) if text.strip() else Lock()
         for path, text in zip(paths, texts, strict=True)

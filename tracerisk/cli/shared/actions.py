@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from tracerisk.adder.sources.write import FileWrite, write_all
-from tracerisk.cli.shared.output import note
+from tracerisk.cli.shared.output import is_shown, note
+from tracerisk.common.text.printable import escaped
 from tracerisk.errors import InputError, Location
 
 
@@ -38,7 +39,7 @@ def deliver(options: argparse.Namespace, text: str, *, is_new: bool = False) -> 
         write(options.output, text, is_new=is_new)
         note(f"{options.output}: written", quiet=options.quiet)
     elif not options.json:
-        print(text, end="")
+        print(escaped(text) if is_shown() else text, end="")
 
 
 def write(name: str, text: str, *, is_new: bool = False) -> None:
@@ -47,4 +48,4 @@ def write(name: str, text: str, *, is_new: bool = False) -> None:
     path = Path(name)
     if is_new and path.exists():
         raise InputError("is there already; give another name, or move it away", Location(name))
-    write_all([FileWrite(path, text.encode())])
+    write_all([FileWrite(path, text.encode(errors="backslashreplace"))])

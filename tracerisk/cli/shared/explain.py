@@ -7,6 +7,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.figures.derivation_json import derivation_data
+from tracerisk.common.text.printable import escaped
 from tracerisk.report.explain.function import render_derivation
 from tracerisk.report.explain.mission import render_mission
 
@@ -53,5 +54,5 @@ def print_derivation(
     text = render_derivation(derivation)
     if model is not None and assessment is not None:
         text += render_mission(model, assessment, derivation.function)
-    sys.stdout.buffer.write(text.encode())
+    sys.stdout.buffer.write(escaped(text).encode())
     sys.stdout.flush()

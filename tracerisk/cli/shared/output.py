@@ -7,7 +7,12 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from tracerisk.common.text.columns import columns_of
-from tracerisk.common.text.printable import printable
+from tracerisk.common.text.printable import (
+    escaped,
+    escaped_but_colors,
+    printable,
+    printable_json,
+)
 from tracerisk.common.version import __version__
 from tracerisk.errors import ExitCode, InputError, Location
 
@@ -45,19 +50,20 @@ def print_json(verb: str, *, exit_code: int = 0, **data: Any) -> None:
     text = json.dumps(
         {**envelope, **data}, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False
     )
-    sys.stdout.buffer.write(f"{text}\n".encode())
+    sys.stdout.buffer.write(f"{printable_json(text)}\n".encode())
     sys.stdout.flush()
 
 
 def write_file(path: str, content: str | bytes) -> None:
-    """Write an output file that was asked for, text as UTF-8.
+    """Write an output file that was asked for, text as UTF-8, halves of characters by their codes.
 
     Raises InputError when it cannot be written.
     """
     from pathlib import Path
 
     try:
-        Path(path).write_bytes(content if isinstance(content, bytes) else content.encode())
+        data = content if isinstance(content, bytes) else content.encode(errors="backslashreplace")
+        Path(path).write_bytes(data)
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", Location(path)) from error
 
@@ -91,7 +97,8 @@ def show(*lines: str, to_errors: bool = False) -> None:
     """
     stream = sys.stderr if to_errors else sys.stdout
     for line in lines:
-        print(_fitted(printable(line), stream), file=stream)
+        # Once more when it is broken: a command may stand at the begin of a line then.
+        print(escaped(_fitted(printable(line), stream)), file=stream)
 
 
 def _fitted(text: str, stream: TextIO) -> str:
@@ -161,7 +168,10 @@ def place_data(place: Location | None) -> dict[str, object]:
 
 
 def print_diff(before: bytes, after: bytes, name: str) -> None:
-    """Print a unified diff of two versions of a file."""
+    """Print a unified diff of two versions of a file; as it is, where no log or terminal shows it.
+
+    What a program reads it can apply.
+    """
     import difflib
 
     lines = difflib.unified_diff(
@@ -169,7 +179,8 @@ def print_diff(before: bytes, after: bytes, name: str) -> None:
     )
     for line in lines:
         end = "" if line.endswith("\n") else "\n\\ No newline at end of file\n"
-        sys.stdout.buffer.write((line + end).encode("utf-8", "surrogateescape"))
+        shown = escaped(line + end) if is_shown() else line + end
+        sys.stdout.buffer.write(shown.encode("utf-8", "surrogateescape"))
     sys.stdout.flush()
 
 
@@ -179,6 +190,11 @@ def print_diffs(annotated: Annotated) -> None:
         before = annotated.before[file]
         if before != after:
             print_diff(before, after, str(annotated.controller.path_of(file)))
+
+
+def is_shown() -> bool:
+    """Return whether a terminal or a log of CI shows the standard output."""
+    return sys.stdout.isatty() or any(os.environ.get(name) for name in ("CI", "TF_BUILD"))
 
 
 def use_color() -> bool:
@@ -219,6 +235,7 @@ def paper() -> Paper:
 
 def print_text(text: str) -> None:
     """Print tables on standard output, with signs that its encoding has."""
+    text = escaped_but_colors(text)
     encoding = sys.stdout.encoding or "utf-8"
     try:
         text.encode(encoding)

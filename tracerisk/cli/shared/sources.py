@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 
 from tracerisk.cli.shared.output import note
+from tracerisk.common.text.bounded import MOST_WRITTEN, named_file
 from tracerisk.errors import InputError, Location, TooLargeError, readable
 
 TYPE_CHECKING = False
@@ -27,19 +28,15 @@ ProfileText = dict[str, dict[str, str]]
 _HAS_EVIDENCE = re.compile(rb"RiskAnnotation [^\n]*with evidence")
 
 
-MOST_BYTES = 2**28
-"""How many bytes of a file are read: those of a model that fits into some gigabytes."""
-
-
 def read_file(name: str) -> bytes:
     """Return the bytes of a file; raise InputError when it cannot be read or holds too many."""
-    with readable(name), open(name, "rb") as file:  # noqa: PTH123 - no start needs pathlib
-        # Its size before its bytes; a device has none, and may have no end.
+    with readable(name), named_file(name) as file:
+        # Its size before its bytes; a pipe has none, and may have no end.
         size = os.fstat(file.fileno()).st_size
-        data = file.read(MOST_BYTES + 1) if size <= MOST_BYTES else b""
-    if max(size, len(data)) > MOST_BYTES:
+        data = file.read(MOST_WRITTEN + 1) if size <= MOST_WRITTEN else b""
+    if max(size, len(data)) > MOST_WRITTEN:
         raise TooLargeError(
-            f"{name}: holds more than {MOST_BYTES // 2**20} MB; no larger file is read"
+            f"{name}: holds more than {MOST_WRITTEN // 2**20} MB; no larger file is read"
         )
     return data
 

@@ -24,6 +24,7 @@ from tracerisk.common.evidence.cells import (
     Stratum,
     Use,
 )
+from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.digests import sha256
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.trace import WEAR_EXPONENTS, Exposure
@@ -51,7 +52,7 @@ def read_evidence(path: Path) -> dict[str, Evidence]:
                 f"has {size} bytes, more than {_MOST_BYTES}; is it an evidence file?",
                 Location(str(path)),
             )
-        text = path.read_text(encoding="utf-8")
+        text = file_text(path, most=_MOST_BYTES)
     except FileNotFoundError:
         return {}
     except (OSError, UnicodeDecodeError) as error:

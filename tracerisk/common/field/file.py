@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.field.profile import QUANTITIES, Estimate, FieldProfile, FieldStep, following
+from tracerisk.common.text.bounded import file_text
 from tracerisk.errors import InputError, Location
 
 SCHEMA = "tracerisk/field/1"
@@ -60,7 +61,7 @@ def read_field(path: Path) -> FieldProfile:
     try:
         if path.stat().st_size > _MOST_BYTES:
             raise InputError(f"has more than {_MOST_BYTES} bytes; is it a field profile?", where)
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(file_text(path, most=_MOST_BYTES))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"cannot be read: {error}", where) from error
     except (ValueError, RecursionError) as error:

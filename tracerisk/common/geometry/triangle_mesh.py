@@ -6,6 +6,8 @@ import struct
 from itertools import pairwise
 from pathlib import Path
 
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
+
 Vertex = tuple[float, float, float]
 Triangle = tuple[int, int, int]
 
@@ -20,7 +22,7 @@ def read_triangles(path: Path) -> tuple[list[Vertex], list[Triangle]]:
         OSError: the file cannot be read.
         ValueError: it is neither STL nor OBJ, or holds no triangle.
     """
-    data = path.read_bytes()
+    data = file_bytes(path, MOST_WRITTEN)
     if path.suffix.lower() == ".obj":
         vertices, triangles = _read_obj(data.decode("utf-8", "replace"))
     elif path.suffix.lower() == ".stl":

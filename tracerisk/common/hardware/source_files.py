@@ -6,6 +6,7 @@ import os
 import re
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import HardwareError, Location
 
 _PACKAGE = re.compile(rb"\bpackage\s+(?:<[^>]*>\s*)?(?:'((?:[^'\\\n]|\\.)+)'|(\w+))")
@@ -83,7 +84,7 @@ def source_files(path: Path) -> tuple[Path, ...]:
 
 def _read(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return file_bytes(path)
     except FileNotFoundError:
         return b""
     except OSError as cause:

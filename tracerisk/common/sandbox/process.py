@@ -7,11 +7,9 @@ That is Python's isolated mode but for the seed of hashes, which isolated mode d
 from __future__ import annotations
 
 import contextlib
-import errno
 import json
 import os
 import signal
-import stat
 import subprocess
 import sys
 import sysconfig
@@ -204,21 +202,6 @@ def end(child: subprocess.Popen[bytes]) -> None:
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(child.pid, signal.SIGKILL)
             child.wait()
-
-
-def read_regular(path: Path, most: int) -> bytes:
-    """Return the bytes of a file that a child has left.
-
-    Raises OSError where it is absent, no regular file, or larger than `most` bytes.
-    """
-    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-    with os.fdopen(descriptor, "rb") as stream:
-        fstat = os.fstat(descriptor)
-        if not stat.S_ISREG(fstat.st_mode):
-            raise OSError(errno.EINVAL, "is not a regular file")
-        if fstat.st_size > most:
-            raise OSError(errno.EFBIG, f"has {fstat.st_size} bytes; at most {most} are read")
-        return stream.read(most)
 
 
 def regular_within(names: Iterable[str], folders: Iterable[Path]) -> tuple[Path, ...]:

@@ -1,20 +1,45 @@
-"""Read numbers and JSON that others wrote, within bounds of size and depth.
+"""Read files, numbers and JSON that others wrote, within bounds of size and depth.
 
 What is past a bound is a `ValueError` like any other malformed text, so that a reader needs one
 kind of refusal: Python itself raises OverflowError, RecursionError, or reads `1e999` as infinite.
+A file that is none, or too large, is an `OSError` like any other that cannot be read.
 """
 
 from __future__ import annotations
 
+import errno
 import json
 import math
+import os
+import stat
 from collections.abc import Callable
-from typing import Any
+from typing import Any, BinaryIO
 
 MOST_DIGITS = 400
 """The digits of the longest number that is read; the largest double has 309."""
 
+MOST_BYTES = 2**24
+"""The bytes of the largest file that is read, where its reader states no other number."""
+
+MOST_WRITTEN = 2**28
+"""The same of a file that tracerisk writes for a whole workspace: a lock, a trace, a report."""
+
+MOST_OF_A_RUN = 2**32
+"""The same of what the process of a run writes."""
+
+# Windows has no pipes in folders, and its own line ends where a file is not opened as binary.
+_FLAGS = (
+    os.O_RDONLY
+    | getattr(os, "O_NONBLOCK", 0)
+    | getattr(os, "O_CLOEXEC", 0)
+    | getattr(os, "O_NOCTTY", 0)
+    | getattr(os, "O_BINARY", 0)
+)
 Pairs = list[tuple[str, Any]]
+
+
+class NoFileError(OSError):
+    """A device, a pipe or a file that is too large stands where a file is to be read."""
 
 
 def whole_number(text: str) -> int:
@@ -55,3 +80,59 @@ def loads_json(
         )
     except RecursionError as error:
         raise ValueError("it nests too deeply") from error
+
+
+def file_bytes(
+    path: str | os.PathLike[str], most: int = MOST_BYTES, *, through_links: bool = True
+) -> bytes:
+    """Return what a regular file holds.
+
+    Raises OSError where it cannot be opened, is a device, a pipe or a folder, or holds more than
+    `most` bytes; a link too, unless it is to be read `through_links`. Nothing is waited for.
+    """
+    with regular_file(path, through_links=through_links) as stream:
+        size = os.fstat(stream.fileno()).st_size
+        data = stream.read(most + 1) if size <= most else b""
+    if max(size, len(data)) > most:
+        words = f"it holds more than {most} bytes, and no larger file is read"
+        raise NoFileError(errno.EFBIG, words, os.fspath(path))
+    return data
+
+
+def file_text(
+    path: str | os.PathLike[str],
+    encoding: str = "utf-8",
+    errors: str = "strict",
+    most: int = MOST_BYTES,
+) -> str:
+    """Return the text of a regular file, line ends as `\n`; raises as `file_bytes` and `decode`."""
+    text = file_bytes(path, most).decode(encoding, errors)
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+
+
+def regular_file(path: str | os.PathLike[str], *, through_links: bool = True) -> BinaryIO:
+    """Open a regular file to be read.
+
+    Raises OSError for what is none: a checkout can bring a link to a device without an end, and a
+    pipe would keep who opens it waiting.
+    """
+    descriptor = os.open(path, _FLAGS if through_links else _FLAGS | os.O_NOFOLLOW)
+    try:
+        mode = os.fstat(descriptor).st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+        if not stat.S_ISREG(mode):
+            kind = "pipe" if stat.S_ISFIFO(mode) else "device"
+            words = f"it is a {kind}; put a regular file there"
+            raise NoFileError(errno.EINVAL, words, os.fspath(path))
+        return os.fdopen(descriptor, "rb")
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def named_file(path: str) -> BinaryIO:
+    """Open a file that a command names, which may be a pipe there: `/dev/stdin`, `/dev/fd/63`."""
+    if path.startswith("/dev/"):
+        return open(path, "rb")  # noqa: PTH123 - no start needs pathlib; who asks closes it
+    return regular_file(path)

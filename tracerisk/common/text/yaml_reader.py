@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar, cast
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.text.yaml_kinds import is_finite, is_map, kind_of, short
 from tracerisk.common.text.yaml_repeated_keys import fold_repeated
 from tracerisk.errors import InputError, Location, one_of
@@ -356,7 +357,7 @@ def read_large_yaml(
 
 def _text(path: Path, file: str, error: type[InputError]) -> str:
     try:
-        data = path.read_bytes()
+        data = file_bytes(path)
     except OSError as cause:
         raise error(f"cannot be read: {cause.strerror}", Location(file)) from cause
     if len(data) > _MAX_BYTES:

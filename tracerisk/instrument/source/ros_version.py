@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.text.bounded import file_bytes, file_text
 from tracerisk.instrument.source.dotted_names import imports_in
 from tracerisk.instrument.source.python_source import parsed
 
@@ -60,7 +61,7 @@ def ros_version(script: Path, root: Path) -> RosVersion:
 
 def _is_built_by_ament(root: Path) -> bool:
     try:
-        manifest = (root / "package.xml").read_text(encoding="utf-8", errors="replace")
+        manifest = file_text(root / "package.xml", errors="replace")
     except OSError:
         return False
     return "ament" in build_tools(manifest)
@@ -73,7 +74,7 @@ def build_tools(manifest: str) -> frozenset[str]:
 
 def _imported(path: Path) -> Iterator[str]:
     try:
-        text = path.read_bytes()
+        text = file_bytes(path)
     except OSError:
         return
     tree = parsed(text)

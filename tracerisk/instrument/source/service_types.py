@@ -10,6 +10,7 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
 from tracerisk.instrument.source.literals.called_functions import source_tree
@@ -38,7 +39,7 @@ def service_type(name: str, waited_at: Location | None) -> str:
     if waited_at is None:
         return ""
     try:
-        tree = ast.parse(Path(waited_at.file).read_bytes())
+        tree = ast.parse(file_bytes(Path(waited_at.file)))
     except (OSError, SyntaxError, ValueError):
         return ""
     waited = {

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import lock_key
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.check.finding import Checked
 from tracerisk.pipeline.model import build
@@ -47,4 +48,4 @@ def annotated_sources(path: Path, projects: Projects) -> dict[Path, bytes]:
     entry = project.lock.controllers.get(lock_key(path, project.root))
     others = [] if entry is None else [project.root / file for file in sorted(entry.blocks)]
     files = [path, *(file for file in others if file.is_file() and not file.samefile(path))]
-    return {file: file.read_bytes() for file in files}
+    return {file: file_bytes(file) for file in files}

@@ -23,6 +23,7 @@ from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, WrittenBl
 from tracerisk.adder.sources.published import read_c_blocks, read_plain_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import followed_sources
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.freshness.known_controllers import locks_in
@@ -71,7 +72,7 @@ def files_of_locks(root: Path) -> tuple[Path, ...]:
 
 def _of_file(path: Path, content: bytes | None, projects: Projects) -> Iterator[Override]:
     with readable(path):
-        source = path.read_bytes() if content is None else content
+        source = file_bytes(path) if content is None else content
     project = projects.of(path)
     key, shown = lock_key(path, project.root), str(path)
     entry = _last_writer(key, project.lock)

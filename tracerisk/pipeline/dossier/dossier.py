@@ -15,12 +15,13 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.common import trace_json
 from tracerisk.common.hardware.shipped import shipped_bytes
 from tracerisk.common.text.digests import sha256
+from tracerisk.common.text.printable import printable_json
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.dossier.calculation import hand_calculation
 from tracerisk.pipeline.dossier.environment import environment
 from tracerisk.pipeline.dossier.guide import CONSTRAINTS, guide, packed_name, warning_of
-from tracerisk.pipeline.dossier.record import file_bytes
+from tracerisk.pipeline.dossier.record import whole_file
 from tracerisk.pipeline.dossier.sheet import sheet
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.hybrid.mission_tree import MissionTree, mission_tree
@@ -120,7 +121,7 @@ def _blocks(report: ReportInput) -> Mapping[tuple[Path, str], RiskBlock]:
     return {
         (path.resolve(), placed.function): placed.block
         for path in paths
-        for placed in read_blocks(path.read_bytes(), str(path))
+        for placed in read_blocks(whole_file(path), str(path))
     }
 
 
@@ -162,7 +163,7 @@ def _bytes_of(file: RecordedFile, report: ReportInput, root: Path) -> bytes:
         assert report.hardware is not None, "a shipped description is one"
         return shipped_bytes(report.hardware)
     path = root / file.path
-    data = file_bytes(path)
+    data = whole_file(path)
     if sha256(data) != file.sha256:
         raise InputError(
             "has changed while the dossier was made; make it again", Location(str(path))
@@ -172,7 +173,7 @@ def _bytes_of(file: RecordedFile, report: ReportInput, root: Path) -> bytes:
 
 def _json(value: object) -> bytes:
     text = json.dumps(value, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
-    return f"{text}\n".encode()
+    return f"{printable_json(text)}\n".encode()
 
 
 def _archive(contents: Mapping[str, bytes]) -> bytes:

@@ -21,6 +21,7 @@ from tracerisk.common.record import (
     RobotKind,
     RobotOrigin,
 )
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.version import __version__
 from tracerisk.config import Settings, controller_root
@@ -61,7 +62,7 @@ def make_record(
         RecordedFile(
             role,
             from_root(root, path),
-            sha256(texts[path] if path in texts else file_bytes(path)),
+            sha256(texts[path] if path in texts else whole_file(path)),
             states.get(path, ""),
         )
         for path, role in roles.items()
@@ -81,10 +82,10 @@ def make_record(
     )
 
 
-def file_bytes(path: Path) -> bytes:
+def whole_file(path: Path) -> bytes:
     """Return the bytes of a file; InputError with its place where it cannot be read."""
     with readable(path):
-        return path.read_bytes()
+        return file_bytes(path, MOST_WRITTEN)
 
 
 def _files(

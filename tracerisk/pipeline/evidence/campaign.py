@@ -22,6 +22,7 @@ from tracerisk.common.evidence.file import cell_line, dump_evidence, parse_cell,
 from tracerisk.common.evidence.share_interval import weighted_interval
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import CONTROL, POWER
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.evidence.cell_runs import (
@@ -216,7 +217,7 @@ def write_evidence(path: Path, controller: str, found: Evidence) -> None:
         everything = read_evidence(path)
         everything[controller] = found
         text = dump_evidence(everything).encode()
-        if not path.exists() or path.read_bytes() != text:
+        if not path.exists() or file_bytes(path, MOST_WRITTEN) != text:
             atomic_write(path, text)
 
 

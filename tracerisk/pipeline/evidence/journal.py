@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_text
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.trace_cache import make_kept
 
@@ -14,7 +15,7 @@ from tracerisk.pipeline.freshness.trace_cache import make_kept
 def journaled(path: Path) -> list[str]:
     """Return the lines that are kept; the last one may have been cut by a kill."""
     try:
-        return path.read_text(encoding="utf-8").splitlines()
+        return file_text(path, most=MOST_WRITTEN).splitlines()
     except (OSError, UnicodeDecodeError):
         return []
 

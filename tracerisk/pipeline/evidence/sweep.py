@@ -15,6 +15,7 @@ from typing import Any
 from tracerisk.common.campaign import DEFAULT_CAMPAIGN, CampaignOptions
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.sandbox.scratch import scratch
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_text
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError, one_of
 from tracerisk.pipeline.annotate import annotate
@@ -199,7 +200,7 @@ def _scenario_with(path: Path, changes: Sequence[tuple[str, Any]]) -> str:
     import yaml
 
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+        data = yaml.safe_load(file_text(path)) or {}
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise InputError(f"cannot be read: {error}", Location(str(path))) from error
     for dotted, value in changes:
@@ -263,7 +264,7 @@ class _Kept:
     ) -> dict[tuple[tuple[str, Any], ...], SweepPoint]:
         """Return those of the points that are kept and whose inputs have not changed."""
         try:
-            lines = self._path.read_text(encoding="utf-8").splitlines()
+            lines = file_text(self._path, most=MOST_WRITTEN).splitlines()
         except (OSError, UnicodeDecodeError):
             return {}
         by_name = {json.dumps(pairs): pairs for pairs in wanted}

@@ -14,6 +14,7 @@ from typing import Any
 from tracerisk.adder.quantify.posterior import Posterior, beta_posterior, gamma_posterior
 from tracerisk.common.field.profile import FieldProfile
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
+from tracerisk.common.text.bounded import file_text
 from tracerisk.errors import HardwareError, InputError, Location, one_of
 
 _COLUMNS = ("component", "failures", "hours", "demands", "missions")
@@ -100,7 +101,7 @@ def rows_of(
     that is `needed`, or has no row.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = file_text(path, encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"cannot be read: {error}", Location(str(path))) from error
     header = text.partition("\n")[0]
@@ -272,7 +273,7 @@ def updated_yaml(path: Path, changes: Sequence[Update]) -> str:
     yaml = YAML()
     yaml.preserve_quotes = True
     yaml.width = 4096
-    data = yaml.load(path.read_text(encoding="utf-8"))
+    data = yaml.load(file_text(path))
     for change in changes:
         entry = data["components"][change.component]
         key = "failure_rate" if change.after.kind == "failure_rate" else "probability"

@@ -11,6 +11,7 @@ from typing import Any
 
 from tracerisk.common.hardware.model import FIGURE_KEYS, Hardware
 from tracerisk.common.hardware.units import CYCLE_KINDS, SHEET_KINDS
+from tracerisk.common.text.bounded import file_text
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.pipeline.failure_data.field_failures import number, rows_of
 
@@ -111,7 +112,7 @@ def with_figures(path: Path, figures: Sequence[GivenFigure]) -> str:
     yaml = YAML()
     yaml.preserve_quotes = True
     yaml.width = 4096
-    data = yaml.load(path.read_text(encoding="utf-8"))
+    data = yaml.load(file_text(path))
     for given_figure in figures:
         entry = data["components"][given_figure.component]
         if not isinstance(entry, CommentedMap):

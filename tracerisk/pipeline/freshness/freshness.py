@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.version import __version__
 from tracerisk.config import Settings
@@ -199,7 +200,7 @@ def content_digest(data: bytes) -> str:
 def file_digest(path: Path) -> str:
     """Return the digest of a file's content, or that it is gone: then a run finds another."""
     try:
-        return content_digest(path.read_bytes())
+        return content_digest(file_bytes(path, MOST_OF_A_RUN))
     except FileNotFoundError:
         return GONE
     except OSError as error:

@@ -14,6 +14,7 @@ from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, LockError, lock_key
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import follow_renames
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.instrument.source.language import is_c
@@ -64,7 +65,7 @@ def controllers_of(files: Sequence[Path | str], projects: Projects) -> tuple[Pat
         for name in users:
             controller = path if name == key else _shown(root / name, path)
             paths.setdefault(controller.resolve(), controller)
-        if not users and _is_source(path.name) and b"RiskAnnotation" in path.read_bytes():
+        if not users and _is_source(path.name) and b"RiskAnnotation" in file_bytes(path):
             paths.setdefault(path.resolve(), path)
     return tuple(paths[item] for item in sorted(paths))
 
@@ -144,7 +145,7 @@ def unknown_controllers(root: Path, projects: Projects) -> tuple[Path, ...]:
 
 def _is_unknown(path: Path, projects: Projects) -> bool:
     try:
-        source = path.read_bytes() if path.is_file() and not path.is_symlink() else b""
+        source = file_bytes(path) if path.is_file() and not path.is_symlink() else b""
     except OSError:
         return False  # whose file it is has to make it readable
     if b"RiskAnnotation" not in source:

@@ -14,6 +14,7 @@ from tracerisk.adder.lock.lock import Written, lock_key
 from tracerisk.adder.merge.hand_edits import check_targets, is_next_by_hand
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.renames import followed_sources
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings
 from tracerisk.errors import SettingsError, TraceRiskError, one_of
 from tracerisk.instrument.source.function_definitions import MODULE
@@ -133,7 +134,7 @@ def _sources_below(root: Path) -> Iterator[Path]:
 @lru_cache(maxsize=4096)
 def _functions_of(path: Path, mtime_ns: int) -> frozenset[str]:  # noqa: ARG001 - key of the cache
     try:
-        functions = functions_in(path.read_bytes(), str(path))
+        functions = functions_in(file_bytes(path), str(path))
     except (OSError, TraceRiskError):
         return frozenset()
     return frozenset(str(name) for name, _ in functions if name != MODULE)

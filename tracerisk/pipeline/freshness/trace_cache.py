@@ -11,6 +11,7 @@ from pathlib import Path
 
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.common import trace_json
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_text
 from tracerisk.errors import TraceRiskError
 from tracerisk.trace import Trace
 
@@ -45,7 +46,7 @@ class TraceCache:
         """Return the trace of a run, `None` where it is not kept or cannot be read."""
         path = self._path(fingerprint, controller)
         try:
-            trace = trace_json.loads(path.read_text(encoding="utf-8"), str(path))
+            trace = trace_json.loads(file_text(path, most=MOST_WRITTEN), str(path))
         except (OSError, UnicodeDecodeError, TraceRiskError):
             return None
         # A published log names no robot: there was no run to judge.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -143,13 +142,9 @@ class _Blobs:
         names = list(_loose_objects(folder))
         if len(names) > _MOST_LOOSE:
             return [], False
-        decode = subprocess.run(
-            ["git", "cat-file", "--batch-check=%(objecttype) %(objectname)"],
-            cwd=self._repository.top,
-            input="\n".join(names).encode() + b"\n",
-            capture_output=True,
-            check=False,
-        ).stdout.decode()
+        asked = ("--batch-check=%(objecttype) %(objectname)",)
+        given = "\n".join(names).encode() + b"\n"
+        decode = self._repository.output("cat-file", *asked, given=given).decode()
         lines = (line.split(" ") for line in decode.splitlines())
         return [name for kind, name, *_ in lines if kind == "commit"], True
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.adder.sources.write import FileWrite, write_all
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import readable
 from tracerisk.pipeline.history.repository import Repository
 
@@ -32,7 +33,7 @@ def install_merge_driver(folder: Path) -> tuple[str, ...]:
             repository.output("config", "--local", f"merge.{DRIVER}.{key}", value)
     path = top / ".gitattributes"
     with readable(path):
-        before = path.read_bytes() if path.exists() else b""
+        before = file_bytes(path) if path.exists() else b""
     driver = f"git merges {LOCK_NAME} with tracerisk in this clone"
     if _ATTRIBUTE.encode() in (line.strip() for line in before.splitlines()):
         return (driver,)

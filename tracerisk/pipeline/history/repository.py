@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
 from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.history.git import Objects, git, objects_read
 
 SYMLINK, SUBMODULE = "120000", "160000"
 _ABSENT = "000000"
-# A repository may come from anywhere: nothing that lies in it names a program that git starts.
-_COMMAND = (
-    *("git", "--no-pager", "--literal-pathspecs"),
-    *("-c", "safe.bareRepository=explicit", "-c", "core.fsmonitor=false"),
-    *("-c", "core.hooksPath=/dev/null"),
-)
 _MOST_PATHS = 60_000  # characters of paths on a command line, well below what Linux takes
 
 
@@ -49,8 +42,8 @@ class Repository:
     """Whether older commits are missing from the clone."""
     _is_sparse: bool
     """Whether the working tree may leave files out."""
-    _process: subprocess.Popen[bytes]
-    """The process of `git cat-file --batch`."""
+    _objects: Objects
+    """What reads its objects."""
 
     @classmethod
     @contextmanager
@@ -60,58 +53,27 @@ class Repository:
         Raises InputError where there is none, where it has no working tree, or without git.
         """
         asked = ("--is-shallow-repository", "--git-path", "info/sparse-checkout", "--show-toplevel")
-        completed_process = _run(folder, "rev-parse", *asked)
-        if completed_process.returncode:
-            raise InputError(_no_repository(completed_process.stderr), Location(str(folder)))
-        output = completed_process.stdout.decode(errors="surrogateescape")
+        answer = git(folder, "rev-parse", *asked)
+        if answer.returncode:
+            raise InputError(_no_repository(answer.stderr), Location(str(folder)))
+        output = answer.stdout.decode(errors="surrogateescape")
         shallow, sparse, top = output.split("\n", 2)
         path = Path(top.removesuffix("\n"))
-        with subprocess.Popen(
-            [*_COMMAND, "cat-file", "--batch"],
-            cwd=path,
-            env=_environment(),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-        ) as process:
-            try:
-                yield cls(path, shallow == "true", (folder / sparse).is_file(), process)
-            finally:
-                assert process.stdin is not None
-                with suppress(BrokenPipeError):
-                    process.stdin.close()
+        if not folder.resolve().is_relative_to(path.resolve()):
+            raise InputError(
+                f"is in a repository whose files are those of another folder, {path}; remove "
+                "core.worktree from its .git/config",
+                Location(str(folder)),
+            )
+        with objects_read(path) as objects:
+            yield cls(path, shallow == "true", (folder / sparse).is_file(), objects)
 
     def read(self, name: str) -> tuple[str, str, bytes] | None:
         """Return the hash, the type and the content of an object; `None` where there is none.
 
         `name` is what git calls it: a hash, `HEAD^{commit}`, `HEAD:place.py`.
         """
-        if "\n" in name or "\0" in name:
-            return None
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        try:
-            self._process.stdin.write(name.encode(errors="surrogateescape") + b"\n")
-            self._process.stdin.flush()
-        except BrokenPipeError as error:
-            raise self._died(name) from error
-        line = self._process.stdout.readline()
-        if not line:
-            raise self._died(name)
-        head = line.decode(errors="surrogateescape").rstrip("\n")
-        parts = head.rsplit(" ", 2)
-        if len(parts) != 3 or not parts[2].isdigit():
-            # "... missing" or "... ambiguous".
-            return None
-        content = self._process.stdout.read(int(parts[2]))
-        self._process.stdout.read(1)
-        return parts[0], parts[1], content
-
-    def _died(self, name: str) -> InputError:
-        return InputError(
-            f"git cat-file ended while it read {name}; `git fsck` reports what is wrong with it",
-            Location(str(self.top)),
-        )
+        return self._objects.read(name)
 
     def file(self, commit: str, path: str) -> bytes | None:
         """Return the content of a file in a commit or tree; `None` where it is not a file there."""
@@ -138,12 +100,8 @@ class Repository:
 
     def merge_base(self, one: str, other: str) -> str | None:
         """Return the best common ancestor of two commits; `None` where they have none."""
-        completed_process = _run(self.top, "merge-base", one, other)
-        return (
-            completed_process.stdout.decode().strip() or None
-            if not completed_process.returncode
-            else None
-        )
+        answer = git(self.top, "merge-base", one, other)
+        return None if answer.returncode else answer.stdout.decode().strip() or None
 
     def empty_tree(self) -> str:
         """Return the name of the tree without files, for a repository without a commit."""
@@ -161,16 +119,16 @@ class Repository:
         short = paths if sum(map(len, paths)) + len(paths) < _MOST_PATHS else []
         return _files(self.output(*_difference(before, after), "-M", "--", *short))
 
-    def output(self, *arguments: str) -> bytes:
-        """Return what a git command that only reads prints.
+    def output(self, verb: str, *arguments: str, given: bytes = b"") -> bytes:
+        """Return what a git command that only reads prints; `given` is its standard input.
 
         Raises InputError where it fails.
         """
-        completed_process = _run(self.top, *arguments)
-        if completed_process.returncode:
-            message = completed_process.stderr.decode(errors="replace").strip()
-            raise InputError(f"git {arguments[0]} failed: {message}", Location(str(self.top)))
-        return completed_process.stdout
+        answer = git(self.top, verb, *arguments, given=given)
+        if answer.returncode:
+            message = answer.stderr.decode(errors="replace").strip()
+            raise InputError(f"git {verb} failed: {message}", Location(str(self.top)))
+        return answer.stdout
 
 
 def _difference(before: str, after: str | None) -> tuple[str, ...]:
@@ -204,27 +162,6 @@ def _files(raw: bytes) -> list[ChangedFile]:
 
 def _blob(name: str) -> str | None:
     return name if name.strip("0") else None
-
-
-def _run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[bytes]:
-    try:
-        return subprocess.run(
-            [*_COMMAND, *arguments],
-            cwd=folder,
-            env=_environment(),
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            check=False,
-        )
-    except FileNotFoundError as error:
-        raise InputError(
-            "git is not installed; install it: versions are read through it"
-        ) from error
-
-
-def _environment() -> dict[str, str]:
-    # Without the lock git does not refresh its index; its words are matched in English.
-    return {**os.environ, "GIT_OPTIONAL_LOCKS": "0", "LC_ALL": "C", "LANGUAGE": "C"}
 
 
 def _no_repository(output: bytes) -> str:

@@ -9,6 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.pipeline.launch.program import Program
 from tracerisk.pipeline.workspace.workspace import TESTS, Workspace, searched
 
@@ -117,7 +118,7 @@ def _text(path: Path) -> str:
     try:
         if path.stat().st_size > _MOST_BYTES:
             return ""
-        return path.read_text(encoding="utf-8", errors="replace")
+        return file_text(path, errors="replace")
     except OSError:
         return ""
 

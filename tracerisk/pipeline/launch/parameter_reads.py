@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.instrument.source.dotted_names import last_name
 from tracerisk.instrument.source.python_source import texts_in
 from tracerisk.pipeline.workspace.controller import Controller
@@ -53,7 +54,7 @@ def asked_by(controller: Controller, folders: Mapping[str, Path]) -> Asked:
                 continue
             seen.add(module)
             with contextlib.suppress(OSError):
-                waiting.append((module, module.read_bytes()))
+                waiting.append((module, file_bytes(module)))
                 more = _asked_of(project.tree(waiting[-1][1]))
                 asked = replace(
                     asked, names=asked.names | more.names, required=asked.required | more.required

@@ -13,6 +13,7 @@ from functools import cached_property
 from itertools import islice
 from pathlib import Path
 
+from tracerisk.common.text.bounded import regular_file
 from tracerisk.pipeline.launch.find import LaunchFile
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.project import Project
@@ -73,7 +74,7 @@ class ReadmeArguments:
 
     def _in_file(self, path: Path) -> Iterator[_Command]:
         try:
-            with path.open("rb") as stream:
+            with regular_file(path) as stream:
                 lines = stream.read(_MOST_BYTES).decode("utf-8", errors="replace").splitlines()
         except OSError:
             return

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.pipeline.launch_files.placeholders import ABSENT_FOLDER, Absent, AbsentModule
 from tracerisk.pipeline.launch_files.robot_sources import is_robot_file
 from tracerisk.ros.moveit.configs import ConfigsBuilder, MoveItConfigs
@@ -60,7 +61,7 @@ class _Files:
         self.on_read(path)
         if is_robot_file(path):
             self.on_robot((str(path), {}))
-        return path.read_text(encoding="utf-8")
+        return file_text(path)
 
     def expanded(self, path: Path, arguments: Mapping[str, Any]) -> Absent:
         # A controller needs no URDF: the robot is that of the run.

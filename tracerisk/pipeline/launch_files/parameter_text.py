@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.yaml_repeated_keys import OF_NODE
 from tracerisk.pipeline.launch_files.expressions import evaluate
 from tracerisk.pipeline.launch_files.records import EVERY_NODE, LaunchParameter
@@ -66,7 +67,7 @@ def read_text(path: Path) -> str:
             raise ParameterTextError("is not a file")
         if path.stat().st_size > _MOST_BYTES:
             raise ParameterTextError(f"is larger than {_MOST_BYTES} bytes")
-        return path.read_text(encoding="utf-8", errors="replace")
+        return file_text(path, errors="replace")
     except OSError as error:
         raise ParameterTextError(f"cannot be read: {error.strerror}") from error
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common import trace_json
 from tracerisk.common.dependencies import install_command, is_installed
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_text
 from tracerisk.common.version import __version__
 from tracerisk.errors import InputError, Location, LogError, readable
 from tracerisk.pipeline.check.check import given_options
@@ -135,7 +136,7 @@ def _named_trace(recording: Path, kept: Trace | None, name: str) -> Trace:
     place = recording / _TRACE if recording.is_dir() else recording.with_suffix(".json")
     if place.is_file():
         with readable(place, LogError):
-            return trace_json.loads(place.read_text(encoding="utf-8"), str(place))
+            return trace_json.loads(file_text(place, most=MOST_WRITTEN), str(place))
     if kept is None:
         raise InputError(
             f"no trace belongs to this recording of {name}; `tracerisk run FILE --keep DIR --trace "

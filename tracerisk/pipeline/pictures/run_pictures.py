@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.common.hardware.binding import elements_by_component
 from tracerisk.common.hardware.formats import load_hardware
+from tracerisk.common.text.printable import printable_json
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.pictures.run_section import replay_of
@@ -58,7 +59,7 @@ def write_pictures(
         )
     )
     text = json.dumps(legend_data(trace, pictures), indent=1, ensure_ascii=False)
-    files[LEGEND] = f"{text}\n".encode()
+    files[LEGEND] = f"{printable_json(text)}\n".encode()
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.dependencies import install_command, is_installed
 from tracerisk.common.hardware.binding import elements_by_component
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, file_text
 from tracerisk.errors import Location, LogError, readable
 from tracerisk.pipeline.freshness.trace_cache import MOST_REPLAY_BYTES, TraceCache
 from tracerisk.pipeline.trace.run_files import ROBOT, RunRequest
@@ -93,7 +94,7 @@ def packed_recording(path: Path) -> RecordedRun:
 
     with readable(path, LogError):
         size = path.stat().st_size
-        data = path.read_bytes() if size <= MOST_REPLAY_BYTES else b""
+        data = file_bytes(path, MOST_REPLAY_BYTES) if size <= MOST_REPLAY_BYTES else b""
     if not data:
         raise LogError(
             f"has {size} bytes; a replay has some, and at most {MOST_REPLAY_BYTES}",
@@ -113,7 +114,7 @@ def recorded_run(recording: Path) -> RecordedRun | None:
 
     if not has_samples(recording):
         return None
-    request = RunRequest.loads((recording / "request.json").read_text(encoding="utf-8"))
+    request = RunRequest.loads(file_text(recording / "request.json", most=MOST_WRITTEN))
     robot = read_dumped_robot(recording / ROBOT)
     scene = simulated_scene(request.scene, request.scenario)
     return RecordedRun(read_samples(recording), robot, scene, read_declared(recording))

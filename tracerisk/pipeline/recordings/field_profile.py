@@ -18,6 +18,7 @@ from tracerisk.common.field.profile import (
     ratio,
 )
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_text
 from tracerisk.common.trace_log import read_log
 from tracerisk.errors import InputError, Location
 from tracerisk.trace import Trace, Visit
@@ -61,7 +62,7 @@ def read_mission(path: Path) -> Trace:
     """
     where = Location(str(path))
     try:
-        text = path.read_text(encoding="utf-8")
+        text = file_text(path, most=MOST_WRITTEN)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"cannot be read: {error}", where) from error
     if not text.lstrip().startswith("{"):

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.common.dependencies import is_installed, missing_extra
+from tracerisk.common.text.bounded import regular_file
 from tracerisk.errors import Location, LogError, readable
 from tracerisk.pipeline.recordings.recorded_topics import MAGIC
 
@@ -130,7 +131,7 @@ def open_recording(path: Path) -> Iterator[RecordingFile]:
                 raise LogError("is a folder without metadata.yaml; name a recording", place)
             yield _open_rosbags(path, stack)
             return
-        with readable(path, LogError), path.open("rb") as stream:
+        with readable(path, LogError), regular_file(path) as stream:
             begin = stream.read(16)
         if not begin:
             raise LogError("is empty; was the recording ended?", place)
@@ -148,7 +149,7 @@ def _open_mcap(path: Path, stack: ExitStack) -> RecordingFile:
     from mcap.reader import NonSeekingReader, SeekingReader
 
     with _damage(path):
-        stream: IO[bytes] = stack.enter_context(path.open("rb"))
+        stream: IO[bytes] = stack.enter_context(regular_file(path))
         reader = SeekingReader(stream, record_size_limit=MOST_BYTES)
         summary = reader.get_summary()
         if summary is None:
@@ -214,7 +215,7 @@ def _check_pages(path: Path) -> None:
 
     Source: https://sqlite.org/fileformat.html, offsets 16 and 28.
     """
-    with path.open("rb") as stream:
+    with regular_file(path) as stream:
         head = stream.read(32)
     if head.startswith(_DB3):
         size, pages = int.from_bytes(head[16:18], "big"), int.from_bytes(head[28:32], "big")

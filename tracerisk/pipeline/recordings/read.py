@@ -6,6 +6,7 @@ import struct
 from pathlib import Path
 
 from tracerisk.common import trace_json
+from tracerisk.common.text.bounded import regular_file
 from tracerisk.errors import Location, LogError, readable
 from tracerisk.pipeline.recordings.messages import MOST_BYTES
 from tracerisk.pipeline.recordings.recorded_topics import MAGIC, TRACE
@@ -23,7 +24,7 @@ def read_trace(path: Path) -> Trace | None:
     place = Location(str(path))
     if not path.is_file():
         return None
-    with readable(path, LogError), path.open("rb") as stream:
+    with readable(path, LogError), regular_file(path) as stream:
         begin = stream.read(len(MAGIC))
     if begin != MAGIC:
         return None
@@ -41,7 +42,7 @@ def _attached(path: Path, place: Location) -> bytes | None:
     from mcap.reader import SeekingReader
 
     try:
-        with path.open("rb") as stream:
+        with regular_file(path) as stream:
             reader = SeekingReader(stream, record_size_limit=MOST_BYTES)
             for iter_attachment in reader.iter_attachments():
                 if iter_attachment.name == TRACE:

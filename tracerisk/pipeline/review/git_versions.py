@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.pipeline.history.repository import Repository
 
@@ -39,14 +40,14 @@ class GitVersion:
         if place.is_symlink() or not place.is_file():
             return None if os.path.lexists(place) else self.repository.left_out(path)
         with readable(path):
-            return place.read_bytes()
+            return file_bytes(place, MOST_WRITTEN)
 
     def names_in(self, folder: str) -> list[str]:
         """Return the paths, from the top, of what is in a folder; its name is empty for the top."""
         if self.commit is None:
             return [f"{folder}/{name}".lstrip("/") for name in self._listed(folder)]
         below = (f"{folder}/",) if folder else ()
-        raw = self.repository.output("ls-tree", "--name-only", "-z", self.commit, *below)
+        raw = self.repository.output("ls-tree", "--name-only", "-z", "--", self.commit, *below)
         return [name for name in raw.decode(errors="surrogateescape").split("\0") if name]
 
     def _listed(self, folder: str) -> list[str]:

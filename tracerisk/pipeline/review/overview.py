@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.verdict import Verdict
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.freshness.known_controllers import locks_in
@@ -88,7 +89,7 @@ def _sources(root: Path, folder: Path, name: str, entry: ControllerLock) -> dict
         if not path.resolve().is_relative_to(root.resolve()):
             raise InputError("is outside of the folder that was asked about", Location(str(path)))
         try:
-            sources[str(path)] = path.read_bytes()
+            sources[str(path)] = file_bytes(path)
         except OSError as error:
             raise InputError(
                 f"cannot be read: {error.strerror}; restore it, or `tracerisk refresh {path}` "

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes, regular_file
 from tracerisk.config import controller_root
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules
@@ -45,7 +46,7 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     yield Hint("its imports", {name: "\n".join(text for text in own.imported if text in known)})
     yield Hint("its source", {name: own.spoken})
     top, package = controller.project.top, controller_root(controller.path).resolve()
-    modules = {path: _read(path.read_bytes(), tree) for path in own_modules(controller)}
+    modules = {path: _read(file_bytes(path), tree) for path in own_modules(controller)}
     near = [path for path in modules if path not in direct and controller_root(path) == package]
     for what, paths in (("a module of its own", direct), ("a module of its package", near)):
         spoken = {path.relative_to(top).as_posix(): modules[path].spoken for path in sorted(paths)}
@@ -167,7 +168,7 @@ def _files(top: Path) -> Iterator[Path]:
 def _texts(files: Iterable[Path], top: Path) -> Iterator[tuple[str, str]]:
     for file in files:
         try:
-            with file.open("rb") as stream:
+            with regular_file(file) as stream:
                 text = stream.read(_MOST_BYTES)
         except OSError:
             continue

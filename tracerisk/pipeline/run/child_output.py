@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import os
 import re
@@ -11,12 +12,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any
 
-from tracerisk.common.sandbox.process import read_regular
+from tracerisk.common.text.bounded import file_bytes
+from tracerisk.common.text.printable import colorless, escaped
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.run_files import MOST_TEXT
 
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 _END_OF_OUTPUT = 2000  # bytes that are kept of it
+_MOST_AT_ONCE = 65536
+_MOST_HELD = 1000  # characters; what is longer is blanks
+# A colour, a line end or a command of a log that goes on in the next part.
+_UNFINISHED = re.compile(r"(?:\r|\x1b(?:\[[0-9;]{0,30})?|#{1,2}\w{0,20})\Z")
 
 
 class PassingOn(threading.Thread):
@@ -42,24 +48,69 @@ class PassingOn(threading.Thread):
     def run(self) -> None:
         """Print until the output ends."""
         target = sys.stderr.fileno() if _has_descriptor(sys.stderr) else None
+        shown = PrintableParts()
         with self._output:
             for part in self._parts():
                 self._end = (self._end + part)[-_END_OF_OUTPUT:]
-                if not self._is_shown:
-                    continue
-                if self._is_drawn:
-                    # Looked up each time: what draws the progress takes its place while it draws.
-                    sys.stderr.write(part.decode("utf-8", "replace"))
-                    sys.stderr.flush()
-                elif target is not None:
-                    _write_all(target, part)
+                if self._is_shown:
+                    self._print(shown.of(part), target)
+        if self._is_shown:
+            self._print(shown.rest(), target)
+
+    def _print(self, text: str, target: int | None) -> None:
+        if self._is_drawn:
+            # Looked up each time: what draws the progress takes its place while it draws.
+            sys.stderr.write(text)
+            sys.stderr.flush()
+        elif target is not None:
+            _write_all(target, text.encode())
 
     def _parts(self) -> Iterator[bytes]:
         if self._is_drawn:
-            yield from self._output
+            while line := self._output.readline(_MOST_AT_ONCE):
+                yield line
             return
-        while part := os.read(self._output.fileno(), 65536):
+        while part := os.read(self._output.fileno(), _MOST_AT_ONCE):
             yield part
+
+
+class PrintableParts:
+    """Makes the output of a controller printable, part by part, as `escaped` does of a whole text.
+
+    Colours are left out, and a carriage return ends a line as a line feed does. The end of a part
+    is held back while it may be the begin of a command.
+    """
+
+    def __init__(self) -> None:
+        self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
+        self._held = ""
+        self._is_within_line = False
+
+    def of(self, part: bytes) -> str:
+        """Return what may be printed now."""
+        text = self._held + self._decoder.decode(part)
+        end = _UNFINISHED.search(text)
+        begin = len(text) if end is None else end.start()
+        line = text.rfind("\n") + 1
+        if text[line:].strip() in ("", ":") and not (self._is_within_line and not line):
+            begin = min(begin, line)
+        self._held = text[begin:][:_MOST_HELD]
+        return self._shown(text[:begin])
+
+    def rest(self) -> str:
+        """Return what is left when the output ends."""
+        text = self._held + self._decoder.decode(b"", final=True)
+        self._held = ""
+        return self._shown(text)
+
+    def _shown(self, text: str) -> str:
+        plain = colorless(text).replace("\r\n", "\n").replace("\r", "\n")
+        if not plain:
+            return ""
+        # What goes on with a line is no begin of one.
+        before = "x" if self._is_within_line else ""
+        self._is_within_line = not plain.endswith("\n")
+        return escaped(before + plain)[len(before) :]
 
 
 def _write_all(descriptor: int, data: bytes) -> None:
@@ -79,7 +130,7 @@ def _has_descriptor(stream: Any) -> bool:
 def place_in(stacks: Path, root: Path) -> Location | None:
     """Return the innermost place of the controller among the stacks that the child sent."""
     try:
-        text = read_regular(stacks, MOST_TEXT).decode(errors="replace")
+        text = file_bytes(stacks, MOST_TEXT, through_links=False).decode(errors="replace")
     except OSError:
         return None
     threads = text.split("\n\n")

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.common.sandbox.fork_server import several_come
+from tracerisk.common.text.bounded import file_text
 from tracerisk.common.verdict import MISSION_MISSED, Reason
 from tracerisk.config import Settings
 from tracerisk.errors import Location
@@ -209,6 +210,6 @@ def _lines_of_base(base: Path | None, text: str) -> Mapping[int, int]:
     """Return the lines of a draft that are those of its base, each with its line there."""
     if base is None:
         return {}
-    before = base.read_text(encoding="utf-8-sig").splitlines()
+    before = file_text(base, encoding="utf-8-sig").splitlines()
     blocks = SequenceMatcher(None, text.splitlines(), before, autojunk=False).get_matching_blocks()
     return {block.a + i + 1: block.b + i + 1 for block in blocks for i in range(block.size)}

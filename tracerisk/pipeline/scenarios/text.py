@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.errors import ScenarioError
 from tracerisk.ros.graph.parameter_files import plain
@@ -21,7 +22,7 @@ def with_entries(
     """
     if base is None:
         return sections_text(sections, remarks)
-    raw = base.read_bytes().decode("utf-8-sig")
+    raw = file_bytes(base).decode("utf-8-sig")
     newline = "\r\n" if "\r\n" in raw else "\n"
     lines = raw.splitlines()
     if not any(line.strip() and not line.strip().startswith("#") for line in lines):

@@ -15,6 +15,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.yaml_reader import plain_yaml
 from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
 from tracerisk.instrument.source.literals.filled_messages import filled_fields, plain_value
@@ -289,7 +290,7 @@ class WrittenValues:
         for path in paths[:_MOST_FILES]:
             try:
                 if path.stat().st_size <= _MOST_BYTES:
-                    texts.append((path, path.read_text("utf-8", "replace")))
+                    texts.append((path, file_text(path, errors="replace")))
             except OSError:
                 continue
         return tuple(texts)

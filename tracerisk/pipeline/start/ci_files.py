@@ -9,6 +9,8 @@ from importlib import metadata, resources
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.text.bounded import file_text
+
 Ci = Literal["github", "gitlab", "none"]
 
 _ON_GITHUB = re.compile(r"Source, (https://github\.com/([\w.-]+/[\w.-]+?))(?:\.git)?/?")
@@ -109,7 +111,7 @@ def _on_gitlab(root: Path) -> list[StartFile]:
     if package == _FROM_INDEX:
         why += "; set TRACERISK_PACKAGE to where you keep tracerisk"
     own = root / ".gitlab-ci.yml"
-    if own.exists() and _GITLAB_JOB not in own.read_text(encoding="utf-8", errors="replace"):
+    if own.exists() and _GITLAB_JOB not in file_text(own, errors="replace"):
         why += f"; add to .gitlab-ci.yml: {_INCLUDE}"
     job = template("gitlab.yaml").replace(
         f'TRACERISK_PACKAGE: "{_FROM_INDEX}"'.encode(), f'TRACERISK_PACKAGE: "{package}"'.encode()

@@ -13,6 +13,7 @@ from tracerisk.common.dependencies import missing_extras
 from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.common.hardware.starting_file import SCHEMA_NAME as HARDWARE_SCHEMA
 from tracerisk.common.hardware.starting_file import starting_description, starting_yaml
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import BlockForm, controller_root, is_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.dotted_names import imports_in, last_name
@@ -142,7 +143,7 @@ def _is_controller(path: Path) -> bool:
     try:
         if path.stat().st_size > _MOST_BYTES:
             return False
-        tree = parsed(path.read_bytes())
+        tree = parsed(file_bytes(path))
     except OSError:
         return False
     if tree is None:
@@ -251,7 +252,7 @@ def _settings(
         path = folder / "pyproject.toml"
         shown = from_root(root, path)
         settings = Project(folder).settings()
-        before = path.read_bytes() if path.exists() else b""
+        before = file_bytes(path) if path.exists() else b""
         named = given
         if given is not None and Path(given).is_file():
             named = from_root(folder, Path(given))

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.read_back import read_back
 from tracerisk.common.worlds.world import NOMINAL
 from tracerisk.pipeline.launch_files.records import LaunchSetup
@@ -297,4 +298,4 @@ class WallTime:
     @classmethod
     def read(cls, folder: Path) -> WallTime:
         """Read the times of a kept recording, of a run that came to its end."""
-        return cls(**json.loads((folder / _WALL_TIME).read_text(encoding="utf-8")))
+        return cls(**json.loads(file_text(folder / _WALL_TIME)))

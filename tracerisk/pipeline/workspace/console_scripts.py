@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.config import loads_toml
 
 # Bounded throughout, so that no text takes long.
@@ -53,6 +54,6 @@ def console_scripts(folder: Path) -> Iterator[ConsoleScript]:
 def read_or_nothing(path: Path) -> str:
     """Return the text of a file, an empty one where it cannot be read."""
     try:
-        return path.read_text(encoding="utf-8", errors="replace")
+        return file_text(path, errors="replace")
     except OSError:
         return ""

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from tracerisk.adder.sources.line_map import line_maps
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, readable
 from tracerisk.instrument.source.language import is_c
@@ -110,7 +111,7 @@ class Controller:
             return self.others[file]
         path = self.path_of(file)
         with readable(path):
-            return path.read_bytes()
+            return file_bytes(path)
 
     def as_ran(self, sources: Mapping[str, bytes]) -> Controller:
         """Return the controller with the sources that a run compiled, by their names."""
@@ -149,7 +150,7 @@ def load_controller(path: Path | str, project: Project | None = None) -> Control
     """
     script = Path(path)
     try:
-        source = script.read_bytes()
+        source = file_bytes(script)
     except OSError as error:
         raise InputError(
             f"the controller cannot be read: {error.strerror}; name a Python file",

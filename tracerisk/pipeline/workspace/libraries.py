@@ -25,6 +25,7 @@ from pathlib import Path
 
 from tracerisk.adder.sources.python_lines import parse_python
 from tracerisk.common.limits import is_secret
+from tracerisk.common.text.bounded import file_bytes, regular_file
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.function_definitions import definitions
@@ -181,7 +182,7 @@ def _modules_of_commands(root: Path) -> frozenset[str]:
 
 def _functions(path: Path) -> set[str]:
     try:
-        tree = parse_python(path.read_bytes(), str(path)).tree
+        tree = parse_python(file_bytes(path), str(path)).tree
     except (OSError, TraceRiskError):
         return set()
     return {str(definition.name) for definition in definitions(tree)}
@@ -208,7 +209,7 @@ def _sources(top: Path) -> Iterator[Path]:
 
 def _begins_as_script(path: Path) -> bool:
     try:
-        with path.open("rb") as stream:
+        with regular_file(path) as stream:
             return re.match(rb"#!.*python", stream.readline(200)) is not None
     except OSError:
         return False

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.instrument.source.python_source import decoded
 from tracerisk.pipeline.workspace.controller import Controller
 
@@ -127,6 +128,6 @@ def module_files(
 def source_bytes(path: Path) -> bytes:
     """Return what a file holds, nothing where it cannot be read."""
     try:
-        return path.read_bytes()
+        return file_bytes(path)
     except OSError:
         return b""

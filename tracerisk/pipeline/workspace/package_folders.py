@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.instrument.source.ros_version import RosVersion, build_tools
 
 PACKAGE_FILE = "package.xml"
@@ -216,7 +217,7 @@ def _needs_of(folder: Path) -> list[str]:
         name
         for module in modules
         if module.is_file()
-        for name in imported_names(module.read_text(encoding="utf-8", errors="replace"))
+        for name in imported_names(file_text(module, errors="replace"))
     }
     return [*declared_needs(folder), *sorted(imported)]
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_text, regular_file
 from tracerisk.config import RosDistro, Settings
 from tracerisk.errors import SettingsError
 from tracerisk.instrument.source.ros_version import RosVersion
@@ -157,7 +158,7 @@ def _kind(path: Path, top: Path) -> str:
 
 def _of_file(path: Path, top: Path, kind: str) -> Iterator[_Mention]:
     try:
-        with path.open("rb") as stream:
+        with regular_file(path) as stream:
             text = stream.read(_MOST_BYTES).decode("utf-8", "replace").lower()
     except OSError:
         return
@@ -176,7 +177,7 @@ def _of_file(path: Path, top: Path, kind: str) -> Iterator[_Mention]:
 def _of_branch(top: Path) -> Iterator[_Mention]:
     """Yield the distribution that the branch which is checked out is named after."""
     try:
-        head = (top / ".git" / "HEAD").read_text(encoding="utf-8", errors="replace").strip()
+        head = file_text(top / ".git" / "HEAD", errors="replace").strip()
     except OSError:
         return
     branch = head.removeprefix("ref: refs/heads/")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.pipeline.workspace.controller import Controller
 
 _MOST = 40
@@ -35,7 +36,7 @@ def _source(path: Path) -> bytes:
     try:
         if not path.is_file() or path.stat().st_size > _MOST_BYTES:
             return b""
-        source = path.read_bytes()
+        source = file_bytes(path)
     except OSError:
         return b""
     return b"" if b"generate_launch_description" in source else source

@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.config import RosDistro, Settings
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
@@ -258,7 +259,7 @@ def named_packages(
     words = set(packages_in(strings))
     for file in itertools.islice(sorted(root.rglob("*launch*")), _MOST_MODULES):
         if file.is_file() and file.suffix in _LAUNCH_ENDINGS:
-            words.update(_WORD.findall(file.read_text(encoding="utf-8", errors="replace")))
+            words.update(_WORD.findall(file_text(file, errors="replace")))
     if (root / PACKAGE_FILE).is_file():
         words.update((*declared_needs(root), name_of(root)))
     return frozenset(words & packages.keys())

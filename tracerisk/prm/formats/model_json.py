@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any, cast, get_args
 
+from tracerisk.common.text.printable import printable_json
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.formats.json_parts import gate_to_json, read_fraction, read_gate, schema_of
@@ -41,7 +42,7 @@ def dumps(model: HybridModel) -> str:
     text = json.dumps(
         model_data(model), indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False
     )
-    return text + "\n"
+    return printable_json(text) + "\n"
 
 
 def loads(text: str, file: str) -> HybridModel:

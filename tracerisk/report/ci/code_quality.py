@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 
+from tracerisk.common.text.printable import printable, printable_json
 from tracerisk.report.ci.sarif import Alert, Level, level_of, ordered
 
 SEVERITIES: Mapping[Level, str] = {"error": "major", "warning": "minor", "note": "info"}
@@ -26,11 +27,12 @@ def render_code_quality(alerts: Sequence[Alert]) -> str:
         number = seen[alert.fingerprint] = seen.get(alert.fingerprint, 0) + 1
         entries.append(
             {
-                "description": alert.message,
+                "description": printable(alert.message),
                 "check_name": alert.rule,
                 "fingerprint": alert.fingerprint + (f"-{number}" if number > 1 else ""),
                 "severity": SEVERITIES[level_of(alert)],
                 "location": {"path": alert.file, "lines": {"begin": alert.line or 1}},
             }
         )
-    return json.dumps(entries, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+    text = json.dumps(entries, indent=1, ensure_ascii=False, sort_keys=True)
+    return printable_json(text) + "\n"

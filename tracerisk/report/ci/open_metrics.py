@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+from tracerisk.common.text.printable import without_controls
 from tracerisk.common.verdict import Verdict
 from tracerisk.errors import Location
 from tracerisk.prm.hybrid.assessment import MissionFigures
@@ -94,5 +95,5 @@ def _line(sample: Sample) -> str:
 
 
 def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return escaped.encode(errors="replace").decode()
+    plain = without_controls(text)
+    return plain.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")

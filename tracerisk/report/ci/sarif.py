@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 from urllib.parse import quote
 
+from tracerisk.common.text.printable import printable, printable_json
 from tracerisk.errors import Location
 
 SCHEMA = (
@@ -210,7 +211,7 @@ class Alert:
     def fingerprint(self) -> str:
         """What identifies the alert from one version to the next; no line is part of it."""
         parts = (self.rule, self.file, self.function, self.component, self.subject)
-        return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+        return hashlib.sha256("\0".join(parts).encode(errors="surrogatepass")).hexdigest()[:32]
 
 
 def alert_at(rule: str, message: str, location: Location, file: str, **names: str) -> Alert:
@@ -240,7 +241,7 @@ def render_sarif(alerts: Sequence[Alert], *, version: str) -> str:
             }
         ],
     }
-    return json.dumps(log, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+    return printable_json(json.dumps(log, indent=1, ensure_ascii=False, sort_keys=True)) + "\n"
 
 
 def ordered(alerts: Sequence[Alert]) -> list[Alert]:
@@ -273,7 +274,10 @@ def _rule(rule: Rule) -> dict[str, Any]:
 
 def _result(alert: Alert) -> dict[str, Any]:
     place: dict[str, Any] = {
-        "artifactLocation": {"uri": quote(alert.file, safe="/"), "uriBaseId": ROOT},
+        "artifactLocation": {
+            "uri": quote(alert.file, safe="/", errors="surrogateescape"),
+            "uriBaseId": ROOT,
+        },
     }
     if alert.line is not None:
         place["region"] = {"startLine": alert.line}
@@ -292,7 +296,7 @@ def _result(alert: Alert) -> dict[str, Any]:
         "ruleId": alert.rule,
         "ruleIndex": index,
         "level": RULES[index].level,
-        "message": {"text": alert.message},
+        "message": {"text": printable(alert.message)},
         "locations": [location],
         # GitHub knows alerts again by the first only, and computes it from the line if it lacks.
         "partialFingerprints": {

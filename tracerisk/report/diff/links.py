@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from urllib.parse import quote
 
-from tracerisk.common.text.printable import printable
+from tracerisk.common.text.printable import one_line
 from tracerisk.errors import Location
 from tracerisk.prm.review.change_records import Review, RiskDiff
 
@@ -23,7 +23,7 @@ def escaped(text: str) -> str:
     Nor are they references to issues or merge requests, addresses, or commands of a bot. Commands
     of ours are code.
     """
-    plain = printable(" ".join(text.split()))
+    plain = one_line(text)
     parts = _COMMAND.split(plain)
     # Every second part is a command; in code nothing is markup.
     shown = "".join(f"`{part}`" if i % 2 else _plain(part) for i, part in enumerate(parts))
@@ -32,7 +32,7 @@ def escaped(text: str) -> str:
 
 def in_html(text: str) -> str:
     """Return a text as it stands in a tag of HTML, where no Markdown is read but references are."""
-    plain = printable(" ".join(text.split())).replace("&", "&amp;")
+    plain = one_line(text).replace("&", "&amp;")
     return _unreferring(plain.replace("<", "&lt;").replace(">", "&gt;"))
 
 

@@ -14,19 +14,11 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from tracerisk.common.text.printable import without_controls
 from tracerisk.report.html.section import Section
 
 _HERE = Path(__file__).parent
 _POLICY = re.compile(r'<meta http-equiv="Content-Security-Policy" content="([^"]*)">')
-# What HTML cannot hold as a character, and what would be read as something else.
-_FORBIDDEN = dict.fromkeys(
-    (*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}"
-)
-# What turns the direction of writing would let a source read as what it is not.
-_TURNING = {
-    code: f"[U+{code:04X}]"
-    for code in (0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A))
-}
 
 
 def page(title: str, lead: Markup, sections: Sequence[Section], *, connects: bool = False) -> str:
@@ -51,9 +43,7 @@ def page(title: str, lead: Markup, sections: Sequence[Section], *, connects: boo
         style=Markup(style),
         policy=_policy(script, style, connects=connects),
     )
-    # A lone surrogate (of a file name that is not UTF-8) is not a character of any encoding.
-    text = text.translate(_FORBIDDEN | _TURNING)
-    return text.encode("utf-8", errors="replace").decode("utf-8")
+    return without_controls(text.replace("\r\n", "\n"))
 
 
 def rendered(template: str, **values: Any) -> Markup:

@@ -7,6 +7,8 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.text.printable import printable_script
+
 if TYPE_CHECKING:
     from markupsafe import Markup
 
@@ -61,7 +63,8 @@ def json_in_script(value: Any) -> str:
     r"""Return a value as JSON that no script element can end or comment out.
 
     `<`, `>` and `&` are escaped, so that neither `</script>` nor `<!--` stands in it; so are
-    U+2028 and U+2029 and whatever is not ASCII, lone surrogates among them.
+    whatever is not ASCII, and what no page may show (`without_controls`).
     """
-    text = json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    dumped = json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    text = printable_script(dumped)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.text.printable import one_line
 from tracerisk.report.html.run.in_step import in_step
 from tracerisk.report.html.run.timeline_segments import visit_spans
 from tracerisk.report.png.camera import Camera, camera_of
@@ -20,7 +21,6 @@ from tracerisk.report.png.pictures import (
     STATE_COLOURS,
     CaptionRow,
     Picture,
-    printable,
     shown_run,
     solids_of,
 )
@@ -121,7 +121,7 @@ class _Shown:
         states = {name: self._counts.states(name, frame) for name in self._replay.activity}
         seen = {name: state for name, state in states.items() if state}
         function = self._function_at(time_s)
-        title = "no function" if function is None else printable(self._names[function])
+        title = "no function" if function is None else one_line(self._names[function])
         moment = Moment(self._trace.functions[0].ref, 1, 1, time_s, frame, seen)
         rows = (CaptionRow(f"{time_s:.1f} of {self.end_s:.1f} s{speed}"), *_rows(seen))
         solids = tuple(solids_of(self.bodies, self.places(time_s), moment))

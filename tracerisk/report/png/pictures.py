@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.model_names import model_names
+from tracerisk.common.text.printable import one_line
 from tracerisk.errors import InputError
 from tracerisk.report.html.run.replay import check_recording, make_replay
 from tracerisk.report.html.run.replay_frames import unpack_frames
@@ -132,7 +133,7 @@ def make_pictures(
         }
         rows = _caption(trace, moment, active, always)
         solids = tuple(solids_of(replay.bodies, placed, moment))
-        pictures.append(Picture(file, printable(name), rows, camera, solids, entry))
+        pictures.append(Picture(file, one_line(name), rows, camera, solids, entry))
     return tuple(pictures)
 
 
@@ -168,13 +169,6 @@ def file_name(number: int, function: str) -> str:
     return f"{number:02d}-{safe[:_LONGEST_NAME].rstrip('._-') or 'function'}.png"
 
 
-def printable(text: str) -> str:
-    """Return a text of which every character shows as itself; others by their code."""
-    return "".join(
-        char if char.isprintable() else char.encode("unicode_escape").decode() for char in text
-    )
-
-
 def _caption(
     trace: Trace, moment: Moment, active: Active, always: Sequence[str]
 ) -> tuple[CaptionRow, ...]:
@@ -182,7 +176,7 @@ def _caption(
     rows = [CaptionRow(when), *_state_rows(moment.states, active)]
     if always:
         rows.append(CaptionRow(f"always in use: {_listed(always)}"))
-    where = f"{printable(trace.controller)} on {printable(trace.robot)}"
+    where = f"{one_line(trace.controller)} on {one_line(trace.robot)}"
     rows.append(CaptionRow(f"{where}; a link has the colour of the drive that moves it"))
     return tuple(rows)
 
@@ -216,7 +210,7 @@ def _state_rows(states: Mapping[str, tuple[State, ...]], active: Active) -> list
         for component, elements in active.items():
             own = [name for name, element in elements.items() if element[0] == state]
             if own:
-                of = f"{printable(component)} " if component else "no component: "
+                of = f"{one_line(component)} " if component else "no component: "
                 parts.append(f"{of}({_listed(own)})" if component else f"{of}{_listed(own)}")
         if parts:
             rows.append(CaptionRow(f"{state}: {'; '.join(parts)}", colour))
@@ -226,7 +220,7 @@ def _state_rows(states: Mapping[str, tuple[State, ...]], active: Active) -> list
 
 
 def _listed(names: Sequence[str]) -> str:
-    shown = [printable(name) for name in names[:_MOST_NAMED]]
+    shown = [one_line(name) for name in names[:_MOST_NAMED]]
     more = len(names) - len(shown)
     return ", ".join([*shown, f"and {more} more"] if more > 0 else shown)
 

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
 from tracerisk.instrument.source.literals.called_functions import calls_at, source_tree
@@ -77,6 +78,6 @@ def _lines(place: Location | None) -> list[str]:
     if place is None:
         return []
     try:
-        return Path(place.file).read_text("utf-8", "replace").splitlines()
+        return file_text(Path(place.file), errors="replace").splitlines()
     except (OSError, ValueError):
         return []

@@ -12,6 +12,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import ScenarioError
 from tracerisk.ros.graph.parameter_files import Parameter, flat, read_parameters
 from tracerisk.ros.graph.runtime import Runtime
@@ -198,5 +199,5 @@ def _files(folders: Iterable[Path], word: bytes) -> Iterator[Path]:
                     continue
                 # What cannot be read, or only outside the sandbox, declares nothing.
                 with contextlib.suppress(OSError):
-                    if path.stat().st_size <= _MOST_BYTES and word in path.read_bytes():
+                    if path.stat().st_size <= _MOST_BYTES and word in file_bytes(path):
                         yield path

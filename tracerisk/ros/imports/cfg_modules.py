@@ -13,6 +13,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from tracerisk.common.text.bounded import file_bytes
+
 _SUFFIX = "Config"
 _DEEPEST = 3  # a module of a package stands at most in `<package>/src/<package>`
 
@@ -68,7 +70,7 @@ def _generated(file: Path, _: str) -> dict[str, Any]:
     from dynamic_reconfigure.parameter_generator_catkin import ParameterGenerator
 
     ParameterGenerator.latest = None
-    code = compile(file.read_bytes(), str(file), "exec", dont_inherit=True)
+    code = compile(file_bytes(file), str(file), "exec", dont_inherit=True)
     try:
         exec(code, {"__name__": "__main__", "__file__": str(file)})
     except SystemExit as end:

@@ -12,6 +12,7 @@ from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import Any, NoReturn
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.imports.cfg_modules import FilledLoader
 
@@ -44,7 +45,7 @@ def _defined(file: Path, name: str) -> dict[str, Any]:
         f"{message}: what it defines raises when called; {remedy}",
         object_name=name,
     )
-    text = file.read_text(encoding="utf-8", errors="replace")
+    text = file_text(file, errors="replace")
     return {
         item: _raising(f"{message}: {item} cannot be called; {remedy}")
         for item in _DEFINED.findall(text)

@@ -8,6 +8,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 from tracerisk.common.sandbox.ros_prefix import readable_folders
+from tracerisk.common.text.bounded import regular_file
 from tracerisk.errors import Location, RobotError
 from tracerisk.twin.urdf.xml_reader import MOST_BYTES, XmlElement
 
@@ -91,7 +92,7 @@ def read_model_text(path: Path, shown: str) -> bytes:
         size = path.stat().st_size
         if size > MOST_BYTES:
             raise RobotError(f"holds {size} bytes; at most {MOST_BYTES} are read", where)
-        with path.open("rb") as stream:
+        with regular_file(path) as stream:
             text = stream.read(MOST_BYTES + 1)
     except OSError as error:
         raise RobotError(f"cannot be read: {error.strerror or error}", where) from error

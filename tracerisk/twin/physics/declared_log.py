@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes, file_text
 from tracerisk.common.text.read_back import read_back
 from tracerisk.errors import Location, LogError
 
@@ -94,7 +95,7 @@ def read_declared(directory: Path) -> tuple[DeclaredChange, ...]:
     if not path.exists():
         return ()
     try:
-        lines = path.read_text(encoding="utf-8").split("\n")
+        lines = file_text(path, most=MOST_OF_A_RUN).split("\n")
         # The last line may have been cut short.
         read = [json.loads(line) for line in lines[:-1]]
         changes = [
@@ -103,7 +104,7 @@ def read_declared(directory: Path) -> tuple[DeclaredChange, ...]:
         ]
     except (AttributeError, KeyError, TypeError, ValueError) as cause:
         raise LogError(f"is no log of declared bodies: {cause}", Location(str(path))) from cause
-    data = (directory / _POSES).read_bytes()
+    data = file_bytes(directory / _POSES, MOST_OF_A_RUN)
     flat = np.frombuffer(data[: len(data) // 8 * 8], dtype=np.float64)
     declared_changes, at = [], 0
     for index, (step, bodies) in enumerate(changes):

@@ -17,6 +17,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
 from tracerisk.errors import Location, LogError
 
 BodyKind = Literal["link", "fixed", "free"]
@@ -130,7 +131,7 @@ def read_contacts(directory: Path, n_steps: int) -> ContactLog:
         welds += [Weld(*weld, fast.pop(weld), min(step, n_steps)) for weld in over]
         fast.update(dict.fromkeys(sorted(now - fast.keys()), step))
     welds += [Weld(*weld, start, n_steps) for weld, start in sorted(fast.items())]
-    data = (directory / _ROWS).read_bytes() if (directory / _ROWS).exists() else b""
+    data = file_bytes(directory / _ROWS, MOST_OF_A_RUN) if (directory / _ROWS).exists() else b""
     rows = np.frombuffer(data[: len(data) // ROW.itemsize * ROW.itemsize], dtype=ROW)
     rows = rows[rows["step"] < n_steps]
     if len(rows) and max(rows["one"].max(), rows["two"].max()) >= len(bodies):
@@ -140,7 +141,7 @@ def read_contacts(directory: Path, n_steps: int) -> ContactLog:
 
 def _lines(path: Path) -> list[dict[str, Any]]:
     # The last line of a run that was killed may be cut short.
-    whole = path.read_bytes().rpartition(b"\n")[0]
+    whole = file_bytes(path, MOST_OF_A_RUN).rpartition(b"\n")[0]
     try:
         return [json.loads(line) for line in whole.splitlines()]
     except json.JSONDecodeError as cause:

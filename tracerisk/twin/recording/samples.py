@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.common.sandbox.process import read_regular
+from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
 from tracerisk.common.text.read_back import read_back
 from tracerisk.errors import Location, LogError
 from tracerisk.twin.physics.declared_log import DECLARED_FILES, DeclaredLogWriter
@@ -286,7 +286,7 @@ def simulated_ns(directory: Path) -> int:
 def _read_header(path: Path) -> SampleHeader:
     try:
         # Read while the run goes on, which may put anything in its place.
-        header = _parsed_header(read_regular(path, _MOST_HEADER))
+        header = _parsed_header(file_bytes(path, _MOST_HEADER, through_links=False))
     except (OSError, KeyError, TypeError, AttributeError, RecursionError, ValueError) as cause:
         raise LogError(f"is no header of samples: {cause}", Location(str(path))) from cause
     if header is None:
@@ -305,7 +305,7 @@ def _parsed_header(text: bytes) -> SampleHeader | None:
 
 def _floats(path: Path) -> Array:
     try:
-        data = path.read_bytes()
+        data = file_bytes(path, MOST_OF_A_RUN)
     except OSError as cause:
         raise LogError(f"cannot be read: {cause.strerror}", Location(str(path))) from cause
     return np.frombuffer(data[: len(data) // 8 * 8], dtype=np.float64)

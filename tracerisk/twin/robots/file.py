@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_text
 from tracerisk.common.text.read_back import read_back
 from tracerisk.twin.robots.robot import Robot
 
@@ -26,7 +27,7 @@ def robot_data(robot: Robot) -> dict[str, Any]:
 
 def read_dumped_robot(path: Path) -> Robot:
     """Read what `dump_robot` wrote."""
-    return read_back(Robot, json.loads(path.read_text(encoding="utf-8")))
+    return read_back(Robot, json.loads(file_text(path, most=MOST_WRITTEN)))
 
 
 def _plain(value: Any) -> Any:

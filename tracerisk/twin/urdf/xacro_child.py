@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
+from tracerisk.common.text.bounded import file_text
 
 MOST_CHARACTERS = 16 * 1024**2
 REFUSED = 7
@@ -130,7 +131,7 @@ def replace_node(node: Any, by: Any, content_only: bool = False) -> None:
 
 def _has_old_forms(file: str) -> bool:
     try:
-        text = Path(file).read_text(encoding="utf-8", errors="replace")
+        text = file_text(Path(file), errors="replace")
     except OSError:  # what may not be read is the error that is reported
         return False
     return bool(_OLD.search(text) or re.search(r"<xacro:property\s+name=[\"']__", text))

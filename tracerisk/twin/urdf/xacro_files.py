@@ -13,6 +13,7 @@ from tracerisk.common.limits import DEFAULT_LIMITS, Limits
 from tracerisk.common.sandbox.limited_process import last_words, run_limited
 from tracerisk.common.sandbox.process import regular_within
 from tracerisk.common.sandbox.ros_prefix import readable_folders
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import controller_root
 from tracerisk.errors import Location, RobotError
 from tracerisk.twin.urdf.xacro_child import REFUSED
@@ -141,7 +142,7 @@ def _refusal(answer: Mapping[str, Any], shown: str, path: Path) -> RobotError:
         by = Path(answer["by"])
         where = shown if by == path.resolve() else str(by)
         name = asked.rpartition("/")[2].encode()
-        lines = by.read_bytes().splitlines()
+        lines = file_bytes(by).splitlines()
         line = next((number for number, chunk in enumerate(lines, 1) if name in chunk), None)
     return RobotError(
         f"'{asked}' lies outside {top} and the packages of the workspace, and only files in them "

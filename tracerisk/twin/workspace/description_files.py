@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
+
 _MOST_FILES = 400
 _MOST_FOLDERS = 4000
 _DEEPEST = 8
@@ -89,7 +91,7 @@ def read_description(path: Path, roots: tuple[Path, ...]) -> DescriptionFile | N
     try:
         if path.stat().st_size > _MOST_BYTES:
             return None
-        text = path.read_bytes()
+        text = file_bytes(path)
     except OSError:
         return None
     top = next((root for root in roots if path.is_relative_to(root.resolve())), None)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.twin.robots.prefix import with_prefix
 from tracerisk.twin.robots.robot import Robot, load_robot
 from tracerisk.twin.urdf.groups import groups_of, states_of
@@ -37,7 +38,7 @@ def setup_assistant(srdf: Path) -> SetupAssistant | None:
         path = folder / ".setup_assistant"
         try:
             # A pipe would keep who reads it waiting.
-            text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+            text = file_text(path, errors="replace") if path.is_file() else ""
         except OSError:
             continue
         package, relative, given = (
@@ -65,7 +66,7 @@ def needed_packages(srdf: Path, packages: Mapping[str, Path]) -> tuple[Path, ...
     if own is None:
         return ()
     try:
-        text = (own / "package.xml").read_text(encoding="utf-8", errors="replace")
+        text = file_text(own / "package.xml", errors="replace")
     except OSError:
         return ()
     words = frozenset(re.findall(r">\s*([\w.-]+)\s*<", text))

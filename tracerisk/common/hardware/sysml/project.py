@@ -13,6 +13,7 @@ from tracerisk.common.hardware.sysml.language.name_resolution import Found, Symb
 from tracerisk.common.hardware.sysml.language.parsing import parse
 from tracerisk.common.hardware.sysml.language.standard_names import standard_package
 from tracerisk.common.hardware.sysml.language.syntax import Element, SourceText
+from tracerisk.common.text.bounded import file_bytes, regular_file
 from tracerisk.errors import HardwareError, Location
 
 MAX_BYTES = 16 * 1024 * 1024
@@ -28,7 +29,7 @@ def read_source(path: Path, shown: str) -> SourceText:
     Raises HardwareError where it is absent, is not UTF-8, or is larger than 16 MB.
     """
     try:
-        with path.open("rb") as file:
+        with regular_file(path) as file:
             data = file.read(MAX_BYTES + 1)
     except OSError as cause:
         raise HardwareError(f"cannot be read: {cause.strerror}", Location(shown)) from cause
@@ -117,7 +118,7 @@ class Project:
             top = self._tops.get(path)
             if top is None:
                 try:
-                    data = path.read_bytes()
+                    data = file_bytes(path)
                 except OSError:
                     continue
                 if not declares.search(data) or _is_library(path):

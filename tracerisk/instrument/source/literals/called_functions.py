@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from functools import lru_cache, partial
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import imported_names
 from tracerisk.instrument.source.literals.named_literals import with_named_literals
@@ -31,7 +32,7 @@ def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
     try:
         path = Path(file)
         settings = partial(package_settings, path)
-        return with_named_literals(ast.parse(path.read_bytes()), settings)
+        return with_named_literals(ast.parse(file_bytes(path)), settings)
     except (OSError, SyntaxError, ValueError, RecursionError):
         return None
 

@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.yaml_reader import plain_yaml
 
 _MANIFEST = "package.xml"
@@ -45,7 +46,7 @@ def _read(path: Path) -> Any:
     try:
         if not path.is_file() or path.stat().st_size > _MOST_BYTES:
             return None
-        return plain_yaml(path.read_text(encoding="utf-8"))
+        return plain_yaml(file_text(path))
     except (OSError, UnicodeDecodeError):
         return None
 

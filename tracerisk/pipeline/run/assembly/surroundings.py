@@ -11,6 +11,7 @@ from pathlib import Path
 
 from tracerisk.common.sandbox.moved_files import MovedFiles
 from tracerisk.common.sandbox.overlay import Overlay
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.instrument.import_finder import controller_imports
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.recorder import Recorder
@@ -62,7 +63,7 @@ def controller_surroundings(
     """
     script, recorder = Path(request.controller), world.recorder
     not_simulated = partial(recorder.finding, "not_simulated")
-    entry = find_entry_point(script, script.read_bytes(), project.root)
+    entry = find_entry_point(script, file_bytes(script), project.root)
     with (
         _contained_files(request, recorder) as overlay,
         _moved_files(script, project, graph.workspace, recorder).active(),

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime, StartMark
-from tracerisk.common.sandbox.process import read_regular
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings
 from tracerisk.pipeline.run.child_output import place_in
 from tracerisk.pipeline.run.controller_run import (
@@ -130,7 +130,7 @@ class BranchWatch:
         """Read what the run has noted since; what is malformed is another's, and passed over."""
         assert request.plan is not None
         try:
-            text = read_regular(Path(request.plan.log), _MOST_LOG)
+            text = file_bytes(request.plan.log, _MOST_LOG, through_links=False)
         except OSError:
             return
         whole = text.rfind(b"\n") + 1

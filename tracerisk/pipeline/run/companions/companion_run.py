@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.text.printable import cut
 from tracerisk.instrument.loader import package_of
 from tracerisk.instrument.recorder import Recorder
@@ -118,7 +119,7 @@ class Companions:
 
 
 def _execute(script: Path, root: Path) -> None:
-    source = script.read_bytes()
+    source = file_bytes(script)
     entry = find_entry_point(script, source, root)
     namespace: dict[str, Any] = {
         "__name__": "__main__",

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import LimitError, TraceRiskError
 from tracerisk.instrument.source.python_source import parsed
@@ -105,7 +106,7 @@ def _candidates(
 ) -> Iterator[_Candidate]:
     for path in _python_files([root, *workspace.packages.values()]):
         try:
-            source = path.read_bytes()
+            source = file_bytes(path)
         except OSError:
             continue
         text = source.decode("utf-8", errors="replace")

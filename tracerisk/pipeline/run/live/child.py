@@ -15,6 +15,7 @@ from typing import Any
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.sandbox.limited_process import mark_start
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, file_text
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.recording import CELL
@@ -59,7 +60,7 @@ _EXIT_S = 5.0
 
 def main() -> int:
     """Run the request named on the command line; the exit code says whether anything ran."""
-    request = RunRequest.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    request = RunRequest.loads(file_text(sys.argv[1], most=MOST_WRITTEN))
     is_alone = leave_network()
 
     def run(asked: RunRequest, samples: SampleWriter, recorder: Recorder) -> None:
@@ -96,8 +97,8 @@ class _LiveRun:
 
     def _run(self, modules: Path) -> None:
         request, script = self._request, Path(self._request.controller)
-        entry = find_entry_point(script, script.read_bytes(), Path(request.root))
-        sources = [path.read_bytes() for path in sorted(Path(request.root).rglob("*.py"))]
+        entry = find_entry_point(script, file_bytes(script), Path(request.root))
+        sources = [file_bytes(path) for path in sorted(Path(request.root).rglob("*.py"))]
         has_made = make_missing_modules(self._interfaces, sources, modules)
         launch = request.launch or NOTHING_LAUNCHED
         program = Program(

@@ -9,6 +9,7 @@ import json
 from fractions import Fraction
 from typing import Any
 
+from tracerisk.common.text.printable import printable_json
 from tracerisk.errors import Location, ModelError, one_of
 from tracerisk.prm.formats.distribution_json import distribution_to_json, read_distribution
 from tracerisk.prm.formats.element import Element, read_document
@@ -69,7 +70,8 @@ def dumps(model: LinkedModel) -> str:
     """
     try:
         data = linked_data(model)
-        return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
+        return printable_json(text) + "\n"
     except RecursionError as error:
         raise ModelError(
             f"'{model.name}' has expressions nested too deep for JSON; name parts as parameters"

@@ -13,6 +13,8 @@ from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_text
+
 _MOST_FILES = 300
 _MOST_BYTES = 200_000
 _NAMES = re.compile(r"\.launch(\.py|\.xml|\.yaml)?$|launch.*\.py$|\.sh$|\.bash$|\.md$|\.rst$")
@@ -92,6 +94,6 @@ def _read(paths: Iterable[Path], names: re.Pattern[str]) -> Iterator[str]:
     for path in paths:
         try:
             if names.search(path.name) and path.stat().st_size <= _MOST_BYTES:
-                yield path.read_text(encoding="utf-8", errors="replace")
+                yield file_text(path, errors="replace")
         except OSError:
             continue  # nobody may read it, or it is a link to nowhere

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import Location
 
@@ -51,7 +52,7 @@ class Unconfirmed:
 
 def unconfirmed(path: Path, top: YamlMap) -> tuple[Unconfirmed, ...]:
     """Return the entries of a scenario that have the mark, each once, in the file's order."""
-    text = path.read_bytes().decode("utf-8-sig")
+    text = file_bytes(path).decode("utf-8-sig")
     marks = tuple(_marks(text))
     if not marks:
         return ()

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from tracerisk.common.acceptances import read_acceptances
+from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.common.verdict import Acceptance
 from tracerisk.errors import Location, ScenarioError, one_of
@@ -76,7 +77,7 @@ def read_scenario(path: Path) -> Scenario:
 
 def _holds_comments_alone(path: Path) -> bool:
     try:
-        text = path.read_text("utf-8-sig")
+        text = file_text(path, "utf-8-sig")
     except (OSError, UnicodeDecodeError):
         return False
     lines = [line.strip() for line in text.splitlines()]

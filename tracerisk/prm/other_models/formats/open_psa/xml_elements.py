@@ -9,6 +9,7 @@ from __future__ import annotations
 import pyexpat as expat
 from collections.abc import Callable
 
+from tracerisk.common.text.bounded import named_file
 from tracerisk.errors import Location, ModelError, one_of
 
 TYPE_CHECKING = False
@@ -162,7 +163,7 @@ def parse(
         if isinstance(source, bytes):
             parser.Parse(source, True)
         else:
-            with open(source, "rb") as stream:  # noqa: PTH123 - no start needs pathlib
+            with named_file(source) as stream:
                 parser.ParseFile(stream)
     except expat.ExpatError as error:
         place = Location(file, error.lineno, error.offset + 1)
@@ -196,6 +197,6 @@ def _byte(source: str | bytes, index: int) -> bytes:
     if isinstance(source, bytes):
         return source[index : index + 1]
     stream: BinaryIO
-    with open(source, "rb") as stream:  # noqa: PTH123 - no start needs pathlib
+    with named_file(source) as stream:
         stream.seek(max(index, 0))
         return stream.read(1)

@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.formats.element import Element, read_document
 from tracerisk.prm.numbers.gc_pause import collection_paused
@@ -44,7 +45,7 @@ def read_openpra(path: Path | str) -> LogicModel:
     be read, is not JSON, or is not what the engine takes.
     """
     try:
-        data = Path(path).read_bytes()
+        data = file_bytes(path, MOST_WRITTEN)
     except OSError as error:
         raise ModelError(
             f"cannot be read: {error.strerror or error}", Location(str(path))

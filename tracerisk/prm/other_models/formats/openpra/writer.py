@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.strong_components import reached
+from tracerisk.common.text.printable import printable_json
 from tracerisk.errors import Location, ModelError
 from tracerisk.prm.other_models.expressions import Evaluation, Expression, Number
 from tracerisk.prm.other_models.formats.open_psa.rewriting import accepted_form, form_inputs
@@ -64,7 +65,8 @@ def dumps_openpra(model: LogicModel, *, mission_time_h: float | None = None) -> 
     beside = name_for_engine(data) | beside
     document = {"settings": {"bdd": True, "probability": True}, "model": data}
     document |= {"tracerisk": beside} if beside else {}
-    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False)
+    return printable_json(text) + "\n"
 
 
 def _share_houses(trees: Iterable[dict[str, Any]]) -> list[str]:
