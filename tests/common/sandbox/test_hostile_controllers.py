@@ -24,6 +24,10 @@ READS = {
     "git's settings": "{root}/.git/config",
     "secrets beside the source": "{root}/.env",
     "a key beside the source": "{root}/robot.pem",
+    "a key in a folder": "{root}/certs/robot.pem",
+    "secrets in a folder of a folder": "{root}/sub/deep/.env",
+    "git's settings of a submodule": "{root}/sub/.git/config",
+    "a link to the home": "{root}/link.txt",
     "another project": "{outside}/secret.txt",
     "the parent's environment": "/proc/{parent}/environ",
     "the parent's memory map": "/proc/{parent}/maps",
@@ -153,6 +157,10 @@ class World:
             self.outside / "secret.txt",
         ):
             path.write_text("SECRET\n")
+        for name in ("certs/robot.pem", "sub/deep/.env", "sub/.git/config"):
+            (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+            (self.root / name).write_text("SECRET\n")
+        (self.root / "link.txt").symlink_to(self.home / "notes.txt")
         (self.root / "other.py").write_text("SPEED = 1\n")
         self.mark = f"77{os.getpid()}"
         self.tcp, self.udp = socket.socket(), socket.socket(type=socket.SOCK_DGRAM)

@@ -202,6 +202,20 @@ def test_a_component_omitted_by_its_name_stays_when_its_function_becomes_a_helpe
     assert short in project.read("c.py").decode()
 
 
+def test_an_edit_within_an_omitted_component_is_one_for_check_and_refresh(project):
+    change(project, "c.py", "@Component {", "@Component := omit {  ! why")
+    assert project.run("refresh").code == 0
+    assert check(project)[:2] == (0, [])
+    value = re.search(r"omit \{.*?probability = (\S+)", project.read("c.py").decode(), re.DOTALL)[1]
+    change(project, "c.py", f"probability = {value}", "probability = 1.2e-07")
+    code, kinds, message = check(project)
+    assert (code, {kind for kind, _, _ in kinds}) == (1, {"edited"})
+    assert f"is 1.2e-07, was written as {value}" in message
+    assert project.run("refresh").code == 3
+    assert project.run("refresh", "--discard-edits").code == 0
+    assert f"probability = {value}" in project.read("c.py").decode()
+
+
 def test_a_renamed_function_keeps_its_block_and_the_pins_in_it(project):
     text = project.read("c.py").decode()
     value = re.search(r"probability = (\S+)", text)[1]

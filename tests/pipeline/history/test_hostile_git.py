@@ -360,7 +360,7 @@ def test_an_object_that_is_too_large_is_refused_and_the_next_one_is_read(hostile
 
 NAMES = (
     "--output=out.py",
-    "-O",
+    "-O.py",
     "a\nb.py",
     "\x1b]52;c;aGk=\x07.py",
     ":(exclude)x.py",

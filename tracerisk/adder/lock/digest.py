@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Any
 from zlib import crc32
 
-from tracerisk.adder.blocks.block import Field, RiskBlock
+from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.failures import failures_text, with_renamed
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
@@ -85,18 +85,23 @@ def is_as_written(block: RiskBlock, written: WrittenBlock) -> bool:
         _fits(own, row.values, written.values)
         and entries.keys() == written.components.keys()
         and all(
-            entry.omitted
-            or (
-                not written.components[name].omitted
-                and _fits(
-                    {kind.key: value for kind, value in component_fields(entry)},
-                    row.components[name].values,
-                    written.components[name].values,
-                )
-            )
+            _is_component_as_written(entry, row.components[name].values, written.components[name])
             for name, entry in entries.items()
         )
     )
+
+
+def _is_component_as_written(
+    entry: ComponentEntry, found: Mapping[str, str], written: WrittenComponent
+) -> bool:
+    """Return whether a component is as written; one that is omitted need not state its values."""
+    if written.omitted and not entry.omitted:
+        return False
+    fields = {kind.key: value for kind, value in component_fields(entry)}
+    kept = written.values
+    if entry.omitted:
+        kept = {key: text for key, text in kept.items() if key in found}
+    return _fits(fields, found, kept)
 
 
 def _fits(

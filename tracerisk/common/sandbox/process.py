@@ -49,6 +49,7 @@ _PASSED = frozenset(
 _SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", ".srdf", ".xml")
 _OF_HOST = ("ROS_", "AMENT_", "CATKIN_", "CMAKE_PREFIX_PATH", "COLCON_", "RMW_")
 _LIBRARIES = "LD_LIBRARY_PATH"
+_DEEPEST = 100  # levels of folders that are looked through for keys; below them nothing is read
 _INSTALLED = ("site-packages", "dist-packages")
 
 
@@ -143,7 +144,8 @@ def start(
         _compile_own()
         given = [*reads, *map(Path, sandbox.readable)]
         ours = [_PACKAGE, *_interpreter(), *(Path(name) for name in paths)]
-        kept = [pair for folder in (*ours, *given) for pair in _within(folder)]
+        kept = [pair for folder in ours for pair in _within(folder, is_installed=True)]
+        kept += [pair for folder in given for pair in _within(folder, is_installed=False)]
         whole = [path for path, is_whole in kept if is_whole]
         plan |= {
             "readable": [*_SYSTEM, *whole],
@@ -246,30 +248,58 @@ def _is_no_source(path: str) -> bool:
     return not path.endswith(_SOURCE_ENDINGS)
 
 
-def _within(place: Path) -> list[tuple[str, bool]]:
+def _within(place: Path, *, is_installed: bool) -> list[tuple[str, bool]]:
     """Return what of a place is readable: itself, or its parts where it holds what is not.
 
-    With each path stands whether it may be read, or only listed.
+    With each path stands whether it may be read, or only listed. What is installed is looked
+    through at its top alone.
     """
     try:
         path = place.resolve()
         if not path.is_dir():
             return [(str(path), True)]
-        names = sorted(os.listdir(path))  # noqa: PTH208 - hundreds, of which few are looked at
         homes = _homes(os.environ.get("HOME"))
+        if any(path in home.parents for home in homes):
+            return []
+        if path in homes:
+            # The folder of everything is not a folder of sources, though sources may lie in it.
+            inside = (item for item in sorted(path.iterdir()) if not item.is_symlink())
+            parts = [item for item in inside if item.is_file() and item.suffix in _SOURCE_ENDINGS]
+            return [(str(path), False), *((str(part), True) for part in parts)]
+        return _parts_of(str(path), 1 if is_installed else _DEEPEST)
     except (OSError, RuntimeError):
         return []
-    if any(path in home.parents for home in homes):
-        return []
-    if path in homes:
-        # The folder of everything is not a folder of sources, though sources may lie in it.
-        inside = (path / name for name in names)
-        parts = [item for item in inside if item.is_file() and item.suffix in _SOURCE_ENDINGS]
-    elif any(map(is_secret, names)):
-        parts = [path / name for name in names if not is_secret(name)]
-    else:
-        return [(str(path), True)]
-    return [(str(path), False), *((str(part), True) for part in parts)]
+
+
+def _parts_of(folder: str, levels: int) -> list[tuple[str, bool]]:
+    """Return a folder where nothing in it is secret, so many levels deep; else its parts.
+
+    A link that stands among them is no part: what it leads to may lie anywhere.
+    """
+    parts: list[tuple[str, bool]] = []
+    is_whole = True
+    with os.scandir(folder) as entries:
+        ordered = sorted(entries, key=lambda entry: entry.name)
+    for entry in ordered:
+        if is_secret(entry.name):
+            is_whole = False
+        elif entry.is_symlink():
+            continue
+        elif not entry.is_dir() or levels == 1:
+            parts.append((entry.path, True))
+        else:
+            # The certificates among what is installed are those of authorities.
+            inner = _inner_parts(entry.path, 1 if entry.name in _INSTALLED else levels - 1)
+            is_whole = is_whole and inner == [(entry.path, True)]
+            parts += inner
+    return [(folder, True)] if is_whole else [(folder, False), *parts]
+
+
+def _inner_parts(folder: str, levels: int) -> list[tuple[str, bool]]:
+    try:
+        return _parts_of(folder, levels) if levels > 0 else []
+    except OSError:
+        return []  # who may not list it may not read it
 
 
 @lru_cache(maxsize=2)

@@ -84,6 +84,7 @@ class Answers(io.TextIOBase):
 
     def __post_init__(self) -> None:
         self.keys = ScriptedKeys(self._given, self.scheduler, self.script)
+        self.buffer = AnswerBytes(self)
         self._left = list(self.answers)
 
     @property
@@ -186,3 +187,42 @@ class Answers(io.TextIOBase):
         end = len(self._line) if size is None or size < 0 else size
         taken, self._line = self._line[:end], self._line[end:]
         return taken
+
+
+class AnswerBytes(io.BufferedIOBase):
+    """The answers as bytes, for who reads `sys.stdin.buffer`; they are the same answers."""
+
+    def __init__(self, answers: Answers) -> None:
+        super().__init__()
+        self._answers = answers
+        self._left = b""
+
+    def readable(self) -> bool:
+        """Return that it can be read."""
+        return True
+
+    def fileno(self) -> int:
+        """Return the descriptor of the standard input, whose keys are scripted too."""
+        return STDIN
+
+    def readline(self, size: int | None = -1, /) -> bytes:
+        """Return the next answer or what is left of it."""
+        if not self._left:
+            self._left = self._answers.readline().encode()
+        end = len(self._left) if size is None or size < 0 else size
+        taken, self._left = self._left[:end], self._left[end:]
+        return taken
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """Return all answers, or as much of the next one as is asked for."""
+        if size is None or size < 0:
+            taken, self._left = self._left, b""
+            return taken + self._answers.read().encode()
+        return self.readline(size)
+
+    read1 = read
+
+    def __next__(self) -> bytes:
+        if self._left:
+            return self.readline()
+        return next(self._answers).encode()
