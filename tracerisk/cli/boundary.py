@@ -11,12 +11,9 @@ from importlib import import_module
 
 from tracerisk.cli.shared.output import note, place_data, print_json, scenario_advice
 from tracerisk.cli.verbs import module_of
-from tracerisk.common.text.bounded import NoFileError
 from tracerisk.common.text.printable import escaped, printable
 from tracerisk.errors import (
     ExitCode,
-    InputError,
-    Location,
     MachineError,
     TraceRiskError,
     disk_full,
@@ -62,8 +59,6 @@ def _known(error: Exception, verb: str) -> TraceRiskError | None:
         from tracerisk.common.dependencies import error_of
 
         return error_of(error, f"`tracerisk {verb}`")
-    if isinstance(error, NoFileError):
-        return InputError(f"cannot be read: {error.strerror}", Location(str(error.filename)))
     if isinstance(error, OSError) and error.errno == errno.ENOSPC:
         return disk_full(str(error.filename or "the temporary files"))
     if isinstance(error, OSError) and error.errno == errno.EFBIG:

@@ -1,8 +1,23 @@
-"""Numbers and JSON of others, within bounds."""
+"""Files, numbers and JSON of others, within bounds."""
+
+import ast
+import errno
+import os
+from pathlib import Path
 
 import pytest
 
-from tracerisk.common.text.bounded import MOST_DIGITS, finite_number, loads_json, whole_number
+import tracerisk
+from tracerisk.common.text.bounded import (
+    MOST_BYTES,
+    MOST_DIGITS,
+    file_bytes,
+    file_text,
+    finite_number,
+    loads_json,
+    whole_number,
+)
+from tracerisk.errors import InputError
 
 
 @pytest.mark.parametrize("text", ["9" * (MOST_DIGITS + 1), "x", "1e3"])
@@ -25,3 +40,75 @@ def test_json_past_a_bound_is_a_value_error(text):
 
 def test_json_within_bounds_is_as_python_reads_it():
     assert loads_json(b'{"a": [1, 2.5, -3e-5, true, null]}') == {"a": [1, 2.5, -3e-5, True, None]}
+
+
+def test_a_file_is_read_as_it_is(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(b"a\r\nb\xff")
+    assert file_bytes(path) == b"a\r\nb\xff"
+    assert file_text(path, errors="replace") == "a\nb\ufffd"
+    (tmp_path / "link").symlink_to(path)
+    assert file_bytes(tmp_path / "link") == path.read_bytes()
+    with pytest.raises(OSError, match="symbolic links"):
+        file_bytes(tmp_path / "link", through_links=False)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs pipes and devices")
+def test_what_is_no_file_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "endless").symlink_to("/dev/zero")
+    with pytest.raises(OSError, match="pipe: cannot be read: it is a pipe; put a regular file"):
+        file_bytes(tmp_path / "pipe")
+    with pytest.raises(InputError, match="endless: cannot be read: it is a device; put a regular"):
+        file_text(tmp_path / "endless")
+    with pytest.raises(IsADirectoryError):
+        file_bytes(tmp_path)
+    with pytest.raises(FileNotFoundError):
+        file_bytes(tmp_path / "absent")
+
+
+def test_a_file_that_is_too_large_is_refused(tmp_path):
+    path = tmp_path / "large"
+    with path.open("wb") as stream:
+        stream.truncate(MOST_BYTES + 1)
+    with pytest.raises(OSError, match=f"it holds more than {MOST_BYTES} bytes") as error:
+        file_bytes(path)
+    assert (error.value.errno, error.value.filename) == (errno.EFBIG, str(path))
+    assert len(file_bytes(path, MOST_BYTES + 1)) == MOST_BYTES + 1
+
+
+def test_no_file_of_a_checkout_is_read_past_the_bounds():
+    """What is opened otherwise is ours, or a program's, or read in a process with limits."""
+    package = Path(tracerisk.__file__).parent
+    found = set()
+    for path in package.rglob("*.py"):
+        name = path.relative_to(package).as_posix()
+        for node in ast.walk(ast.parse(path.read_bytes())):
+            if isinstance(node, ast.Call) and _reads(node) and "/stand_ins/" not in name:
+                found.add(name)
+    assert found == READERS_OF_OURS
+
+
+READERS_OF_OURS = {
+    *("cli/set_up/docs.py", "common/hardware/shipped.py", "report/html/page.py"),
+    *("common/hardware/sysml/language/parsing.py", "pipeline/start/ci_files.py"),
+    *("pipeline/start/schemas.py", "prm/formats/json_parts.py", "ros/messages/interface_texts.py"),
+    *("twin/robots/index.py", "report/png/drawn.py", "pipeline/run/child.py"),
+    # Files of /proc, and of a campaign that is under way.
+    *("common/sandbox/fork_server.py", "common/sandbox/limited_process.py", "ros/live/session.py"),
+    *(
+        "common/sandbox/start.py",
+        "pipeline/run/branching/watch.py",
+        "pipeline/evidence/cell_runs.py",
+    ),
+    "common/text/bounded.py",
+}
+
+
+def _reads(call):
+    if isinstance(call.func, ast.Name):
+        texts = [each.value for each in call.args if isinstance(each, ast.Constant)]
+        return call.func.id == "open" and "rb" in texts
+    name = getattr(call.func, "attr", "")
+    texts = [each.value for each in call.args if isinstance(each, ast.Constant)]
+    return name in ("read_text", "read_bytes") or (name == "open" and "rb" in texts)

@@ -500,6 +500,42 @@ def test_answers_are_given_in_turn_and_then_enter(example, quick):
     assert "assumed: input: 3 questions got scripted answers, 1 got Enter" in outcome.err
 
 
+def test_answers_are_read_as_bytes_too(example, quick):
+    source = quick(
+        'assert sys.stdin.buffer.readline() == "größer\\n".encode()',
+        'assert sys.stdin.buffer.read(1) == b"k"',
+        'assert sys.stdin.buffer.readline() == b"\\n"',
+        'assert sys.stdin.readline() == "no\\n"',
+        'assert [*sys.stdin.buffer] == [b"yes\\n"]',
+        'assert sys.stdin.buffer.read() == b""',
+    )
+    example.write("controller.py", source)
+    answers = [word for text in ("größer", "k", "no", "yes") for word in ("--answer", text)]
+    outcome = example.run("trace", "controller.py", *answers)
+    assert outcome.code == 0, outcome.err
+
+
+def test_a_text_that_is_no_utf_8_and_a_command_of_a_log_are_only_shown(example, quick):
+    source = quick(
+        'name = b"calib\\xff.yaml".decode(errors="surrogateescape")',
+        'rospy.logerr("cannot read %s", name)',
+        'print("\\x1b]52;c;aGk=\\x07 \\x1b[31mred\\x1b[0m", flush=True)',
+        'print(":", end="", flush=True)',
+        'print(":error::pwned\\r::add-mask::x", flush=True)',
+    )
+    example.write("controller.py", source)
+    outcome = example.run("trace", "controller.py", "--json")
+    assert outcome.code == 0, outcome.err
+    assert "\x1b" not in outcome.err + outcome.out
+    assert "\\x1b]52;c;aGk=\\x07 red\n" in outcome.err
+    lines = outcome.err.splitlines()
+    assert [line for line in lines if "pwned" in line or "add-mask" in line] == [
+        "./::error::pwned",
+        "./::add-mask::x",
+    ]
+    assert not [line for line in lines if line.lstrip().startswith("::")]
+
+
 def test_an_empty_file_commands_nothing_and_is_left_alone(example):
     example.write("controller.py", "")
     before = example.files()

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Sequence
 
 from tracerisk.cli.shared.output import note
-from tracerisk.common.text.bounded import MOST_WRITTEN, named_file
+from tracerisk.common.text.bounded import MOST_WRITTEN, named_file, read_within
 from tracerisk.errors import InputError, Location, TooLargeError, readable
 
 TYPE_CHECKING = False
@@ -31,10 +30,8 @@ _HAS_EVIDENCE = re.compile(rb"RiskAnnotation [^\n]*with evidence")
 def read_file(name: str) -> bytes:
     """Return the bytes of a file; raise InputError when it cannot be read or holds too many."""
     with readable(name), named_file(name) as file:
-        # Its size before its bytes; a pipe has none, and may have no end.
-        size = os.fstat(file.fileno()).st_size
-        data = file.read(MOST_WRITTEN + 1) if size <= MOST_WRITTEN else b""
-    if max(size, len(data)) > MOST_WRITTEN:
+        data = read_within(file, MOST_WRITTEN)
+    if data is None:
         raise TooLargeError(
             f"{name}: holds more than {MOST_WRITTEN // 2**20} MB; no larger file is read"
         )

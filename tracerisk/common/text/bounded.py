@@ -15,6 +15,8 @@ import stat
 from collections.abc import Callable
 from typing import Any, BinaryIO
 
+from tracerisk.errors import InputError, Location
+
 MOST_DIGITS = 400
 """The digits of the longest number that is read; the largest double has 309."""
 
@@ -35,11 +37,16 @@ _FLAGS = (
     | getattr(os, "O_NOCTTY", 0)
     | getattr(os, "O_BINARY", 0)
 )
+_PIECE = 2**16
 Pairs = list[tuple[str, Any]]
 
 
-class NoFileError(OSError):
+class NoFileError(InputError, OSError):
     """A device, a pipe or a file that is too large stands where a file is to be read."""
+
+    def __init__(self, number: int, words: str, path: str | os.PathLike[str]) -> None:
+        super().__init__(f"cannot be read: {words}", Location(os.fspath(path)))
+        self.errno, self.strerror, self.filename = number, words, os.fspath(path)
 
 
 def whole_number(text: str) -> int:
@@ -91,12 +98,24 @@ def file_bytes(
     `most` bytes; a link too, unless it is to be read `through_links`. Nothing is waited for.
     """
     with regular_file(path, through_links=through_links) as stream:
-        size = os.fstat(stream.fileno()).st_size
-        data = stream.read(most + 1) if size <= most else b""
-    if max(size, len(data)) > most:
+        data = read_within(stream, most)
+    if data is None:
         words = f"it holds more than {most} bytes, and no larger file is read"
-        raise NoFileError(errno.EFBIG, words, os.fspath(path))
+        raise NoFileError(errno.EFBIG, words, path)
     return data
+
+
+def read_within(stream: BinaryIO, most: int) -> bytes | None:
+    """Return what is left of a file that was just opened; `None` where that is more than `most`."""
+    size = os.fstat(stream.fileno()).st_size  # a pipe has none, and may have no end
+    if size > most:
+        return None
+    parts = [stream.read(size + 1)]
+    count = len(parts[0])
+    while count > size and parts[-1] and count <= most:  # it grows, or its size is not known
+        parts.append(stream.read(_PIECE))
+        count += len(parts[-1])
+    return b"".join(parts) if count <= most else None
 
 
 def file_text(
@@ -124,7 +143,7 @@ def regular_file(path: str | os.PathLike[str], *, through_links: bool = True) ->
         if not stat.S_ISREG(mode):
             kind = "pipe" if stat.S_ISFIFO(mode) else "device"
             words = f"it is a {kind}; put a regular file there"
-            raise NoFileError(errno.EINVAL, words, os.fspath(path))
+            raise NoFileError(errno.EINVAL, words, path)
         return os.fdopen(descriptor, "rb")
     except BaseException:
         os.close(descriptor)

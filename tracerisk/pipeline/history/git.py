@@ -98,9 +98,9 @@ def git(
     filters = _unfiltered(folder) if verb in _OF_WORKING_TREE else ()
     with _source(given) as source, _started(folder, verb, arguments, filters, source) as asked:
         with asked.answering():
-            output = asked.read(MOST_BYTES + 1)
-            code = asked.process.wait() if len(output) <= MOST_BYTES else 0
-        if len(output) > MOST_BYTES:
+            output = asked.rest(MOST_BYTES)
+            code = 0 if output is None else asked.process.wait()
+        if output is None:
             raise _failed(folder, verb, f"says more than {MOST_BYTES // 2**20} MB")
         return subprocess.CompletedProcess([verb], code, output, asked.words)
 
@@ -214,6 +214,16 @@ class _Asked:
     def read(self, size: int) -> bytes:
         """Return so many bytes of the output, fewer where it ends."""
         return self._stdout.read(size)
+
+    def rest(self, most: int) -> bytes | None:
+        """Return the rest of the output; `None` where it is more than `most` bytes."""
+        parts, left = [], most
+        while piece := self._stdout.read(_PIECE):
+            parts.append(piece)
+            left -= len(piece)
+            if left < 0:
+                return None
+        return b"".join(parts)
 
     def skip(self, size: int) -> None:
         """Leave out so many bytes of the output."""

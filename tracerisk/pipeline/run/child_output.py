@@ -21,8 +21,9 @@ _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
 _END_OF_OUTPUT = 2000  # bytes that are kept of it
 _MOST_AT_ONCE = 65536
 _MOST_HELD = 1000  # characters; what is longer is blanks
-# A colour, a line end or a command of a log that goes on in the next part.
-_UNFINISHED = re.compile(r"(?:\r|\x1b(?:\[[0-9;]{0,30})?|#{1,2}\w{0,20})\Z")
+# What may go on in the next part: a colour or a line end, a command of the older form.
+_BEGUN_CODE = re.compile(r"(?:\r|\x1b(?:\[[0-9;]{0,30})?)\Z")
+_BEGUN_COMMAND = re.compile(r"#{1,2}\w{0,20}\Z")
 
 
 class PassingOn(threading.Thread):
@@ -83,28 +84,36 @@ class PrintableParts:
 
     def __init__(self) -> None:
         self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
-        self._held = ""
+        self._raw = ""
+        self._plain = ""
         self._is_within_line = False
 
     def of(self, part: bytes) -> str:
         """Return what may be printed now."""
-        text = self._held + self._decoder.decode(part)
-        end = _UNFINISHED.search(text)
-        begin = len(text) if end is None else end.start()
-        line = text.rfind("\n") + 1
-        if text[line:].strip() in ("", ":") and not (self._is_within_line and not line):
+        plain = self._without_colors(self._decoder.decode(part))
+        end = _BEGUN_COMMAND.search(plain)
+        begin = len(plain) if end is None else end.start()
+        line = plain.rfind("\n") + 1
+        if plain[line:].strip() in ("", ":") and not (self._is_within_line and not line):
             begin = min(begin, line)
-        self._held = text[begin:][:_MOST_HELD]
-        return self._shown(text[:begin])
+        self._plain = plain[begin:][:_MOST_HELD]
+        return self._shown(plain[:begin])
 
     def rest(self) -> str:
         """Return what is left when the output ends."""
-        text = self._held + self._decoder.decode(b"", final=True)
-        self._held = ""
-        return self._shown(text)
+        plain = self._without_colors(self._decoder.decode(b"", final=True), is_end=True)
+        return self._shown(plain)
 
-    def _shown(self, text: str) -> str:
-        plain = colorless(text).replace("\r\n", "\n").replace("\r", "\n")
+    def _without_colors(self, text: str, *, is_end: bool = False) -> str:
+        """Return what was held back of the text, and what is new of it."""
+        text = self._raw + text
+        end = None if is_end else _BEGUN_CODE.search(text)
+        begin = len(text) if end is None else end.start()
+        self._raw = text[begin:]
+        shown = colorless(text[:begin]).replace("\r\n", "\n").replace("\r", "\n")
+        return self._plain + shown
+
+    def _shown(self, plain: str) -> str:
         if not plain:
             return ""
         # What goes on with a line is no begin of one.

@@ -18,6 +18,7 @@ from functools import lru_cache
 from importlib.machinery import PathFinder
 from pathlib import Path
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.instrument.source.python_source import parsed
 from tracerisk.ros.controller.removed_names import REMOVED_MODULES
 
@@ -161,7 +162,7 @@ def giving_way(packages: Mapping[str, Path]) -> GivingWay:
 
 
 def _is_of_python_2(package: Path) -> bool:
-    return any(parsed(file.read_bytes()) is None for file in sorted(package.glob("*.py")))
+    return any(parsed(file_bytes(file)) is None for file in sorted(package.glob("*.py")))
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.text.bounded import file_text
 from tracerisk.config import RosDistro
 from tracerisk.errors import InputError, Location
 
@@ -113,7 +114,7 @@ def interface_text(definition: Definition) -> str:
     """Return the text of a definition; letters that are not UTF-8 can only stand in comments."""
     if isinstance(definition, InterfaceText):
         return definition.text
-    return definition.read_text(encoding="utf-8", errors="replace")
+    return file_text(definition, errors="replace")
 
 
 @cache
