@@ -2,7 +2,7 @@
 
     python tests/fuzz/many.py --inputs 1000000 --jobs 2 [--readers NAME ...] [--seed N] [--keep DIR]
 
-The inputs are shared out evenly over the readers. An input must end in a result or in an error of
+The inputs are shared out evenly over the readers; one that takes a process each gets fewer. An input must end in a result or in an error of
 ours, within 10 s of processor time and 1 GB of further memory; each that does not is printed with the last line of
 its traceback and, with `--keep`, written to a folder. Seed, reader and number make an input again.
 """
@@ -128,10 +128,12 @@ def _batch(task: tuple[str, int, range]) -> list[Finding]:
 
 def fuzzed(names: Sequence[str], inputs: int, *, seed: int, jobs: int) -> list[Finding]:
     """Return what `inputs` inputs of each of some readers found."""
+    counts = {name: -(-inputs // READERS[name].one_in) for name in names}
     tasks = [
-        (name, seed, range(first, min(first + BATCH, inputs)))
+        (name, seed, range(first, min(first + BATCH, counts[name])))
         for first in range(0, inputs, BATCH)
         for name in names
+        if first < counts[name]
     ]
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(jobs, mp_context=context, initializer=_limit) as pool:

@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from workspace_readers import EXPANDED, WORKSPACE
+
 import tracerisk
 from tracerisk import config
 from tracerisk.adder.lock.lock import Lock
@@ -230,6 +232,8 @@ class Reader:
     """What reads bytes, in a folder that it may write."""
     examples: tuple[bytes, ...]
     """Whole inputs, which it accepts."""
+    one_in: int = 1
+    """Of so many inputs that are asked for, one is read."""
 
 
 def _written(path: Path, content: bytes) -> Path:
@@ -346,4 +350,6 @@ _READERS: dict[str, Reader] = {
         _file("pyproject.toml", lambda path: config.ProjectSettings(path.parent).of()), (SETTINGS,)
     ),
 }
+_READERS |= {name: Reader(*both) for name, both in WORKSPACE.items()}
+_READERS["xacro"] = Reader(*EXPANDED, one_in=100)
 READERS = {name: _with_files(name, reader) for name, reader in _READERS.items()}

@@ -92,8 +92,12 @@ def _of_xml(element: XmlElement) -> Element:
 def _of_yaml(tag: str, content: Any) -> Element:
     """Return an entity: keys that hold entities are children, all others attributes."""
     if isinstance(content, list):
+        if not all(isinstance(item, dict) for item in content if item):
+            raise LaunchTextError(f"'{tag}' lists what is no entity; write `- name: ...`")
         return Element(tag, {}, [_of_yaml(*next(iter(item.items()))) for item in content if item])
-    element = Element(tag, {})
+    if content is not None and not isinstance(content, dict):
+        raise LaunchTextError(f"'{tag}' is no mapping; its attributes are `name: value`")
+    element = Element(str(tag), {})
     for key, value in (content or {}).items():
         name = str(key)
         if name == "children" and isinstance(value, list):
