@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -113,7 +114,7 @@ class _Reader:
         self._files += 1
         if self._files > _MOST_FILES:
             raise RoslaunchError(f"more than {_MOST_FILES} files are included")
-        if not path.is_file():
+        if not os.path.isfile(path):  # noqa: PTH113 - a name may be too long to be one of a file
             raise RoslaunchError(f"launch file '{path.name}' is not here")
         top = read_xml(read_text(path), path.name)
         self.sources.append(path)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from tracerisk.common.text.printable import without_controls
+from tracerisk.common.text.printable import escaped
 from tracerisk.common.verdict import Verdict
 from tracerisk.errors import Location
 from tracerisk.prm.hybrid.assessment import MissionFigures
@@ -95,5 +95,5 @@ def _line(sample: Sample) -> str:
 
 
 def _quoted(text: str) -> str:
-    plain = without_controls(text)
+    plain = escaped(text)
     return plain.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
