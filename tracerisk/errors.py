@@ -265,6 +265,14 @@ def disk_full(folder: str) -> MachineError:
     )
 
 
+def file_limited() -> MachineError:
+    """Return the error of a limit of the shell to the size of files."""
+    return MachineError(
+        "a file may not grow as large here as the command needs it; raise the limit with "
+        "`ulimit -f unlimited`, and run the same command again"
+    )
+
+
 def one_of(names: Iterable[str], found: str | None = None) -> str:
     """Return `allowed: a, b, c`, led by the nearest name to `found` where one is near."""
     ordered = sorted(names)

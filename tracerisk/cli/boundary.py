@@ -14,9 +14,9 @@ from tracerisk.cli.verbs import module_of
 from tracerisk.common.text.printable import escaped, printable
 from tracerisk.errors import (
     ExitCode,
-    MachineError,
     TraceRiskError,
     disk_full,
+    file_limited,
     interruption,
 )
 
@@ -62,10 +62,7 @@ def _known(error: Exception, verb: str) -> TraceRiskError | None:
     if isinstance(error, OSError) and error.errno == errno.ENOSPC:
         return disk_full(str(error.filename or "the temporary files"))
     if isinstance(error, OSError) and error.errno == errno.EFBIG:
-        return MachineError(
-            "a file may not grow as large here as the command needs it; raise the limit with "
-            "`ulimit -f unlimited`, and run the same command again"
-        )
+        return file_limited()
     return None
 
 

@@ -3,6 +3,8 @@ documented exit code, the trace so far, and no byte of the folder changed."""
 
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -534,6 +536,16 @@ def test_a_text_that_is_no_utf_8_and_a_command_of_a_log_are_only_shown(example, 
         "./::add-mask::x",
     ]
     assert not [line for line in lines if line.lstrip().startswith("::")]
+
+
+def test_a_limit_to_the_size_of_files_is_said_to_be_one(example, quick):
+    example.write("controller.py", quick())
+    command = f"ulimit -f 100; exec '{sys.executable}' -m tracerisk run controller.py"
+    done = subprocess.run(
+        ["bash", "-c", command], cwd=example.folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 4, done.stderr
+    assert "raise the limit with `ulimit -f unlimited`, and run the same command" in done.stderr
 
 
 def test_an_empty_file_commands_nothing_and_is_left_alone(example):

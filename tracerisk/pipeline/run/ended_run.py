@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
+import resource
 import shutil
 import signal
 from collections.abc import Callable, Sequence
@@ -146,9 +148,12 @@ def ended_run(
     """Return what a run showed whose process has ended, by what it left in its folder.
 
     Raises LogError or LimitError at what is no recording, the error with which it refused, and
-    MachineError where it ended badly and the disk is full: nobody knows whose doing that was.
+    MachineError where it ended badly and the disk is full: nobody knows whose doing that was; also
+    where a file of it would have grown past the limit of this process.
     """
     folder = Path(request.folder)
+    if _is_at_limit(folder, process_end.last_line):
+        raise errors.file_limited()
     try:
         done = _read(controller, robot, settings, request, process_end, options)
     except (TraceRiskError, RuntimeError) as error:
@@ -158,6 +163,15 @@ def ended_run(
     if not done.trace.end.is_good and _is_full(folder):
         raise errors.disk_full(str(folder.parent))
     return done
+
+
+def _is_at_limit(folder: Path, last_line: str) -> bool:
+    limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
+    if limit == resource.RLIM_INFINITY or not folder.is_dir():
+        return False
+    sizes = [entry.stat(follow_symlinks=False).st_size for entry in os.scandir(folder)]
+    # A file that is made larger as a whole is not made at all.
+    return max(sizes, default=0) >= limit or os.strerror(errno.EFBIG) in last_line
 
 
 def _is_full(folder: Path) -> bool:
