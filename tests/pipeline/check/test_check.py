@@ -209,7 +209,7 @@ def test_an_edit_within_an_omitted_component_is_one_for_check_and_refresh(projec
     value = re.search(r"omit \{.*?probability = (\S+)", project.read("c.py").decode(), re.DOTALL)[1]
     change(project, "c.py", f"probability = {value}", "probability = 1.2e-07")
     code, kinds, message = check(project)
-    assert (code, {kind for kind, _, _ in kinds}) == (1, {"edited"})
+    assert (code, {kind for kind, _, _ in kinds}) == (3, {"edited"})
     assert f"is 1.2e-07, was written as {value}" in message
     assert project.run("refresh").code == 3
     assert project.run("refresh", "--discard-edits").code == 0

@@ -15,7 +15,7 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.common import trace_json
 from tracerisk.common.hardware.shipped import shipped_bytes
 from tracerisk.common.text.digests import sha256
-from tracerisk.common.text.printable import printable_json
+from tracerisk.common.text.printable import printable_json, without_controls
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.dossier.calculation import hand_calculation
@@ -69,19 +69,23 @@ def dossier(
         REPORT: page.encode(),
         RECORD: _json({**report_record(report), "environment": asdict(here)}),
         CONSTRAINTS: here.constraints.encode(),
-        CALCULATION: calculation.encode(),
-        SHEET: sheet(report).encode(),
-        ASSUMPTIONS: _assumptions(report).encode(),
+        CALCULATION: _text(calculation),
+        SHEET: _text(sheet(report)),
+        ASSUMPTIONS: _text(_assumptions(report)),
         MODEL: model_json.dumps(report.model).encode(),
         **_open_psa(report, mission),
         **_files(report, root),
     }
     if report.trace is not None:
         contents[TRACE] = trace_json.dumps(report.trace).encode()
-    contents[GUIDE] = guide(report, mission, [*contents, GUIDE, DIGESTS], here).encode()
+    contents[GUIDE] = _text(guide(report, mission, [*contents, GUIDE, DIGESTS], here))
     lines = [f"{sha256(data)}  {name}\n" for name, data in sorted(contents.items())]
     contents[DIGESTS] = "".join(lines).encode()
     return _archive(contents)
+
+
+def _text(text: str) -> bytes:
+    return without_controls(text).encode()
 
 
 def _open_psa(report: ReportInput, mission: MissionTree | None) -> dict[str, bytes]:
