@@ -12,7 +12,7 @@ from lsprotocol import types as lsp
 
 from tracerisk.common.text.printable import printable_json
 from tracerisk.editor import server
-from tracerisk.editor.session import analyse, controllers_with
+from tracerisk.editor.session import Session, analyse, controllers_with
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
 from tracerisk.pipeline.launch_files.visit import visit
@@ -111,8 +111,8 @@ def edit(data: bytes, folder: Path) -> object:
     path = folder / "cell.py"
     path.write_bytes(data)
     uri, text = path.as_uri(), data.decode("utf-8", "surrogateescape")
-    risk_server = server.language_server()
-    session = risk_server.session
+    risk_server, session = _server(), Session()
+    risk_server.session = session
     document = session.put(uri, 1, text)
     try:
         for controller in controllers_with(document, session.projects):
@@ -126,9 +126,9 @@ def edit(data: bytes, folder: Path) -> object:
     plain: Any = SimpleNamespace(text_document=identifier)
     shown += [server._code_lens(risk_server, plain), server._folding(risk_server, plain)]
     count = len(document.lines.texts)
-    for number in sorted({0, count // 3, count // 2, count - 1, len(data) % max(count, 1)}):
+    for number in sorted({0, count // 2, len(data) % max(count, 1)}):
         line = document.lines.text(number)
-        for column in {0, len(line) // 2, len(line)}:
+        for column in {len(line) // 2, len(line)}:
             at = lsp.Position(number, column)
             here: Any = SimpleNamespace(
                 text_document=identifier,
@@ -139,6 +139,11 @@ def edit(data: bytes, folder: Path) -> object:
             shown += [server._hover(risk_server, here), server._completion(risk_server, here)]
             shown.append(server._code_action(risk_server, here))
     return shown
+
+
+@cache
+def _server() -> server.RiskServer:
+    return server.language_server()
 
 
 def hear(name: str) -> Callable[[bytes, Path], object]:
