@@ -8,14 +8,18 @@ A file that is none, or too large, is an `OSError` like any other that cannot be
 from __future__ import annotations
 
 import errno
-import json
 import math
 import os
 import stat
-from collections.abc import Callable
-from typing import Any, BinaryIO
 
 from tracerisk.errors import InputError, Location
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any, BinaryIO
+
+    Pairs = list[tuple[str, Any]]
 
 MOST_DIGITS = 400
 """The digits of the longest number that is read; the largest double has 309."""
@@ -38,7 +42,6 @@ _FLAGS = (
     | getattr(os, "O_BINARY", 0)
 )
 _PIECE = 2**16
-Pairs = list[tuple[str, Any]]
 
 
 class NoFileError(InputError, OSError):
@@ -77,6 +80,8 @@ def loads_json(
     Raises ValueError (JSONDecodeError, with the place, where the text is not JSON) for numbers that
     are too long or not finite, and for a text that nests too deeply.
     """
+    import json  # what reads no JSON starts without it
+
     try:
         return json.loads(
             text,

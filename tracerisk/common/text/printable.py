@@ -17,12 +17,12 @@ _UNSAFE = (
     "\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u061c\\u200e\\u200f\\u2028-\\u202e\\u2060-\\u206f"
     "\\ud800-\\udfff\\ufeff\\ufff9-\\ufffb\\U000e0000-\\U000e007f"
 )
-_CHARACTER = re.compile(f"[{_UNSAFE}]")
+_CHARACTER = f"[{_UNSAFE}]"
 # `::error` of GitHub at the begin of a line; `##[error]` and `##vso[` anywhere.
-_COMMAND = re.compile(r"^(?=[^\S\n]*::)", re.MULTILINE)
-_OLD_COMMAND = re.compile(r"##(?=\w*\[)")
-_ESCAPE = re.compile(r"\\(?:u(d[89ab]..)\\u(d[c-f]..)|u([0-9a-f]{4})|.)")  # of JSON
-_COLOR = re.compile(r"(\x1b\[[0-9;]*m)")
+_COMMAND = r"(?m)^(?=[^\S\n]*::)"
+_OLD_COMMAND = r"##(?=\w*\[)"
+_ESCAPE = r"\\(?:u(d[89ab]..)\\u(d[c-f]..)|u([0-9a-f]{4})|.)"  # of JSON
+_COLOR = r"(\x1b\[[0-9;]*m)"
 
 
 def printable(text: str) -> str:
@@ -44,13 +44,13 @@ def escaped(text: str) -> str:
     """
     if text.isprintable() and "::" not in text and "##" not in text:
         return text  # as most are
-    shown = _OLD_COMMAND.sub("# #", without_controls(text))
-    return _COMMAND.sub("./", shown)
+    shown = re.sub(_OLD_COMMAND, "# #", without_controls(text))
+    return re.sub(_COMMAND, "./", shown)
 
 
 def without_controls(text: str) -> str:
     """Return a text with control characters as their codes, `\\x1b`; line feeds and tabs stay."""
-    return _CHARACTER.sub(_code, text)
+    return re.sub(_CHARACTER, _code, text)
 
 
 def escaped_but_colors(text: str) -> str:
@@ -58,7 +58,7 @@ def escaped_but_colors(text: str) -> str:
     if "\x1b" not in text:
         return escaped(text)
     # A colour may stand before what would be a command at the begin of a line.
-    parts = _COLOR.split(text)
+    parts = re.split(_COLOR, text)
     return "".join(part if i % 2 else escaped(part) for i, part in enumerate(parts))
 
 
@@ -67,8 +67,8 @@ def printable_json(text: str) -> str:
 
     Within strings alone are there characters that JSON can write by their codes.
     """
-    shown = _CHARACTER.sub(lambda found: _json_code(found[0]), text)
-    return _OLD_COMMAND.sub(r"\\u0023#", shown)
+    shown = re.sub(_CHARACTER, lambda found: _json_code(found[0]), text)
+    return re.sub(_OLD_COMMAND, r"\\u0023#", shown)
 
 
 def printable_script(text: str) -> str:
@@ -76,12 +76,12 @@ def printable_script(text: str) -> str:
 
     What a script shows of it no longer passes any other boundary.
     """
-    return _ESCAPE.sub(_shown_code, text)
+    return re.sub(_ESCAPE, _shown_code, text)
 
 
 def colorless(text: str) -> str:
     """Return a text without the sequences that colour it, of which the content is the same."""
-    return _COLOR.sub("", text)
+    return re.sub(_COLOR, "", text)
 
 
 def cut(text: str) -> str:
