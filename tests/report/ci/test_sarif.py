@@ -85,7 +85,7 @@ def test_the_order_of_what_is_found_changes_no_byte(found):
 
 def test_names_of_files_are_uris_and_hostile_text_stays_text():
     (result,) = results(Alert("stale-block", HOSTILE, HOSTILE, 1, function=HOSTILE))
-    assert result["message"]["text"] == HOSTILE
+    assert result["message"]["text"] == HOSTILE.replace("\u2028", r"\u2028")
     uri = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
     assert uri == "a%20%22b%22%20%3C/script%3E%20%5C%20%3C%21--%20%C3%A9%E2%80%A8.py"
 
