@@ -25,7 +25,6 @@ from tracerisk.pipeline.workspace.needs_in_source import asked_in_source
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import searched
 from tracerisk.ros.vendors.driver_search import shipped_drivers
-from tracerisk.twin.robots.added_gripper import named_robot
 
 HOOK_FILE = ".pre-commit-config.yaml"
 """The file at the top of the repository from which pre-commit installs hooks of git."""
@@ -159,6 +158,7 @@ def _robots(
     if "sim" in missing_extras():
         return {} if given is None else {given: controllers}, "the simulator is not installed"
     from tracerisk.pipeline.robot.choice import driven_robot
+    from tracerisk.twin.robots.added_gripper import named_robot
     from tracerisk.twin.robots.generic import NAME as GENERIC
 
     if given is not None:
@@ -206,6 +206,8 @@ def _hardware(robot: str) -> tuple[str, list[str]] | None:
     """Return a description to start from, and the components that the shipped one lacks."""
     if "sim" in missing_extras():
         return None
+    from tracerisk.twin.robots.added_gripper import named_robot
+
     try:
         result = named_robot(robot)
     except TraceRiskError:
