@@ -14,6 +14,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, get_args
 
+from tracerisk.common.hardware.source_files import is_folder
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.verdict import Acceptance
 from tracerisk.errors import InputError, Location, SettingsError, one_of
@@ -425,7 +426,7 @@ class _Reader:
             return value
         # A name with an ending is that of a file, be it there or not; no shipped one has it.
         path = self._folder / value
-        is_file = _is_file(path) or Path(value).suffix or (key == "hardware" and _is_folder(path))
+        is_file = _is_file(path) or Path(value).suffix or (key == "hardware" and is_folder(path))
         return str(self._folder / value) if is_file or key == "launch" else value
 
     def _values(self, table: Mapping[str, Any], place: tuple[str, ...]) -> dict[str, Any]:
@@ -535,13 +536,6 @@ class _Reader:
 def _is_file(path: Path) -> bool:
     try:
         return path.is_file()
-    except OSError:  # too long for a path
-        return False
-
-
-def _is_folder(path: Path) -> bool:
-    try:
-        return path.is_dir()
     except OSError:  # too long for a path
         return False
 

@@ -215,6 +215,8 @@ def test_a_renamed_function_keeps_its_name_in_sections(form):
     source = "\n".join(print_block(replace(LONG, form=form), 44)).encode()
     renamed = source_with_names(source, names).decode()
     assert "# |     unaware in put 1/4,\n# |     back to grip in <module> 1/4\n" in renamed
+    broken = source.replace(b"# |     back to", b"# | \n# |     back to")
+    assert "back to grip in <module>" in source_with_names(broken, names).decode()
     assert renamed_text("in place 1/2: back to in 1", {"in": "on", "place": "x"}) == (
         "in place 1/2: back to on 1"
     )

@@ -178,3 +178,10 @@ def test_recoveries_lower_no_failure_that_figures_took_before():
     before = {("joint_1", "dead", False): 0.1}
     failure, _ = figures(replace(found, before=before), 10.0)
     assert failure == pytest.approx(1e-6, rel=1e-3)
+
+
+def test_a_function_named_as_the_end_of_a_mission_is_no_place_to_recover():
+    refs = [FunctionRef("arm.py", name) for name in ("pick", "done")]
+    traced = replace(trace(1.0), functions=tuple(TracedFunction(ref, 1, 1) for ref in refs))
+    shares = EvidenceShares(evidence(["recovered"])).among(traced)
+    assert shares.functions == {"pick"}

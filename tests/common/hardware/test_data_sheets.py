@@ -5,6 +5,7 @@ import pytest
 
 from tracerisk.common.hardware.formats import read_description
 from tracerisk.common.hardware.model import Basis
+from tracerisk.errors import InputError
 from tracerisk.pipeline.failure_data.field_failures import read_failures, updated_yaml, updates
 from tracerisk.pipeline.failure_data.supplier_table import read_figures, with_figures
 from tracerisk.report.hardware_table import figure_text
@@ -128,6 +129,30 @@ def test_a_table_gives_what_data_sheets_state(tmp_path, row, line):
     assert line in text
     assert "mtbf" not in text
     assert "# mine" in text
+
+
+@pytest.mark.parametrize(
+    ("figure", "column", "key"),
+    [
+        ("b10d: {value: 2e7, dangerous: 0.5}", "b10d", "dangerous"),
+        ("b10: {value: 2e7, cycles: {value: 120, per: hour}}", "b10", "cycles"),
+        (
+            "failure_rate: {value: 1e-6, per: hour,"
+            " temperature: {rated: 40, working: 55, activation_energy: 0.7}}",
+            "failure_rate",
+            "temperature",
+        ),
+        ("probability: {value: 1e-6, per: demand, of: grasp}", "failure_rate", "of"),
+    ],
+)
+def test_a_table_does_not_drop_what_it_cannot_say(tmp_path, figure, column, key):
+    path = tmp_path / "h.yaml"
+    path.write_text(f"components:\n  a: {{twin: {{gripper: true}}, {figure}}}\n")
+    table = tmp_path / "rates.csv"
+    table.write_text(f"component,{column}\na,1000\n")
+    figures = read_figures(table, read_description(path))
+    with pytest.raises(InputError, match=f"has '{key}', for which a table has no column"):
+        with_figures(path, figures)
 
 
 def test_failures_in_the_field_replace_a_mean_time_by_its_rate(tmp_path):

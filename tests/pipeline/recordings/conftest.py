@@ -27,7 +27,8 @@ CONTROL_MSGS = {
     CONTROLLER: "std_msgs/Header header\nstring[] joint_names\n"
     "trajectory_msgs/JointTrajectoryPoint desired\n"
     "trajectory_msgs/JointTrajectoryPoint {measured}\n"
-    "trajectory_msgs/JointTrajectoryPoint error\n",
+    "trajectory_msgs/JointTrajectoryPoint error\n"
+    "trajectory_msgs/JointTrajectoryPoint {empty}\n",
     VALUES: "string[] interface_names\nfloat64[] values\n",
     DYNAMIC: "std_msgs/Header header\nstring[] joint_names\n"
     "control_msgs/InterfaceValue[] interface_values\n",
@@ -61,6 +62,12 @@ class Mission:
     silent: tuple[float, float] = (0.0, 0.0)
     """From when to when nothing was recorded [s]."""
     more: tuple[Message, ...] = field(default=())
+
+    @property
+    def points(self) -> dict[str, str]:
+        """What a controller's state calls its points: `feedback`, or the older `actual`."""
+        others = {"actual": "feedback", "feedback": "actual"}
+        return {"measured": self.measured, "empty": others[self.measured]}
 
     def with_(self, **changes: Any) -> Mission:
         return replace(self, **changes)
@@ -104,7 +111,9 @@ class Mission:
             types[POINT](values, speed, np.zeros(0), effort, at_once)
             for values in (place + 9, place)
         )
-        return types[CONTROLLER](head, names, wanted, is_at, wanted)
+        none = np.zeros(0)
+        empty = types[POINT](none, none, none, none, at_once)
+        return types[CONTROLLER](head, names, wanted, is_at, wanted, empty)
 
 
 def motion(times: Any) -> tuple[Any, Any]:
@@ -179,7 +188,7 @@ class Recorder:
         is_1 = kind in ("bag", "mcap of ROS 1")
         store = get_typestore(Stores.ROS1_NOETIC if is_1 else Stores.ROS2_HUMBLE)
         for name, definition in CONTROL_MSGS.items():
-            store.register(get_types_from_msg(definition.format(measured=mission.measured), name))
+            store.register(get_types_from_msg(definition.format(**mission.points), name))
         types = store.types
         extra = [each(types) if callable(each) else each for each in (*mission.more, *more)]
         messages = sorted([*mission.states(store, types), *extra], key=lambda each: each[0])

@@ -69,6 +69,10 @@ def twin_units(bound: BoundComponent) -> tuple[str, ...]:
     return (CONTROL,) if "control" in name or "computer" in name else ()
 
 
+_END = "done"
+"""How blocks call the end of a mission."""
+
+
 @dataclass(frozen=True)
 class EvidenceShares:
     """The evidence of one controller, applied to the visits of its trace.
@@ -87,8 +91,11 @@ class EvidenceShares:
     what ended the mission."""
 
     def among(self, trace: Trace) -> EvidenceShares:
-        """Return the evidence with the functions of a trace, by names that only one has."""
-        names = [function.ref.name for function in trace.functions]
+        """Return the evidence with the functions of a trace, by names that only one has.
+
+        The name of the end of a mission is that of no function (`model_names`).
+        """
+        names = [function.ref.name for function in trace.functions if function.ref.name != _END]
         return replace(self, functions=frozenset(n for n in names if names.count(n) == 1))
 
     @property

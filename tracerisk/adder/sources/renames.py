@@ -101,7 +101,8 @@ def source_with_names(source: bytes, renamed: Mapping[QualifiedName, QualifiedNa
             # The compact form; a line of the published one stays as it is here.
             said = with_names(text, in_text)
             line = behind[1] + said.encode(errors="surrogateescape")
-        is_open = goes_on(text, is_open=is_open)
+        if behind is None or text.strip():  # an empty line of a block ends no mode
+            is_open = goes_on(text, is_open=is_open)
         is_below_header = behind is not None and is_header(text)
         matched = re.fullmatch(_NAME, line) or re.fullmatch(_NEXT, line, re.DOTALL)
         if matched is not None and matched[2] in names:

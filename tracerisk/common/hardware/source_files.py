@@ -12,13 +12,15 @@ from tracerisk.errors import HardwareError, Location
 _PACKAGE = re.compile(rb"\bpackage\s+(?:<[^>]*>\s*)?(?:'((?:[^'\\\n]|\\.)+)'|(\w+))")
 
 
+SUFFIX = ".sysml"
+"""How the names of SysML files end, in capitals or not."""
 MAX_FILES = 5_000
 """How many files a folder may hold."""
 
 
 def is_sysml(path: Path) -> bool:
     """Whether a description is SysML v2: a file by its name, or a folder."""
-    return path.suffix.lower() == ".sysml" or is_folder(path)
+    return path.suffix.lower() == SUFFIX or is_folder(path)
 
 
 def is_folder(path: Path) -> bool:
@@ -30,8 +32,9 @@ def is_folder(path: Path) -> bool:
 
 
 def sysml_files(path: Path) -> tuple[Path, ...]:
-    """Return a file itself, or the SysML files below a folder, sorted; hidden folders are left out.
+    """Return a file itself, or the SysML files below a folder, sorted.
 
+    What is hidden, or no file, is left out.
     Raises HardwareError for a folder with none, or with more than `MAX_FILES`.
     """
     if not is_folder(path):
@@ -39,7 +42,11 @@ def sysml_files(path: Path) -> tuple[Path, ...]:
     files: list[Path] = []
     for folder, below, names in os.walk(path):
         below[:] = sorted(name for name in below if not name.startswith("."))
-        files += [Path(folder, name) for name in names if name.lower().endswith(".sysml")]
+        files += [
+            file
+            for file in (Path(folder, name) for name in names if not name.startswith("."))
+            if file.suffix.lower() == SUFFIX and file.is_file()
+        ]
         if len(files) > MAX_FILES:
             raise HardwareError(
                 f"holds more than {MAX_FILES} .sysml files; give the folder of one model",

@@ -20,6 +20,7 @@ _PER: dict[str, tuple[str, ...]] = {
     "probability": ("hour", "minute", "demand"),
     **{kind: ("cycle",) if kind in CYCLE_KINDS else ("hour", "year") for kind in SHEET_KINDS},
 }
+_KEPT_BY_HAND = ("of", "cycles", "dangerous", "temperature")
 _COLUMNS = ("component", *_PER, "per", "error_factor", "source")
 
 
@@ -104,7 +105,8 @@ def read_figures(path: Path, hardware: Hardware) -> list[GivenFigure]:
 def with_figures(path: Path, figures: Sequence[GivenFigure]) -> str:
     """Return the text of a YAML description with other figures; comments stay.
 
-    Raises InputError where a component is not written as a mapping.
+    Raises InputError where a component is not written as a mapping, or where its figure says
+    something that no column can.
     """
     from ruamel.yaml import YAML
     from ruamel.yaml.comments import CommentedMap
@@ -123,6 +125,14 @@ def with_figures(path: Path, figures: Sequence[GivenFigure]) -> str:
         figure = CommentedMap(given_figure.data)
         figure.fa.set_flow_style()
         old = next((key for key in entry if key in FIGURE_KEYS and key != "standby_rate"), "")
+        before = entry.get(old)
+        lost = [key for key in _KEPT_BY_HAND if isinstance(before, dict) and key in before]
+        if lost:
+            raise InputError(
+                f"component '{given_figure.component}': its {old} has '{lost[0]}', for which a "
+                "table has no column; change the figure there",
+                Location(str(path)),
+            )
         if old == given_figure.kind:
             entry[old] = figure
             continue

@@ -219,8 +219,10 @@ def _rows(state: Any) -> Iterator[tuple[str, float, float, float]]:
             yield name, *(known.get(key, math.nan) for key in ("position", "velocity", "effort"))
         return
     if hasattr(state, "joint_names"):
-        # Newer controllers call it feedback, and say beside it what they want.
-        names, measured = state.joint_names, getattr(state, "feedback", None) or state.actual
+        # Newer messages have both, of which a controller may fill one.
+        points = [getattr(state, name, None) for name in ("feedback", "actual")]
+        names, given = state.joint_names, [point for point in points if point is not None]
+        measured = next((point for point in given if len(point.positions)), given[0])
         place, speed, effort = measured.positions, measured.velocities, measured.effort
     else:
         names, place, speed, effort = state.name, state.position, state.velocity, state.effort

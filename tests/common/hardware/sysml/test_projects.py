@@ -1,5 +1,7 @@
 """Models of several files and folders, of several systems, and with words of others."""
 
+import os
+
 import pytest
 
 from tracerisk.common.hardware.source_files import source_files
@@ -47,6 +49,17 @@ def test_a_folder_is_read_with_all_folders_below_it(project):
     assert named(read_sysml(folder)) == {"arm.m": 7}
     with pytest.raises(HardwareError, match="or read the folder of all files"):
         read_sysml(folder / "cell.sysml")
+
+
+def test_what_is_hidden_or_no_file_is_passed_over_in_a_folder(project):
+    folder = project(PROJECT)
+    (folder / ".#cell.sysml").symlink_to("user@machine.1234")  # the lock of an editor
+    (folder / "lost.sysml").symlink_to("nowhere")
+    os.mkfifo(folder / "pipe.sysml")
+    assert named(read_sysml(folder)) == {"arm.m": 7}
+    assert not any(name in str(source_files(folder)) for name in ("#", "lost", "pipe"))
+    with pytest.raises(HardwareError, match=r"pipe\.sysml: cannot be read"):
+        read_sysml(folder / "pipe.sysml")
 
 
 def test_the_files_of_a_folder_make_its_digest(project):

@@ -52,13 +52,16 @@ class Project:
         self._is_whole = path.is_dir()
         self._found: dict[tuple[str, str], Found | None] = {}
         self._tops: dict[Path, Symbol] = {}
-        files = [item for item in sysml_files(path) if not _is_library(item)]
-        if self._is_whole and sum(item.stat().st_size for item in files) > MAX_BYTES:
-            raise HardwareError(
-                f"its .sysml files have more than {MAX_BYTES} bytes; give the folder of one model",
-                Location(shown),
-            )
-        self.main = tuple(map(self._read, files if self._is_whole else [path]))
+        files = [path]
+        if self._is_whole:
+            files = [item for item in sysml_files(path) if not _is_library(item)]
+            if sum(item.stat().st_size for item in files) > MAX_BYTES:
+                raise HardwareError(
+                    f"its .sysml files have more than {MAX_BYTES} bytes; give the folder of one "
+                    "model",
+                    Location(shown),
+                )
+        self.main = tuple(map(self._read, files))
         """The tops of the files that may declare the system."""
 
     @property
@@ -132,7 +135,7 @@ class Project:
 def _is_library(path: Path) -> bool:
     """Whether a file is a copy of a library that is known by its name."""
     try:
-        with path.open("rb") as file:
+        with regular_file(path) as file:
             data = file.read(_HEAD)
     except OSError:
         return False
