@@ -470,3 +470,62 @@ def test_no_dossier_with_hardware_that_its_blocks_were_not_computed_with(
     assert "its blocks were not computed with this --hardware; leave it out" in outcome.err
     outcome = example.run(*words, "--hardware", "cell.yaml")
     assert outcome.code == 0, outcome.err
+
+
+def weaker(trace: dict) -> None:
+    trace["end"]["simulated_s"] *= 0.1
+    for visit in trace["visits"]:
+        visit["start_s"] *= 0.1
+        visit["duration_s"] *= 0.1
+        for exposure in visit["exposures"].values():
+            for key in [key for key in exposure if key.endswith("_s") and exposure[key]]:
+                exposure[key] *= 0.1
+
+
+def faulted(trace: dict) -> None:
+    trace["verdict"]["kind"] = "faulted"
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (weaker, "and this run gives"),
+        (faulted, "the kept trace of its last run and tracerisk.lock differ in the verdict"),
+    ],
+)
+def test_no_dossier_of_a_run_that_the_blocks_and_the_lock_do_not_follow_from(
+    with_own_hardware, example_in, tmp_path, change, why
+):
+    example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
+    (cached,) = (example.folder / ".tracerisk_cache").glob("*.json")
+    trace = json.loads(cached.read_text())
+    change(trace)
+    cached.write_text(json.dumps(trace))
+    outcome = example.run("report", "controller.py", "--dossier", "out.zip")
+    assert outcome.code == 2, outcome.err
+    assert why in " ".join(outcome.err.split())
+    assert not (example.folder / "out.zip").exists()
+
+
+def test_a_trace_of_other_sources_is_refused(with_own_hardware, example_in, tmp_path):
+    example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
+    (cached,) = (example.folder / ".tracerisk_cache").glob("*.json")
+    trace = json.loads(cached.read_text())
+    weaker(trace)
+    example.write("other.json", json.dumps(trace))
+    options = ("report", "controller.py", "--trace", "other.json", "--dossier", "out.zip")
+    outcome = example.run(*options)
+    assert outcome.code == 2, outcome.err
+    assert "the run is of other sources" in " ".join(outcome.err.split())
+
+
+def test_the_guide_runs_the_controller_and_not_one_of_its_modules(example_in, quick, tmp_path):
+    example = example_in(tmp_path)
+    example.write("pyproject.toml", "")
+    example.write("arm_steps.py", "def steady(step):\n    return step\n")
+    source = quick("from arm_steps import steady", "steady(1)")
+    example.write("turn.py", source)
+    assert example.run("run", "turn.py", "--quiet").code == 0
+    assert example.run("report", "turn.py", "--dossier", "out.zip").code == 0
+    guide = (unzipped(tmp_path / "out.zip", tmp_path / "unpacked") / "README.md").read_text()
+    assert "tracerisk run turn.py\n" in guide

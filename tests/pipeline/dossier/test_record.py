@@ -1,9 +1,11 @@
 """What a record says of a figure, and that nothing else than its inputs changes it."""
 
 import hashlib
+import json
 import os
 import subprocess
 from dataclasses import replace
+from importlib.resources import files
 
 import pytest
 
@@ -182,3 +184,16 @@ def test_without_a_run_there_is_no_robot_and_no_outcome(here):
     assert made(here).robot == RobotOrigin(
         "panda", "own description", ("panda, its source names it",)
     )
+
+
+def test_a_lock_names_the_file_of_a_scene_from_the_project(example_in, quick, tmp_path):
+    example = example_in(tmp_path)
+    scene = files("tracerisk.twin.physics.scenes").joinpath("empty.yaml").read_text()
+    example.write("cell.scene.yaml", scene)
+    example.write("pyproject.toml", '[tool.tracerisk]\nscene = "cell.scene.yaml"\n')
+    example.write("controller.py", quick())
+    done = example.run("run", "controller.py", "--trace", "trace.json")
+    assert done.code == 0, done.err
+    assert str(tmp_path) not in example.read("tracerisk.lock").decode()
+    assert json.loads(example.read("trace.json"))["scene"] == "cell.scene.yaml"
+    assert str(tmp_path) not in done.out

@@ -417,7 +417,7 @@ def with_entry(hardware, **changes):
         ),
         (
             {"probability": Field(1.001e-6, "1.001e-06")},
-            "block: probability = 1.001e-06, kept; 1e-06 is within the tolerance of it",
+            "block: probability = 1.001e-06, kept; computed 1e-06",
         ),
         (
             {"omitted": True, "reason": "not fitted"},

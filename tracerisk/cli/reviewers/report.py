@@ -272,15 +272,22 @@ def _write_dossier(
 
     `kept` is the run that it shows, if that is the kept one.
     """
+    from tracerisk.pipeline.check.cached_run import check_kept_trace
     from tracerisk.pipeline.dossier.dossier import dossier
     from tracerisk.pipeline.freshness.used_evidence import used_evidence
 
     settings = _settings(kept, options)
     evidence = None
     if kept is not None and kept.trace is not None:
+        check_kept_trace(kept)
         evidence = used_evidence(kept.controller, settings, kept.fingerprint)
     root = controller_root(Path(options.files[0]))
-    data = dossier(page, html, root, active=settings.active, evidence=evidence)
+    data = dossier(
+        *(page, html, root),
+        active=settings.active,
+        tolerance=settings.tolerance,
+        evidence=evidence,
+    )
     write_file(options.dossier, data)
     return sha256(data)
 

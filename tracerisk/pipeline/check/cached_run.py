@@ -8,12 +8,17 @@ from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key
 from tracerisk.config import Settings
-from tracerisk.errors import InputError
+from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
 from tracerisk.pipeline.freshness.trace_cache import TraceCache
+from tracerisk.pipeline.trace.kept_verdict import kept_verdict
+from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.trace import Trace
+
+_TOLD = ("robot", "scene", "end")
+"""What the lock keeps of a run as it is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +66,32 @@ def kept_run(path: Path | str) -> KeptRun:
     message = "" if trace is not None else "The trace of its last run is not kept on this machine."
     fingerprint = recorded.fingerprint
     return KeptRun(controller, settings, files, trace, message, fingerprint, bool(given))
+
+
+def check_kept_trace(kept: KeptRun) -> None:
+    """Raise InputError where the kept trace is not the run that the lock describes."""
+    trace, controller = kept.trace, kept.controller
+    entry = controller.project.lock.controllers.get(lock_key(controller.path, controller.root))
+    if trace is None or entry is None:
+        return
+    verdict, summary = kept_verdict(entry), trace_summary(trace)
+    said = {name: entry.trace.get(name) for name in _TOLD}
+    shown = {name: summary.get(name) for name in _TOLD}
+    said["verdict"], shown["verdict"] = (
+        None if one is None else [one.kind, *sorted(reason.code for reason in one.reasons)]
+        for one in (verdict, trace.verdict)
+    )
+    said["visits"], shown["visits"] = (
+        {name: function["visits"] for name, function in one.get("functions", {}).items()}
+        for one in (entry.trace, summary)
+    )
+    for name, value in said.items():
+        if value != shown[name]:
+            raise InputError(
+                f"the kept trace of its last run and {LOCK_NAME} differ in the {name}: one of the "
+                f"two was changed by hand; `tracerisk run {controller.file}` makes both again",
+                Location(LOCK_NAME),
+            )
 
 
 def last_duration_s(path: Path | str) -> float | None:

@@ -41,6 +41,7 @@ FUNCTIONS, MISSION, MODEL = "model/functions.xml", "model/mission.xml", "model/m
 CALCULATION, ASSUMPTIONS, GUIDE = "calculation.md", "assumptions.md", "README.md"
 SHEET = "sheet.md"
 REPORT, RECORD, TRACE, DIGESTS = "report.html", "record.json", "trace.json", "SHA256SUMS"
+_ROUNDED = 1e-3  # relative; blocks have four digits
 _DATE = (1980, 1, 1, 0, 0, 0)  # the first that an archive can hold
 _MODE = 0o100644 << 16
 
@@ -51,20 +52,23 @@ def dossier(
     root: Path,
     *,
     active: ActiveMode,
+    tolerance: float,
     evidence: EvidenceShares | None = None,
 ) -> bytes:
     """Return the archive; the same report gives the same bytes.
 
     `page` is the report as HTML, `root` the folder from which its record names files; `active` and
-    `evidence` are what its blocks were computed with.
-    Raises InputError for a file that has changed since the record was made, ModelError for a model
-    without a component.
+    `evidence` are what its blocks were computed with, `tolerance` by how much of itself a kept
+    value may differ from what the run gives.
+    Raises InputError for a file that has changed since the record was made, or a block that does
+    not follow from the run; ModelError for a model without a component.
     """
     assert report.record is not None, "a dossier is of a report with its record"
     here, mission = environment(), mission_tree(report.model)
-    calculation = hand_calculation(
-        report.model, report.assessment, mission, _derivations(report, root, active, evidence)
-    )
+    derivations = _derivations(report, root, active, evidence)
+    if not isinstance(derivations, str):
+        _check_follow(derivations, tolerance)
+    calculation = hand_calculation(report.model, report.assessment, mission, derivations)
     contents: dict[str, bytes] = {
         REPORT: page.encode(),
         RECORD: _json({**report_record(report), "environment": asdict(here)}),
@@ -82,6 +86,24 @@ def dossier(
     lines = [f"{sha256(data)}  {name}\n" for name, data in sorted(contents.items())]
     contents[DIGESTS] = "".join(lines).encode()
     return _archive(contents)
+
+
+def _check_follow(derivations: Sequence[FunctionDerivation], tolerance: float) -> None:
+    """Raise InputError at a block whose value the run does not give."""
+    for function in derivations:
+        for component in function.components:
+            block = component.block
+            if block is None or not block.is_kept:
+                continue
+            text, computed = float(block.text), float(block.computed)
+            if abs(text - computed) > (tolerance + _ROUNDED) * max(text, computed):
+                raise InputError(
+                    f"the block of {function.function} says {block.text} of {component.name},"
+                    f" and this run gives {block.computed}: the run is of other sources or other "
+                    "hardware data, or one of the two was changed by hand; "
+                    f"`tracerisk refresh {function.file}`",
+                    Location(function.file),
+                )
 
 
 def _text(text: str) -> bytes:

@@ -91,7 +91,7 @@ def guide(
         "`calculation.md` goes from the rates of the hardware description to the mission. Its "
         "numbers have eight digits.\n",
         "## Make it again\n",
-        _again(report.record),
+        _again(report.record, "" if report.trace is None else report.trace.controller),
     ]
     return "\n".join(parts)
 
@@ -184,8 +184,11 @@ def _top(value: float) -> str:
     return f"{value:.6g}"
 
 
-def _again(record: Record) -> str:
-    """Return the commands that give the figure again, files that the commit lacks included."""
+def _again(record: Record, controller: str) -> str:
+    """Return the commands that give the figure again, files that the commit lacks included.
+
+    `controller` is the path of the one that ran; empty where that is not known.
+    """
     lines = [f"pip install --constraint DOSSIER/{CONSTRAINTS} 'tracerisk[sim]=={record.version}'"]
     if record.commit is not None:
         lines.append(f"git checkout {record.commit.id}")
@@ -195,7 +198,8 @@ def _again(record: Record) -> str:
         lines += [f"mkdir -p {shlex.quote(str(folder))}"] if str(folder) != "." else []
         packed = shlex.quote(f"DOSSIER/{packed_name(file.path)}")
         lines.append(f"cp {packed} {shlex.quote(file.path)}")
-    source = shlex.quote(next((f.path for f in record.files if f.role == "source"), "FILE"))
+    sources = [file.path for file in record.files if file.role == "source"]
+    source = shlex.quote(controller if controller in sources else next(iter(sources), "FILE"))
     lines += [f"tracerisk run {source}", f"tracerisk report {source} --dossier dossier.zip"]
     commands = "\n".join(lines)
     why = ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -104,7 +105,7 @@ def make_trace(ran: Ran, *, beside: Recording | None = None, is_replayed: bool =
     return Trace(
         controller=controller.file,
         robot=robot.name,
-        scene=_with_objects(ran.scene, recording),
+        scene=_with_objects(_shown_scene(ran.scene, controller.root), recording),
         end=ran.end,
         elements=elements,
         functions=attribution.functions,
@@ -211,6 +212,12 @@ def _in_time(findings: Sequence[Finding]) -> tuple[Finding, ...]:
 def _objects(recording: Recording) -> tuple[ObjectOffset, ...]:
     note = recording.note(OBJECTS)
     return () if note is None else tuple(ObjectOffset(**item) for item in note["found"])
+
+
+def _shown_scene(scene: str, root: Path) -> str:
+    """Return how a scene is called: a file by its path from the controller's root."""
+    path = Path(scene)
+    return from_root(root.resolve(), path) if path.is_absolute() else scene
 
 
 def _with_objects(scene: str, recording: Recording) -> str:

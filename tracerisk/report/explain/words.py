@@ -155,7 +155,7 @@ def block_lines(component: ComponentDerivation) -> list[str]:
             f"  block: probability := {block.text}, set by a user{because}; "
             f"computed {block.computed}"
         ]
-    kept = f", kept; {block.computed} is within the tolerance of it" if block.is_kept else ""
+    kept = f", kept; computed {block.computed}" if block.is_kept else ""
     return [f"  block: probability = {block.text}{kept}"]
 
 
