@@ -13,7 +13,7 @@ brought to the new names before they are compared.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence, Set
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import RiskBlock
@@ -189,28 +189,27 @@ def _is_defined(ref: FunctionRef, sources: Mapping[str, bytes], shown: Mapping[s
 
 def _by_digest(
     written: Sequence[Mapping[str, Written]],
-    lost: Collection[FunctionRef],
+    lost: Set[FunctionRef],
     placed: Mapping[FunctionRef, RiskBlock],
     known: Collection[FunctionRef],
 ) -> dict[FunctionRef, FunctionRef]:
     """Return where functions are now whose block is not where it was written, or called so.
 
     Search and replace gives a function its new name in its block too, where only the digest says
-    that it is the same block.
+    that it is the same block. Where two functions had that digest, either may have been copied.
     """
     before: dict[str, set[FunctionRef]] = {}
+    now: dict[str, set[FunctionRef]] = {}
     for blocks in written:
         for ref in _refs(blocks):
-            if ref in lost:
-                before.setdefault(digest_of(blocks[ref.file][ref.name]), set()).add(ref)
-    now: dict[str, set[FunctionRef]] = {}
+            before.setdefault(digest_of(blocks[ref.file][ref.name]), set()).add(ref)
     for ref, block in placed.items():
-        if block.digest in before and ref not in known:
-            now.setdefault(block.digest, set()).add(ref)
+        if block.digest in before:
+            (before if ref in known else now).setdefault(block.digest, set()).add(ref)
     return {
         min(before[digest]): min(refs)
         for digest, refs in now.items()
-        if len(refs) == len(before[digest]) == 1
+        if len(refs) == len(before[digest]) == 1 and before[digest] <= lost
     }
 
 
