@@ -206,6 +206,32 @@ def test_a_renamed_controller_is_reported_with_its_earlier_name(project):
     assert "knows this controller as b.py" in project.run("check", "c.py").out
 
 
+@pytest.mark.parametrize("is_alone", [True, False])
+def test_one_copied_block_is_no_renamed_controller(project, is_alone):
+    """Its digest says nothing of its name, and blocks of other controllers have it too."""
+    lock = json.loads(project.read("tracerisk.lock"))
+    blocks = lock["controllers"]["b.py"]["blocks"]["b.py"]
+    if is_alone:
+        del lock["controllers"]["a.py"]
+    else:
+        del blocks["turn"]
+    project.write("tracerisk.lock", json.dumps(lock))
+    text = project.read("b.py").decode()
+    (project.folder / "b.py").unlink()
+    project.write("c.py", text[text.index("def grip") :].replace("grip", "go"))
+    assert kinds(project, "c.py") == (1, [("unknown", "c.py", 1)])
+
+
+def test_a_controller_is_renamed_with_a_function_that_no_other_has(project):
+    lock = json.loads(project.read("tracerisk.lock"))
+    lock["controllers"]["a.py"]["blocks"]["a.py"]["grip"]["callSequence"] = "5"
+    write_lock(project, lock)
+    text = project.read("b.py").decode()
+    (project.folder / "b.py").unlink()
+    project.write("c.py", re.sub(r"\bgrip\b", "hold", text))
+    assert ("gone", "c.py", 1) in kinds(project, "c.py")[1]
+
+
 def test_a_file_of_a_lock_entry_that_is_not_there_is_missing(project):
     lock = json.loads(project.read("tracerisk.lock"))
     blocks = lock["controllers"]["a.py"]["blocks"]

@@ -250,7 +250,8 @@ def with_moved(lock: Lock, controller: Controller) -> Lock:
     """Return the lock with what it knows of a controller under the name that this has now.
 
     A controller that the lock does not know is a renamed one where exactly one that it knows is
-    gone whose blocks stand in its file, or more of them than of any other.
+    gone of whose blocks all or most stand in its file, or more of them than of any other. A block
+    that is equal to one of a controller that is still there may be a copy of that one.
     """
     key = controller.file
     old = moved_from(lock, controller)
@@ -287,13 +288,27 @@ def moved_from(lock: Lock, controller: Controller) -> str | None:
     }
     if not gone:
         return None
+    elsewhere = {
+        digest_of(block)
+        for key in lock.controllers.keys() - gone.keys()
+        for blocks in lock.controllers[key].all_blocks
+        for written in blocks.values()
+        for block in written.values()
+    }
     followed = follow_renames(controller.source, str(controller.path), ())
     digests = {placed.block.digest for placed in followed.placed}
     names = {placed.block.name for placed in followed.placed} | set(followed.renamed)
     fits = []
     for key, written in gone.items():
-        known = [name for name, block in written.items() if digest_of(block) in digests]
-        if known or (written and names.issuperset(written)):
+        held = {
+            name: digest
+            for name, block in written.items()
+            if (digest := digest_of(block)) in digests
+        }
+        own = {name for name, digest in held.items() if digest not in elsewhere}
+        known = own | (held.keys() & names)
+        is_most = bool(own) and 2 * len(known) > len(written)
+        if is_most or (written and names.issuperset(written)):
             fits.append((len(known), key))
     best = [key for count, key in fits if count == max(fits)[0]]
     return best[0] if len(best) == 1 else None
