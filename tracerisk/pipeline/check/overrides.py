@@ -75,23 +75,30 @@ def _of_file(path: Path, content: bytes | None, projects: Projects) -> Iterator[
         source = file_bytes(path) if content is None else content
     project = projects.of(path)
     key, shown = lock_key(path, project.root), str(path)
-    entry = _last_writer(key, project.lock)
+    entry = _written_into(key, project.lock)
     if is_c_like(path.name) and entry is None:
         for block in read_c_blocks(source, str(path)):
             yield from _of_block(block, None, str(path))
         return
     followed = followed_sources({key: source}, entry, {key: shown})[key]
     for placed in followed.placed:
-        yield from _of_block(placed.block, followed.bases[0].get(placed.function), shown)
+        bases = (base[placed.function] for base in followed.bases if placed.function in base)
+        yield from _of_block(placed.block, next(bases, None), shown)
     if not is_c_like(path.name):
         for block in read_plain_blocks(source, str(path)):
             yield from _of_block(block, None, str(path))
 
 
-def _last_writer(file: str, lock: Lock) -> ControllerLock | None:
-    """Return what the lock says of the controller that has blocks in a file; `None` for none."""
-    users = (entry for entry in lock.controllers.values() if file in entry.blocks)
-    return next((entry for entry in users if any(b.get(file) for b in entry.all_blocks)), None)
+def _written_into(file: str, lock: Lock) -> ControllerLock | None:
+    """Return what the lock says of one file, whichever controllers have blocks there.
+
+    What was last written comes first; `None` where the lock knows no block of the file.
+    """
+    users = [entry for entry in lock.controllers.values() if file in entry.blocks]
+    last = [entry.blocks[file] for entry in users]
+    more = [blocks.get(file, {}) for entry in users for blocks in entry.all_blocks[1:]]
+    written = [{file: blocks} for blocks in (*last, *more) if blocks]
+    return ControllerLock("", written[0], others=tuple(written[1:])) if written else None
 
 
 def _of_block(block: RiskBlock, base: WrittenBlock | None, file: str) -> Iterator[Override]:
