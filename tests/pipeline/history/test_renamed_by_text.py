@@ -181,6 +181,21 @@ def test_a_pinned_value_of_a_function_that_moved_and_is_called_no_more_stays(his
     assert set(entry[history.script].blocks) == {history.script, file}
 
 
+def test_a_file_whose_functions_all_moved_away_is_not_missed(history):
+    part = next(part for part in history.parts() if part.name == "home")
+    lines = history.lines_of(part)
+    history.put(part, [])
+    module = f"arm{Path(part.file).suffix}"
+    (history.folder / module).write_text("".join(lines))
+    history.refresh()
+    (history.folder / module).unlink()
+    script = history.folder / history.script
+    script.write_text(script.read_text() + "\n\n" + re.sub(r"\bhome\b", "rest", "".join(lines)))
+    history.write(history.script, re.sub(r"\bhome\b", "rest", history.read(history.script)))
+    found = check_controller(script, Projects()).findings
+    assert [finding for finding in found if finding.kind == "missing"] == []
+
+
 def test_where_another_branch_may_have_renamed_what_follows_nobody_is_named(history):
     """The lock and the digests are lost: git alone knows the earlier names."""
     history.commit()

@@ -126,6 +126,8 @@ class FollowedSource(NamedTuple):
     """What was last written into the source, then all else that it may hold, under new names.
 
     That is what it held before a write that was cut short, and what other branches had written."""
+    came: frozenset[FunctionRef]
+    """Where the blocks of renamed and moved functions were written that are in this source now."""
 
 
 def followed_sources(
@@ -138,7 +140,7 @@ def followed_sources(
     Raises BlockError or SourceError as `follow_renames`.
     """
     written: Sequence[Mapping[str, Written]] = ({},) if entry is None else entry.all_blocks
-    known = {ref for blocks in written for ref in _refs(blocks)}
+    known = {ref for blocks in written for ref in refs_in(blocks)}
     followed = {
         file: follow_renames(source, shown[file], {ref.name for ref in known if ref.file == file})
         for file, source in sources.items()
@@ -169,15 +171,17 @@ def followed_sources(
         named = source_with_names(source, left)
         if named != source:
             source, blocks = named, read_blocks(named, shown[file])
-        own = {str(new.name): str(old.name) for old, new in moved.items() if new.file == file}
+        came = {old: new for old, new in moved.items() if new.file == file}
+        own = {str(new.name): str(old.name) for old, new in came.items()}
         bases = tuple(_as_of_now(file, blocks, moved, names) for blocks in written)
         result[file] = FollowedSource(
-            source, blocks, one.renamed, EarlierNames(own, earlier), bases
+            source, blocks, one.renamed, EarlierNames(own, earlier), bases, frozenset(came)
         )
     return result
 
 
-def _refs(blocks: Mapping[str, Written]) -> Iterable[FunctionRef]:
+def refs_in(blocks: Mapping[str, Written]) -> Iterable[FunctionRef]:
+    """Return the functions whose blocks were written, as the lock says."""
     return (FunctionRef(file, QualifiedName(name)) for file in blocks for name in blocks[file])
 
 
@@ -201,7 +205,7 @@ def _by_digest(
     before: dict[str, set[FunctionRef]] = {}
     now: dict[str, set[FunctionRef]] = {}
     for blocks in written:
-        for ref in _refs(blocks):
+        for ref in refs_in(blocks):
             before.setdefault(digest_of(blocks[ref.file][ref.name]), set()).add(ref)
     for ref, block in placed.items():
         if block.digest in before:
@@ -224,7 +228,7 @@ def _model_names(
         return names
     now = model_names(placed)
     for blocks in written:
-        before = model_names({*_refs(blocks), *moved})
+        before = model_names({*refs_in(blocks), *moved})
         for old, new in moved.items():
             if before[old] != now[new]:
                 names.setdefault(before[old], now[new])

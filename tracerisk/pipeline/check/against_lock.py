@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.adder.blocks.block import Field, RiskBlock
@@ -18,7 +19,7 @@ from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock, as_written, 
 from tracerisk.adder.merge.bases import NO_EARLIER_NAMES, merge_with_bases
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.adder.sources.placed import PlacedBlock
-from tracerisk.adder.sources.renames import FollowedSource
+from tracerisk.adder.sources.renames import FollowedSource, refs_in
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.instance_name import places
 from tracerisk.errors import Location
@@ -74,13 +75,13 @@ def blocks_against_lock(
                 reported.add(name)
         yield from _edits(source, current, evidence, reported)
         yield from _missing(entry, source, current)
-    gone = set(entry.blocks) - {source.file for source in sources}
-    for file in sorted(file for file in gone if entry.blocks[file]):
-        shown = str(controller.path_of(file))
-        names = ", ".join(sorted(entry.blocks[file]))
-        yield CheckFinding(
-            "missing", f"the file is gone, and with it the blocks of {names}", Location(shown)
-        )
+    files = {source.file for source in sources}
+    came = {ref for source in sources for ref in source.followed.came}
+    gone = {ref for ref in refs_in(entry.blocks) if ref.file not in files} - came
+    for file, refs in groupby(sorted(gone), lambda ref: ref.file):
+        names = ", ".join(ref.name for ref in refs)
+        message = f"the file is gone, and with it the blocks of {names}"
+        yield CheckFinding("missing", message, Location(str(controller.path_of(file))))
 
 
 def _edits(
