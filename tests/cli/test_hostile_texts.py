@@ -92,7 +92,10 @@ class Project:
             ("hardware", "broken.yaml"),
         )
         for words in asked:
-            outcome = self.repository.run(*words, environment={"CI": "true"})
+            # A process of its own writes into a pipe; a diff in a file is as it is.
+            outcome = self.repository.run(
+                *words, environment={"CI": "true"}, is_afresh="--diff" in words
+            )
             assert outcome.code != 5, (words, outcome.err)
             yield words, outcome.out
             yield words, outcome.err
@@ -112,6 +115,24 @@ def test_no_verb_prints_or_writes_what_acts(repository, annotated_source, seed):
         # A page is no log.
         harm = CONTROL.findall(text) if asked == "page.html" else harm_in(text)
         assert harm == [], asked
+
+
+@pytest.mark.parametrize("is_file", [True, False], ids=["file", "pipe"])
+def test_a_diff_of_dos_lines_can_be_applied_in_ci(repository, annotated_source, is_file):
+    text = annotated_source(place=("done 1", "gripper = 4e-07")).replace("\n", "\r\n")
+    if is_file:
+        text = f"# \x0c\r\n{text}"
+    path = Path(repository.folder) / "c.py"
+    path.write_bytes(text.encode())
+    # A process that is forked here writes into a file, one of its own into a pipe.
+    patch = repository.run(
+        "strip", "--diff", "c.py", environment={"CI": "1"}, is_afresh=not is_file
+    )
+    (path.parent / "p.patch").write_bytes(patch.out.encode())
+    repository.git("apply", "-p0", "p.patch")
+    data = path.read_bytes()
+    assert b"RiskAnnotation" not in data
+    assert data.count(b"\r\n") == data.count(b"\n") > 1
 
 
 class Terminal(io.StringIO):

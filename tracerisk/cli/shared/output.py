@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import sys
 from collections.abc import Mapping, Sequence
 
@@ -179,8 +180,11 @@ def print_diff(before: bytes, after: bytes, name: str) -> None:
     )
     for line in lines:
         end = "" if line.endswith("\n") else "\n\\ No newline at end of file\n"
-        shown = escaped(line + end) if is_shown() else line + end
-        sys.stdout.buffer.write(shown.encode("utf-8", "surrogateescape"))
+        text = line + end
+        if is_shown():
+            # A carriage return at the end of a line does nothing there.
+            text = "\r\n".join(map(escaped, text.split("\r\n")))
+        sys.stdout.buffer.write(text.encode("utf-8", "surrogateescape"))
     sys.stdout.flush()
 
 
@@ -193,8 +197,19 @@ def print_diffs(annotated: Annotated) -> None:
 
 
 def is_shown() -> bool:
-    """Return whether a terminal or a log of CI shows the standard output."""
-    return sys.stdout.isatty() or any(os.environ.get(name) for name in ("CI", "TF_BUILD"))
+    """Return whether a terminal or a log of CI shows the standard output; none shows a file."""
+    if sys.stdout.isatty():
+        return True
+    is_in_ci = any(os.environ.get(name) for name in ("CI", "TF_BUILD"))
+    return is_in_ci and not _is_file(sys.stdout)
+
+
+def _is_file(stream: TextIO) -> bool:
+    """Return whether a stream goes to a file, which a program may read."""
+    try:
+        return stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
+    except (OSError, ValueError):  # a stream that a program put there
+        return False
 
 
 def use_color() -> bool:
