@@ -406,6 +406,23 @@ def test_git_is_not_taken_from_the_checkout(hostile, monkeypatch):
     assert hostile.sprung == []
 
 
+@pytest.mark.parametrize(
+    ("after_s", "longest_s", "words"), [(0.5, 10.0, b"fatal: why\n"), (3.0, SOON_S, b"")]
+)
+def test_what_git_says_of_a_failure_is_waited_for_but_not_for_ever(
+    hostile, tmp_path, monkeypatch, after_s, longest_s, words
+):
+    """As on a busy machine: its words come after its end."""
+    program = tmp_path / "bin" / "git"
+    program.parent.mkdir()
+    program.write_text(f"#!/bin/sh\n(sleep {after_s}; echo fatal: why >&2) >&- &\nexit 128\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{program.parent}:{os.environ['PATH']}")
+    monkeypatch.setattr(git_module, "LONGEST_S", longest_s)
+    done = git_module.git(hostile.folder, "rev-parse", "HEAD")
+    assert (done.returncode, done.stderr) == (128, words)
+
+
 def test_there_is_one_way_to_git():
     package = Path(tracerisk.__file__).parent
     callers = {

@@ -178,8 +178,8 @@ class _Asked:
 
     @property
     def words(self) -> bytes:
-        """What a process that has ended says of its failure."""
-        self._said.join(_POLL_S)
+        """What a process that has ended says of its failure; one that it left may still hold it."""
+        self._said.join(LONGEST_S)
         return self._words
 
     def _listen(self) -> None:
