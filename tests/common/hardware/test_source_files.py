@@ -16,7 +16,7 @@ def test_of_sysml_the_files_beside_count_whose_packages_are_named_however_far(tm
     texts = {
         "cell.sysml": "package Cell { private import Motors::*; }\n",
         "motors.sysml": "package <m> Motors { private import 'Data book'::*; }\n",
-        "book.sysml": "package 'Data book' { }\n",
+        "Book.SYSML": "package 'Data book' { }\n",
         "back.sysml": "package Cell { }\n",
         "other.sysml": "package Other { private import Motors::*; }\n",
         "motors.txt": "package Motors { }\n",
@@ -26,8 +26,8 @@ def test_of_sysml_the_files_beside_count_whose_packages_are_named_however_far(tm
     found = source_files(tmp_path / "cell.sysml")
     assert [each.name for each in found] == [
         "cell.sysml",
+        "Book.SYSML",
         "back.sysml",
-        "book.sysml",
         "motors.sysml",
     ]
     assert source_files(tmp_path / "gone.sysml") == (tmp_path / "gone.sysml",)

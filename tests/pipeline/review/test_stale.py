@@ -84,10 +84,11 @@ def test_a_change_that_nobody_has_run_is_said_and_passes_no_limit(cell, versions
 FIGURE = "@TraceriskHardware::FailureData {{ rate = {} [SI::h^-1]; }}"
 
 
-def test_a_file_of_a_described_folder_that_changes_makes_the_figure_stale(cell):
+@pytest.mark.parametrize("name", ["parts.sysml", "Parts.SYSML"])
+def test_a_file_of_a_described_folder_that_changes_makes_the_figure_stale(cell, name):
     """The description is a folder of SysML, of which one part is the system."""
     parts = "package P {{ part def M {{ " + FIGURE + " }} }}"
-    cell.write("model/a/parts.sysml", parts.format("1e-7"))
+    cell.write(f"model/a/{name}", parts.format("1e-7"))
     cell.write(
         "model/cell.sysml",
         "package C { private import P::*; part cell { part motor : M; } part other { part m : M; } }",
@@ -101,7 +102,7 @@ def test_a_file_of_a_described_folder_that_changes_makes_the_figure_stale(cell):
     cell.write("tracerisk.lock", lock)
     cell.commit()
     assert review([], cell.folder).controllers == ()
-    cell.write("model/a/parts.sysml", parts.format("3e-7"))
+    cell.write(f"model/a/{name}", parts.format("3e-7"))
     found = only(review([], cell.folder))
     assert found.stale == ("model has changed",)
     (said,) = found.hardware
@@ -110,6 +111,25 @@ def test_a_file_of_a_described_folder_that_changes_makes_the_figure_stale(cell):
     assert "3e-07/h" in said
     cell.write("pyproject.toml", settings.replace("cell", "other"))
     assert "setting system was cell, is other" in only(review([], cell.folder)).stale
+
+
+def test_a_file_beside_a_description_counts_in_whatever_case_its_name_is(cell):
+    cell.write("Motors.SYSML", "package M { part def Motor { " + FIGURE.format("1e-7") + " } }")
+    cell.write("Arm.SYSML", "package A { private import M::*; part arm { part motor : Motor; } }")
+    cell.write("pyproject.toml", SETTINGS.replace("hw.yaml", "Arm.SYSML"))
+    lock = (cell.folder / "tracerisk.lock").read_text().replace("hw.yaml", "Arm.SYSML")
+    now = hardware_digest(Settings(hardware=str(cell.folder / "Arm.SYSML")))
+    cell.write("tracerisk.lock", lock.replace(sha256(hardware().encode()), now))
+    cell.commit()
+    cell.write("Arm.SYSML", "package A { part arm { part motor : M::Motor; } }")
+    cell.write("Motors.SYSML", "package M { part def Motor { " + FIGURE.format("3e-7") + " } }")
+    found = only(review([], cell.folder))
+    assert found.stale == ("Arm.SYSML has changed",)
+    assert "3e-07/h" in found.hardware[0]
+    cell.git("checkout", "Arm.SYSML")
+    assert only(review([], cell.folder)).stale == ("Arm.SYSML has changed",)
+    cell.git("checkout", "Motors.SYSML")
+    assert review([], cell.folder).controllers == ()
 
 
 def test_what_changes_no_run_is_no_change(cell):

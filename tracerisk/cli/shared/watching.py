@@ -96,7 +96,9 @@ def _look(file: Path) -> object:
     try:
         stat = file.stat()
         if file.is_dir():
-            return frozenset(path.name for path in file.iterdir() if path.suffix in _ENDINGS)
+            return frozenset(
+                path.name for path in file.iterdir() if path.suffix.lower() in _ENDINGS
+            )
     except OSError:
         return None
     return stat.st_mtime_ns, stat.st_size, stat.st_ino

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import HardwareError, Location
@@ -12,15 +12,18 @@ from tracerisk.errors import HardwareError, Location
 _PACKAGE = re.compile(rb"\bpackage\s+(?:<[^>]*>\s*)?(?:'((?:[^'\\\n]|\\.)+)'|(\w+))")
 
 
-SUFFIX = ".sysml"
-"""How the names of SysML files end, in capitals or not."""
 MAX_FILES = 5_000
 """How many files a folder may hold."""
 
 
 def is_sysml(path: Path) -> bool:
     """Whether a description is SysML v2: a file by its name, or a folder."""
-    return path.suffix.lower() == SUFFIX or is_folder(path)
+    return has_sysml_name(path.name) or is_folder(path)
+
+
+def has_sysml_name(name: str) -> bool:
+    """Whether a file of this name or path holds SysML v2; capitals or not make no difference."""
+    return PurePath(name).suffix.lower() == ".sysml"
 
 
 def is_folder(path: Path) -> bool:
@@ -45,7 +48,7 @@ def sysml_files(path: Path) -> tuple[Path, ...]:
         files += [
             file
             for file in (Path(folder, name) for name in names if not name.startswith("."))
-            if file.suffix.lower() == SUFFIX and file.is_file()
+            if has_sysml_name(file.name) and file.is_file()
         ]
         if len(files) > MAX_FILES:
             raise HardwareError(
@@ -57,6 +60,14 @@ def sysml_files(path: Path) -> tuple[Path, ...]:
             "is a folder without a .sysml file; give that of a model", Location(str(path))
         )
     return tuple(sorted(files))
+
+
+def sysml_files_in(folder: Path) -> tuple[Path, ...]:
+    """Return the SysML files right in a folder, sorted; none of one that cannot be read."""
+    try:
+        return tuple(sorted(path for path in folder.iterdir() if has_sysml_name(path.name)))
+    except OSError:
+        return ()
 
 
 def source_files(path: Path) -> tuple[Path, ...]:
@@ -74,7 +85,7 @@ def source_files(path: Path) -> tuple[Path, ...]:
     own = path.resolve()
     beside = {
         item: _read(item)
-        for item in sorted(path.parent.glob("*.sysml"))
+        for item in sysml_files_in(path.parent)
         if item.is_file() and item.resolve() != own
     }
     reached: list[Path] = []

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.adder.lock.lock import ControllerLock
+from tracerisk.common.hardware.source_files import has_sysml_name
 from tracerisk.config import Settings, loads_toml
 from tracerisk.errors import SettingsError, TraceRiskError
 from tracerisk.instrument.source.code_digest import code_digest
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from tracerisk.common.hardware.model import Hardware
 
 PROJECT_FILE = "pyproject.toml"
-_SYSML = ".sysml"
 
 
 class RunOfVersion(NamedTuple):
@@ -213,7 +213,7 @@ def _hardware_now(run: RunOfVersion, now: RunInputs, changed: Collection[str]) -
 
 def _described_by(version: GitVersion, path: str) -> list[str]:
     """Return the files that a description may be read from: itself, and of SysML those beside."""
-    if path.lower().endswith(_SYSML):
+    if has_sysml_name(path):
         names = version.names_in(posixpath.dirname(path))
     else:
         names = [] if path.lower().endswith((".yaml", ".yml")) else version.tracked()
@@ -222,13 +222,11 @@ def _described_by(version: GitVersion, path: str) -> list[str]:
 
 def _beside(path: str, names: Collection[str]) -> list[str]:
     """Return which of the paths are SysML files beside a SysML description, or below its folder."""
-    if not path.lower().endswith(_SYSML):
+    if not has_sysml_name(path):
         below = f"{path}/"
-        return [name for name in names if name.startswith(below) and name.endswith(_SYSML)]
+        return [name for name in names if name.startswith(below) and has_sysml_name(name)]
     folder = PurePosixPath(path).parent
-    return [
-        name for name in names if name.endswith(_SYSML) and PurePosixPath(name).parent == folder
-    ]
+    return [name for name in names if has_sysml_name(name) and PurePosixPath(name).parent == folder]
 
 
 @contextmanager

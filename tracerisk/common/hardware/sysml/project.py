@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-from tracerisk.common.hardware.source_files import sysml_files
+from tracerisk.common.hardware.source_files import sysml_files, sysml_files_in
 from tracerisk.common.hardware.sysml.language.name_resolution import Found, Symbol
 from tracerisk.common.hardware.sysml.language.parsing import parse
 from tracerisk.common.hardware.sysml.language.standard_names import standard_package
@@ -114,7 +114,7 @@ class Project:
             rb"\bpackage\s+(?:<[^>]*>\s*)?(?:%b\b|'%b')"
             % (re.escape(name.encode()), re.escape(name.encode()))
         )
-        paths = list(self._tops) if self._is_whole else sorted(self._folder.glob("*.sysml"))
+        paths = list(self._tops) if self._is_whole else sysml_files_in(self._folder)
         for path in paths:
             if path == file or not path.is_file() or path.stat().st_size > MAX_BYTES:
                 continue
