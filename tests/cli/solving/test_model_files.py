@@ -270,6 +270,40 @@ def test_a_dynamic_tree_is_solved(call):
     assert changed == pytest.approx(1 - (1 - pumps) * 0.5, rel=1e-13)
 
 
+REPAIRED = """\
+toplevel "pair"; "pair" and "a" "b";
+"a" lambda=0.01 repair=0.5;
+"b" lambda=0.02 repair=0.1;
+"""
+
+
+def test_a_repaired_tree_fails_at_the_end_or_at_any_time(call):
+    Path("repaired.dft").write_text(REPAIRED)
+    arguments = ("solve", "repaired.dft", "--mission-time", "100")
+    outcome = call(*arguments)
+    assert outcome.err == "pair: failed at the end of the mission, if not repaired before\n"
+    lines = [line.rsplit(maxsplit=1) for line in outcome.out.splitlines()[-2:]]
+    assert lines == [["pair", "3.267954e-03"], ["pair at any time", "1.592208e-01"]]
+    assert call(*arguments, "--figure", "pair", "--max-failure-probability", "0.1").code == 0
+    outcome = call(*arguments, "--max-failure-probability", "0.1")
+    assert outcome.code != 0
+    assert "pair at any time 0.1592 is over" in outcome.err
+    (faster,) = solved(call, *arguments[1:], "--set", "a=0.1")["tops"]
+    assert faster["probability"] > 2.7e-2
+    assert faster["at_any_time"]["is_bound"] is False
+
+
+def test_a_large_repaired_tree_is_bounded_at_any_time(call):
+    names = [f"e{number}" for number in range(15)]
+    Path("large.dft").write_text(
+        f"toplevel T; T 15of15 {' '.join(names)};"
+        + "".join(f"{name} lambda=0.1 repair=1;" for name in names)
+    )
+    (top,) = solved(call, "large.dft", "--mission-time", "10")["tops"]
+    assert top["at_any_time"]["is_bound"] is True
+    assert top["at_any_time"]["probability"] == pytest.approx((1 - math.exp(-1)) ** 15, rel=1e-12)
+
+
 def test_a_limit_is_held_against_tops(call):
     outcome = call("solve", "cooling.xml", "--max-failure-probability", "0.01")
     assert outcome.code == 1

@@ -22,6 +22,7 @@ from tracerisk.prm.other_models.dynamic import (
 from tracerisk.prm.other_models.formats import galileo
 from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.failure_models import (
+    GLM,
     Constant,
     Erlang,
     Exponential,
@@ -113,6 +114,7 @@ def test_every_failure_law_is_written_and_read():
         Constant(1e-20),
         Exponential(3e-7),
         Erlang(0.1, 3),
+        GLM(0.0, 3e-7, 0.125),
         Weibull(30000.0, 1.7),
         Weibull(7e4 / 3, 0.5),
         Lognormal(9.0, 1.5),
@@ -282,6 +284,8 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
         ('"A" prob=1 lambda=1;', "f:1:1: event 'A' has lambda and prob; allowed: prob;"),
         ('"A" lambda=1 phases=1.5;', "f:1:21: event 'A': phases=1.5; allowed: whole numbers"),
         ('"A" rate=0 shape=1;', "f:1:10: event 'A': rate=0; allowed: above 0"),
+        ('"A" lambda=1 repair=-1;', "f:1:1: repair_rate is -1.0 1/h; allowed: 0 or more"),
+        ('"A" repair=1;', "f:1:1: event 'A' has repair; allowed: prob; lambda; lambda and repair"),
         ('"A" lambda=1 repl=2;', "f:1:19: event 'A': repl=2; allowed: 1"),
         ('toplevel "X";\n' + EVENTS, "f:1:10: top 'X' is not a gate or event; allowed: A, B"),
         (
@@ -494,6 +498,13 @@ def test_the_dormancy_of_an_event_goes_before_that_of_the_kind_of_its_gate():
     text = "toplevel T; T and S U;\nS csp A B; U hsp C B; A lambda=1; C lambda=1; B lambda=1 {};"
     found = galileo.loads(text.format("dorm=0.5"), "x")
     assert {event.name: event.dormancy for event in found.events} == {"A": 1, "B": 0.5, "C": 1}
+
+
+def test_repair_has_no_meaning_in_the_group_of_a_dynamic_gate():
+    text = "toplevel T; T pand A B; A lambda=1 repair=2; B lambda=1;"
+    tree = galileo.loads(text, "f")
+    with pytest.raises(ModelError, match="event 'A': is repaired, which the group of a dynamic"):
+        tree.probability(1.0)
 
 
 def test_parameters_take_their_values_from_outside():

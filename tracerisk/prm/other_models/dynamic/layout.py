@@ -15,7 +15,7 @@ from tracerisk.prm.other_models.dynamic.elements import (
     Restriction,
     RestrictionKind,
 )
-from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, PerDemand
+from tracerisk.prm.trees.failure_models import GLM, Constant, Erlang, Exponential, PerDemand
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 SAFE, FAILED, GONE = 253, 254, 255
@@ -175,6 +175,11 @@ def _laws(
         if isinstance(model, Constant | PerDemand):
             starting[number] = model.probability(0.0).p
         elif not isinstance(model, Exponential | Erlang):
+            if isinstance(model, GLM):
+                raise ModelError(
+                    f"event '{event.name}': is repaired, which the group of a dynamic gate does "
+                    "not allow; leave out its repair, which counts more failures, or the gate"
+                )
             raise ModelError(
                 f"event '{event.name}': {type(model).__name__} is not allowed in the group of a "
                 "dynamic gate, whose events may not depend on the time since the start; "

@@ -10,7 +10,7 @@ from tracerisk.prm.numbers.table import Table
 from tracerisk.prm.other_models.dynamic.elements import DynamicEvent
 from tracerisk.prm.other_models.dynamic.group_model import DynamicGroup
 from tracerisk.prm.trees.events import FailureModel
-from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential
+from tracerisk.prm.trees.failure_models import GLM, Constant, Erlang, Exponential
 from tracerisk.prm.trees.fault_tree import FaultTree
 
 if TYPE_CHECKING:
@@ -135,6 +135,12 @@ def _tenfold(model: FailureModel) -> FailureModel | None:
     """Return the model with ten times the rate or the probability; none where it has neither."""
     if isinstance(model, Exponential | Erlang):
         return replace(model, rate=10.0 * model.rate)
+    if isinstance(model, GLM):
+        return replace(
+            model,
+            failure_on_demand=min(10.0 * model.failure_on_demand, 1.0),
+            failure_rate=10.0 * model.failure_rate,
+        )
     if hasattr(model, "p"):
         return Constant(min(10.0 * model.probability(0.0).p, 1.0))
     return None

@@ -20,7 +20,14 @@ from tracerisk.prm.other_models.dynamic import (
 )
 from tracerisk.prm.other_models.formats.galileo.statements import Statement, Word, read_statements
 from tracerisk.prm.trees.events import FailureModel
-from tracerisk.prm.trees.failure_models import Constant, Erlang, Exponential, Lognormal, Weibull
+from tracerisk.prm.trees.failure_models import (
+    GLM,
+    Constant,
+    Erlang,
+    Exponential,
+    Lognormal,
+    Weibull,
+)
 from tracerisk.prm.trees.gates import Gate, GateKind
 
 _VOTING = re.compile(r"(?P<k>\d+)of(?P<count>\d+)|vot(?P<least>\d+)")
@@ -49,6 +56,7 @@ _WAITING = {"csp": 0.0, "hsp": 1.0}
 _LAWS: dict[tuple[str, ...], Callable[..., FailureModel]] = {
     ("prob",): lambda prob: Constant(prob),
     ("lambda",): lambda rate: Exponential(rate),
+    ("lambda", "repair"): lambda rate, repair: GLM(0.0, rate, repair),
     ("lambda", "phases"): lambda rate, phases: Erlang(rate, int(phases)),
     ("rate", "shape"): lambda rate, shape: Weibull(1.0 / rate, shape),
     ("mean", "stddev"): lambda mean, stddev: Lognormal(mean, stddev),

@@ -10,6 +10,7 @@ from tracerisk.errors import ModelError, one_of
 from tracerisk.prm.other_models.dynamic import DynamicGate, DynamicKind, DynamicTree
 from tracerisk.prm.trees.events import FailureModel
 from tracerisk.prm.trees.failure_models import (
+    GLM,
     Constant,
     Erlang,
     Exponential,
@@ -140,6 +141,8 @@ def _law(name: str, model: FailureModel, mission_time_h: float | None) -> str:
         return f"prob={model.probability(0.0).p!r}"
     if isinstance(model, Exponential):
         return f"lambda={float(model.rate)!r}"
+    if isinstance(model, GLM) and model.failure_on_demand == 0.0:
+        return f"lambda={float(model.failure_rate)!r} repair={float(model.repair_rate)!r}"
     if isinstance(model, Erlang):
         return f"lambda={float(model.rate)!r} phases={model.phases}"
     if isinstance(model, Weibull) and model.location_h == model.age_h == 0.0:
