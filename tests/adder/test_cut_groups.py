@@ -22,6 +22,7 @@ FIGURES = {
     "ageing": ("weibull: {shape: 2.2, scale: 9, per: hour}", "age: {value: 1, per: hour}"),
 }
 _WITHIN = "detected: {test_interval: 1, per: minute}"
+_REPAIRED = "repair: {mean_time: 3, per: minute}"
 _RARELY = "detected: {test_interval: 2, per: hour}"
 GROUPS = {
     "one suffices": ("redundancy: true",),
@@ -36,6 +37,8 @@ GROUPS = {
     "cold, tested within": ("spare: cold", _WITHIN),
     "tested rarely": ("redundancy: true", _RARELY),
     "cold, tested rarely": ("spare: cold", _RARELY),
+    "repaired": ("redundancy: true", _REPAIRED),
+    "cold with a switch, repaired": ("spare: cold", "switch: 0.05", _REPAIRED),
 }
 
 _PAIRS = list(product(FIGURES, GROUPS))

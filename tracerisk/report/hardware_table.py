@@ -97,6 +97,10 @@ def _units(component: Component, quantity: int | None) -> Iterator[str]:
     yield from words[1:]
     if component.test_interval_s is not None:
         yield f"tested every {component.test_interval_s / 3600:g} h"
+    if component.repair is not None:
+        yield f"repaired in {component.repair.mean_time_s / 3600:g} h (mean)" + (
+            ", within missions too" if component.repair.in_mission else ""
+        )
 
 
 def _figures(component: Component) -> Iterator[str]:

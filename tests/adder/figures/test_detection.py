@@ -127,3 +127,59 @@ def test_spares_tested_more_rarely_than_missions_come_say_the_mean_as_well(power
     assert assumptions[0].startswith(
         f"power: figures are means over the {missions:.4g} missions between"
     )
+
+
+@pytest.mark.parametrize("in_mission", [False, True])
+@pytest.mark.parametrize("spare", ["", ", spare: cold"])
+def test_a_repaired_group_says_the_mean_mission_of_the_long_run(power, spare, in_mission):
+    within = ", in_mission: true" if in_mission else ""
+    rate = "{value: 0.125, per: hour}"
+    repair = f"{spare}, repair: {{mean_time: 0.2, per: hour{within}}}"
+    entry, assumptions = power(trace_of(360.0), repair, figure=rate)
+    # The chain of a pair in missions of 0.1 h, by its own small matrices.
+    failing, repairs = -math.log1p(-0.125) * 0.1, 0.5
+    first = failing if spare else 2 * failing
+    generator = [
+        [-first, first, 0.0],
+        [repairs if in_mission else 0.0, -failing - (repairs if in_mission else 0.0), failing],
+        [0.0, 0.0, 0.0],
+    ]
+    mission = exponential(generator)
+    back = 0.0 if in_mission else -math.expm1(-repairs)
+    (a, b, _), (c, e, _), _ = mission
+    c, e = c + e * back, e * (1 - back)
+    # m0 = 1 + a m0 + b m1; m1 = 1 + c m0 + e m1.
+    missions = (1 - e + b) / ((1 - a) * (1 - e) - b * c)
+    p = entry.probability.value
+    h = -math.log1p(-p)
+    found = h - math.log1p(h) if spare else -math.log1p(-p * p)
+    assert found == pytest.approx(-math.log1p(-1 / missions), rel=2e-3)
+    (line,) = assumptions
+    assert line.startswith("power: a failed unit is repaired in 0.2 h on average")
+    assert ("missing in the next at least" in line) is not in_mission
+
+
+def exponential(matrix):
+    """The exponential of a small matrix, by its series."""
+    size = range(len(matrix))
+    total = term = [[float(i == j) for j in size] for i in size]
+    for count in range(1, 40):
+        term = [[sum(term[i][k] * matrix[k][j] for k in size) / count for j in size] for i in size]
+        total = [[total[i][j] + term[i][j] for j in size] for i in size]
+    return total
+
+
+@pytest.mark.parametrize("within", ["", ", in_mission: true"])
+def test_where_missions_are_cut_changes_nothing_of_what_is_repaired(power, within):
+    """A wait more is a risk more, repair or not; the place of a cut is none."""
+    repair = f", repair: {{mean_time: 0.01, per: hour{within}}}"
+    whole = power(trace_of(120.0), repair)[0].probability.value
+    parts = power(trace_of(40.0, 80.0), repair)[0].probability.value
+    assert 1 - (1 - parts) ** 2 == pytest.approx(whole, rel=1e-3)
+    longer = power(trace_of(120.0, 600.0), repair)[0].probability.value
+    assert 1 - (1 - longer) ** 2 > whole
+
+
+def test_a_mission_without_a_time_cannot_be_compared_with_a_repair(power):
+    with pytest.raises(HardwareError, match="repair of 720 s cannot be compared with the time"):
+        power(trace_of(None), ", repair: {mean_time: 0.2, per: hour}", figure="0.125")

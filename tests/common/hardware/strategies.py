@@ -1,5 +1,7 @@
 """Hardware descriptions of every kind that a reader accepts, for Hypothesis."""
 
+from dataclasses import replace
+
 from hypothesis import strategies as st
 
 from tracerisk.common.hardware.model import (
@@ -13,7 +15,7 @@ from tracerisk.common.hardware.model import (
     TwinBinding,
     default_detection,
 )
-from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy
+from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy, Repair
 from tracerisk.common.hardware.units import (
     CYCLE_KINDS,
     DANGEROUS_KINDS,
@@ -186,6 +188,11 @@ def components(draw, name: str) -> Component:
     quantities = st.integers(1, 9) if named is None or named == 1 else st.just(named)
     quantity = draw(quantities if always else quantities | st.none())
     group, tested = draw(redundancies(quantity, own))
+    repair = None
+    if group.is_redundant and tested is None and draw(st.booleans()):
+        group = replace(group, detected="mission_start")
+        is_even = always and all(each.per.seconds for each in own)
+        repair = Repair(draw(TIMES), is_even and draw(st.booleans()))
     failure_modes = () if twin is None else draw(modes(own, twin))
     can_wear = (
         twin is not None
@@ -215,6 +222,7 @@ def components(draw, name: str) -> Component:
         draw(TIMES) if ages and draw(st.booleans()) else 0.0,
         draw(SOURCES),
         test_interval_s=tested,
+        repair=repair,
     )
 
 

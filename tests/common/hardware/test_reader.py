@@ -11,7 +11,7 @@ from tracerisk.common.hardware.model import (
     LoadLaw,
     TwinBinding,
 )
-from tracerisk.common.hardware.redundancy import Redundancy
+from tracerisk.common.hardware.redundancy import Redundancy, Repair
 from tracerisk.common.hardware.shipped import shipped_hardware
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError
@@ -152,6 +152,25 @@ def test_when_a_hidden_failure_is_detected_is_read_or_follows_from_the_figures(
     )
     (component,) = read_hardware(path).components
     assert (component.redundancy.detected, component.test_interval_s) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("{mean_time: 8, per: hour}", Repair(28800.0)),
+        ("{rate: 0.125, per: hour}", Repair(28800.0)),
+        ("{mean_time: 30, per: minute, in_mission: true}", Repair(1800.0, True)),
+    ],
+)
+def test_repair_is_read_as_a_time_or_a_rate(tmp_path, text, expected):
+    path = tmp_path / "h.yaml"
+    path.write_text(
+        "components:\n  a: {failure_rate: {value: 1e-7, per: hour}, quantity: 2, "
+        f"redundancy: true, active: always, repair: {text}}}\n"
+    )
+    (component,) = read_hardware(path).components
+    assert component.repair == expected
+    assert component.redundancy.detected == "mission_start"
 
 
 @pytest.mark.parametrize("broken", BROKEN_BLOCKS, ids=lambda broken: broken.message.split(":")[3])

@@ -308,6 +308,33 @@ def test_a_hidden_group_is_recomputed_from_the_trace(text, data):
     assert value == pytest.approx(1 - (1 - like) ** (share / 2), rel=1e-6)
 
 
+def test_a_repaired_group_is_recomputed_from_what_is_printed(tmp_path):
+    path = tmp_path / "cell.yaml"
+    path.write_text(
+        "components:\n  pump:\n    failure_rate: {value: 1e-3, per: hour}\n    required: 1\n"
+        "    repair: {mean_time: 2, per: minute}\n    twin: {joints: [j1, j2]}\n"
+    )
+    cell = read_hardware(path, shown="cell.yaml")
+    shown = render_derivation(derive_function(TRACE, cell, CARRY, active="moving+holding"))
+    shown = " ".join(part(shown, "pump").split())
+    value = r"([\d.e-]+)"
+    repairs = printed(shown, rf"lasts {value} mean times of a repair, the units")
+    assert repairs == close(21.5 / 120)
+    p, other = (float(got) for got in re.findall(rf"units fail with {value}, {value}", shown)[0])
+    back = -math.expm1(-repairs)
+    # From all sound (m0), the first failed (m1) or the second (m2), until both have.
+    # m1 = 1 + (1 - other) (back m0 + (1 - back) m1), so m1 = one (1 + (1 - other) back m0).
+    one = 1 / (1 - (1 - other) * (1 - back))
+    two = 1 / (1 - (1 - p) * (1 - back))
+    fixed = 1 + p * (1 - other) * one + other * (1 - p) * two
+    again = p * (1 - other) ** 2 * back * one + other * (1 - p) ** 2 * back * two
+    m0 = fixed / (p + other - p * other - again)
+    assert printed(shown, rf"the group then fails in {value} of the missions") == close(1 / m0)
+    hazard = printed(shown, rf"H = -ln\(1 - {value}\)")
+    like = printed(shown, rf"if each fails with {value}")
+    assert like**2 == close(hazard)
+
+
 @pytest.mark.parametrize("tested", ["mission_start", "{test_interval: 8, per: hour}"])
 @pytest.mark.parametrize("beta", ["", "    common_cause: {beta: 0.1}\n"])
 def test_a_hidden_group_is_recomputed_from_what_is_printed(tmp_path, tested, beta):

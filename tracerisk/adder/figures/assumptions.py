@@ -21,6 +21,7 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
             "on how the code is divided into functions",
         ),
         *_tested(used),
+        *_repaired(used),
         *_named(
             bound,
             lambda component: (
@@ -65,7 +66,7 @@ def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
     within = sorted(
         component_use.component.name
         for component_use in tested
-        if component_use.missions_between_tests == 1.0
+        if component_use.renewal.missions == 1.0
     )
     lines = [
         f"{', '.join(within)}: tests within the mission are not counted: a failure is taken to "
@@ -73,13 +74,36 @@ def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:
     ]
     rarer = [
         f"{component_use.component.name}: figures are means over the "
-        f"{component_use.missions_between_tests:.4g} missions between two tests: a failure that "
+        f"{component_use.renewal.missions:.4g} missions between two tests: a failure that "
         "stays hidden in one mission is still there in the next, and the block holds the "
         "probability that gives the mean mission"
         for component_use in tested
-        if component_use.missions_between_tests > 1.0
+        if component_use.renewal.missions > 1.0
     ]
     return (*(lines if within else ()), *rarer)
+
+
+def _repaired(used: Sequence[ComponentUse]) -> tuple[str, ...]:
+    lines = []
+    for component_use in used:
+        component, renewal = component_use.component, component_use.renewal
+        if component.repair is None or renewal.repair is None:
+            continue
+        hours = f"{component.repair.mean_time_s / 3600.0:.4g} h"
+        line = (
+            f"{component.name}: a failed unit is repaired in {hours} on average, while missions "
+            "follow one another without a pause; the block holds the probability that gives the "
+            "share of them that the group fails in the long run"
+        )
+        if not renewal.in_mission:
+            line += "; a unit that fails in one mission is missing in the next at least"
+        if component.repair.in_mission and not renewal.in_mission:
+            line += (
+                "; repair within missions is not counted, because evidence spreads its failures "
+                "unevenly over them"
+            )
+        lines.append(line)
+    return tuple(lines)
 
 
 def _ageing(bound: Sequence[BoundComponent]) -> tuple[str, ...]:

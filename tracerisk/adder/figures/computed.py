@@ -265,9 +265,7 @@ def group_values(
     """Return the one probability, before rounding, that stands in the block of each function."""
     if not uses:
         return {}
-    values = group_unit_probabilities(
-        list(uses.values()), used.component.redundancy, used.missions_between_tests
-    )
+    values = group_unit_probabilities(list(uses.values()), used.component.redundancy, used.renewal)
     return dict(zip(uses, values, strict=True))
 
 
@@ -377,13 +375,17 @@ def _check_tests(bound: Sequence[BoundComponent], trace: Trace) -> None:
     """Raise HardwareError where it is unknown what may be failed when a mission starts."""
     for bound_component in bound:
         component = bound_component.component
-        if component.test_interval_s is None:
+        if component.repair is not None:
+            what = f"repair of {component.repair.mean_time_s:.4g} s"
+        elif component.test_interval_s is not None:
+            what = f"test interval of {component.test_interval_s:.4g} s"
+        else:
             continue
         if mission_time(trace) is not None:
             continue
         raise HardwareError(
-            f"component '{component.name}': its test interval of {component.test_interval_s:.4g} s "
-            "cannot be compared with the time of a mission, which this trace does not hold; test "
-            "the group before each mission and write 'detected: mission_start'",
+            f"component '{component.name}': its {what} cannot be compared with the time of a "
+            "mission, which this trace does not hold; test the group before each mission and "
+            "write 'detected: mission_start'",
             component.location,
         )

@@ -125,11 +125,16 @@ class HiddenGroup:
     """The number of visits of the function in a mission."""
     missions: float = 1.0
     """The number of missions between two tests."""
+    repair: float | None = None
+    """The time of a mission over the mean time of a repair; `None` without repair."""
+    in_mission: bool = False
+    """Whether repair goes on within missions."""
     beta: float = 0.0
     """The fraction of a unit's failures that hit all at once."""
     apart: float | None = None
     """The failure probability of the group between two tests by its units' own failures, those
-    beside a common cause; `None` where spares are in it."""
+    beside a common cause; with repair, the share of missions that it fails in the long run;
+    `None` where there is no repair and spares are in it."""
     common: float = 0.0
     """The hazard of the common cause over one mission [1]."""
     hazard: float = 0.0

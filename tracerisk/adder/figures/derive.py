@@ -34,7 +34,7 @@ from tracerisk.adder.quantify.component_activity import (
 )
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 from tracerisk.adder.quantify.function_use import FunctionUse, mission_probability
-from tracerisk.adder.quantify.hidden_groups import hidden_hazards, over_mission
+from tracerisk.adder.quantify.hidden_groups import hidden_hazards, mean_hazard, over_mission
 from tracerisk.adder.quantify.outcome import Outcome, at_least
 from tracerisk.adder.quantify.probability import Term, failure_probability, hazard_of, survival_log
 from tracerisk.common.function_ref import FunctionRef
@@ -167,10 +167,10 @@ def _hidden(
     uses: Mapping[FunctionRef, FunctionUse],
     values: Mapping[FunctionRef, float],
 ) -> HiddenGroup:
+    renewal = used.renewal
     units = tuple(
         failure_probability(
-            -used.missions_between_tests
-            * survival_log(mission_probability(list(uses.values()), unit))
+            -renewal.missions * survival_log(mission_probability(list(uses.values()), unit))
         )
         for unit in range(used.bound.quantity)
     )
@@ -178,22 +178,27 @@ def _hidden(
     whole = math.fsum(hazards.values())
     group = used.component.redundancy
     own, common = over_mission([hidden_hazards(use, group) for use in uses.values()])
-    missions = used.missions_between_tests
-    beta = group.common_cause or 0.0
     apart: float | None = None
     hazard = float(common)
-    if not group.has_spares:
-        between_tests = [failure_probability(missions * float(unit.hazard)) for unit in own]
+    if renewal.repair is not None:
+        mean = float(mean_hazard(own, group, renewal))
+        hazard += mean
+        apart = failure_probability(mean)
+    elif not group.has_spares:
+        between_tests = [failure_probability(renewal.missions * float(unit.hazard)) for unit in own]
         apart = _p_group_fails(between_tests, used)
-        hazard += -survival_log(apart) / missions
+        hazard += -survival_log(apart) / renewal.missions
+    is_shown = group.common_cause or group.has_spares or renewal.repair is not None
     return HiddenGroup(
         units=units,
-        group=None if group.common_cause or group.has_spares else _p_group_fails(units, used),
+        group=None if is_shown else _p_group_fails(units, used),
         like=failure_probability(whole),
         share=hazards[function] / whole if whole else 0.0,
         times=round(uses[function].times),
-        missions=missions,
-        beta=beta,
+        missions=renewal.missions,
+        repair=renewal.repair,
+        in_mission=renewal.in_mission,
+        beta=group.common_cause or 0.0,
         apart=apart,
         common=float(common),
         hazard=hazard,

@@ -10,6 +10,7 @@ from fractions import Fraction
 
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 from tracerisk.adder.quantify.probability import Term, UnitMission, terms_of, unit_hazard
+from tracerisk.adder.quantify.repaired_groups import EACH_MISSION, Renewal
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.hardware.load import UnitLoad, mean_speed, wear_s
@@ -67,8 +68,8 @@ class ComponentUse:
     """One entry for each of the quantity; units that share an element have the same."""
     is_active: tuple[bool, ...]
     """Whether the component counts as active in each visit of the trace, (n_visits,)."""
-    missions_between_tests: float = 1.0
-    """The number of successive missions that a hidden failure may last."""
+    renewal: Renewal = EACH_MISSION
+    """When failed units are replaced whose failures stay hidden."""
 
     @property
     def component(self) -> Component:
@@ -190,12 +191,18 @@ def mission_time(trace: Trace) -> float | None:
     return total
 
 
-def missions_between_tests(component: Component, trace: Trace) -> float:
-    """Return how many missions fit between two tests of a group, 1 where a mission is longer."""
-    if component.test_interval_s is None:
-        return 1.0
+def renewal_of(component: Component, trace: Trace, *, is_even: bool) -> Renewal:
+    """Return when the failed units of a group are replaced, by the time of a mission.
+
+    Repair goes on within missions only where a unit's hazard `is_even` over them.
+    """
     mission_s = mission_time(trace)
-    return max(1.0, component.test_interval_s / mission_s) if mission_s else 1.0
+    if component.repair is not None and mission_s:
+        repairs = mission_s / component.repair.mean_time_s
+        return Renewal(repair=repairs, in_mission=component.repair.in_mission and is_even)
+    if component.test_interval_s is not None and mission_s:
+        return Renewal(missions=max(1.0, component.test_interval_s / mission_s))
+    return EACH_MISSION
 
 
 def component_use(
@@ -219,9 +226,9 @@ def component_use(
         uses = tuple(_always(number, visit) for number, visit in enumerate(trace.visits))
         unit = _unit_use(None, None, component, active, uses, trace.visits, times)
         unit = _ending(unit, bound, evidence)
-        return ComponentUse(
-            bound, (unit,) * bound.quantity, is_active, missions_between_tests(component, trace)
-        )
+        is_even = not any(term.ends for term in unit.terms)
+        renewal = renewal_of(component, trace, is_even=is_even)
+        return ComponentUse(bound, (unit,) * bound.quantity, is_active, renewal)
     kinds = {element.name: element.kind for element in trace.elements}
     is_active = tuple(_is_active(bound, visit, active, kinds) for visit in trace.visits)
     units = []
@@ -232,7 +239,8 @@ def component_use(
         )
         unit = _unit_use(name, kinds[name], component, active, uses, trace.visits, times)
         units += [_ending(unit, bound, evidence)] * len(list(same))
-    return ComponentUse(bound, tuple(units), is_active, missions_between_tests(component, trace))
+    renewal = renewal_of(component, trace, is_even=False)
+    return ComponentUse(bound, tuple(units), is_active, renewal)
 
 
 def _ending(unit: UnitUse, bound: BoundComponent, evidence: EvidenceShares | None) -> UnitUse:

@@ -16,25 +16,26 @@ from tracerisk.adder.quantify.group_gates import like_visit, needs_all, stays_hi
 from tracerisk.adder.quantify.hidden_groups import hidden_values
 from tracerisk.adder.quantify.outcome import ZERO, after, solve_hazard, with_digits
 from tracerisk.adder.quantify.probability import survival_log
+from tracerisk.adder.quantify.repaired_groups import EACH_MISSION, Renewal
 from tracerisk.common.hardware.redundancy import Redundancy
 
 
 @with_digits
 def group_unit_probabilities(
-    functions: Sequence[FunctionUse], redundancy: Redundancy, missions: float = 1.0
+    functions: Sequence[FunctionUse], redundancy: Redundancy, renewal: Renewal = EACH_MISSION
 ) -> tuple[float, ...]:
     """Return for each function the one unit probability that stands for unequal units there.
 
     A group that is whole again at each visit, or needs every unit, fails over the visits of each
     function as its units do. A group whose failures stay hidden is matched over the whole mission,
     and the functions share its hazard by what each contributes: a failure hidden in one is there in
-    the next, so that no function has a figure of its own. They may be found only after so many
-    `missions`: then the values give the mean over these.
+    the next, so that no function has a figure of its own. They may be found only after several
+    missions, or repaired while others go on: then the values give the mean mission.
     Units that are alike in all visits give back their probability.
-    Raises HardwareError where spares that differ are too many to follow.
+    Raises HardwareError where spares that differ, or units under repair, are too many to follow.
     """
     quantity = len(functions[0].visits[0])
-    is_kept = missions != 1.0 and stays_hidden(redundancy, quantity)
+    is_kept = renewal != EACH_MISSION and stays_hidden(redundancy, quantity)
     if not is_kept and all(
         len(set(units)) == 1 for function in functions for units in function.visits
     ):
@@ -45,7 +46,7 @@ def group_unit_probabilities(
     if quantity == 1 or (needs_all(redundancy, quantity) and not redundancy.common_cause):
         return tuple(mean_probability(function.visits) for function in functions)
     if stays_hidden(redundancy, quantity):
-        return hidden_values(functions, redundancy, quantity, missions)
+        return hidden_values(functions, redundancy, quantity, renewal)
     return tuple(_renewed(function.visits, redundancy, quantity) for function in functions)
 
 

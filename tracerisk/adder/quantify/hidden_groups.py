@@ -20,6 +20,7 @@ from tracerisk.adder.quantify.group_gates import (
 )
 from tracerisk.adder.quantify.outcome import ONE, ZERO, Outcome, after, fewer_than, solve_hazard
 from tracerisk.adder.quantify.probability import survival_log
+from tracerisk.adder.quantify.repaired_groups import EACH_MISSION, Renewal, repaired_group
 from tracerisk.common.hardware.redundancy import Redundancy
 
 _STEP = Decimal("1e-15")
@@ -76,22 +77,22 @@ def hidden_values(
     functions: Sequence[FunctionUse],
     redundancy: Redundancy,
     quantity: int,
-    missions: float = 1.0,
+    renewal: Renewal = EACH_MISSION,
 ) -> tuple[float, ...]:
-    """Return the values for groups whose failures stay hidden until a test finds them.
+    """Return the values for groups whose failures stay hidden until a mission ends, or longer.
 
-    The test comes after so many `missions`, one by default; of several the values give the mean
-    hazard of the group in one of them.
+    Where they are found after several missions, or are repaired while others go on, the values
+    give the mean hazard of the group in one of them.
     A function's part of the group's hazard is what it adds to it to first order: the hazards of
     its units, each by how much the group's failure depends on that unit.
     """
     hazards = [hidden_hazards(function, redundancy) for function in functions]
     own, common = over_mission(hazards)
-    between_tests = Decimal(missions)
-    if missions != 1.0:
+    between_tests = Decimal(renewal.missions)
+    target = mean_hazard(own, redundancy, renewal) + common
+    if renewal.missions != 1.0:
         own = [after(unit.hazard * between_tests) for unit in own]
     apart = unlike_apart(own, redundancy)
-    target = (apart.hazard if apart.q else SURE) / between_tests + common
     if target == ZERO:
         return (0.0,) * len(functions)
     slopes = _slopes(own, redundancy, apart)
@@ -123,6 +124,21 @@ def hidden_values(
     start = sum((unit.hazard for unit in own), common) / quantity / between_tests
     x = solve_hazard(like, target, start)
     return tuple(float(after(x * share).p) for share in shares)
+
+
+def mean_hazard(own: Sequence[Outcome], redundancy: Redundancy, renewal: Renewal) -> Decimal:
+    """Return the hazard of a group in the mean mission, by its units' own failures.
+
+    `own` are their outcomes in one mission.
+    """
+    if renewal.repair is not None:
+        group = repaired_group(own, redundancy, renewal.repair, in_mission=renewal.in_mission)
+        return group.hazard if group.q else SURE
+    missions = Decimal(renewal.missions)
+    if renewal.missions != 1.0:
+        own = [after(unit.hazard * missions) for unit in own]
+    group = unlike_apart(own, redundancy)
+    return (group.hazard if group.q else SURE) / missions
 
 
 def _slopes(own: Sequence[Outcome], redundancy: Redundancy, apart: Outcome) -> list[Decimal]:

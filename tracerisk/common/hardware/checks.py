@@ -49,6 +49,7 @@ def check_component(component: Component, place: Place) -> None:
         _check_place,
         _check_quantity,
         _check_redundancy,
+        _check_repair,
         _check_modes,
         _check_load_law,
         _check_age,
@@ -187,6 +188,30 @@ def _check_redundancy(component: Component, fail: _Fail) -> None:
         return
     if component.quantity is not None:
         check_required(component, component.quantity, fail.place)
+
+
+def _check_repair(component: Component, fail: _Fail) -> None:
+    repair = component.repair
+    if repair is None:
+        return
+    if not component.redundancy:
+        fail(
+            "applies to redundant units; where all are needed the first failure ends the mission, "
+            "whatever its repair; remove it",
+            "repair",
+        )
+    if component.test_interval_s is not None or component.redundancy.detected == "each_visit":
+        fail(
+            "'detected' says already when failed units are replaced; remove one of the two",
+            "repair",
+        )
+    is_even = component.always_active and all(figure.per.seconds for figure in component.figures)
+    if repair.in_mission and not is_even:
+        fail(
+            "within missions needs failures that are spread evenly over them: 'active: always' "
+            "and figures per time; remove 'in_mission', and repair counts between missions only",
+            "repair",
+        )
 
 
 def check_required(component: Component, quantity: int, place: Place) -> None:

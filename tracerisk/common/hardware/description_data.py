@@ -77,6 +77,10 @@ def _redundancy(component: Component) -> dict[str, Any]:
         data["common_cause"] = {"beta": group.common_cause}
     if component.test_interval_s is not None:
         data["detected"] = _time(component.test_interval_s, "test_interval")
+    elif component.repair is not None:
+        data["repair"] = _time(component.repair.mean_time_s, "mean_time")
+        if component.repair.in_mission:
+            data["repair"]["in_mission"] = True
     elif group.detected != default_detection(component.figures, tested=False):
         data["detected"] = group.detected
     return data

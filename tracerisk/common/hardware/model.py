@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, cast
 
-from tracerisk.common.hardware.redundancy import ALL_NEEDED, Detection, Redundancy
+from tracerisk.common.hardware.redundancy import ALL_NEEDED, Detection, Redundancy, Repair
 from tracerisk.common.hardware.units import SHEET_KINDS, DataSheet
 from tracerisk.errors import Location
 from tracerisk.trace import ElementKind, SensorKind
@@ -229,6 +229,9 @@ class Component:
     """The place in the description; `None` for a component that no file describes."""
     test_interval_s: float | None = None
     """The time between tests within the mission [s]; `None` for no tests."""
+    repair: Repair | None = None
+    """How long the repair of a unit takes while other missions go on; `None`: it is replaced
+    when `redundancy.detected` says."""
 
     def __post_init__(self) -> None:
         ordered = tuple(sorted(self.figures, key=_rank))

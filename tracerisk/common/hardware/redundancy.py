@@ -10,6 +10,16 @@ Detection = Literal["mission_start", "each_visit"]
 
 
 @dataclass(frozen=True, slots=True)
+class Repair:
+    """How long the repair of a failed unit of a redundant group takes."""
+
+    mean_time_s: float
+    """The mean time of a repair, whose length is exponential [s]."""
+    in_mission: bool = False
+    """Whether a unit is repaired while the mission goes on, and not only between missions."""
+
+
+@dataclass(frozen=True, slots=True)
 class Redundancy:
     """How many units of a component must work, and what makes all of them fail at once.
 

@@ -98,8 +98,16 @@ def group_lines(group: GroupDerivation) -> list[str]:
         if hidden.missions != 1.0:
             until = f"a test after {number(hidden.missions)} missions, over which"
             alike = "  a group of like units fails as in the mean mission if each fails with"
+        shown = f"  failures stay hidden until {until} the units{always} fail with"
+        if hidden.repair is not None:
+            when = "within missions too" if hidden.in_mission else "between missions"
+            shown = (
+                f"  failed units are repaired {when}; a mission, which lasts "
+                f"{number(hidden.repair)} mean times of a repair, the units{always} fail with"
+            )
+            alike = "  a group of like units fails as in the mean mission if each fails with"
         return [
-            f"  failures stay hidden until {until} the units{always} fail with",
+            shown,
             f"    {', '.join(map(number, hidden.units))}{fails}",
             *_hazard_of_group(hidden),
             f"{alike} {like}",
@@ -119,7 +127,8 @@ def _hazard_of_group(hidden: HiddenGroup) -> list[str]:
 
     None for a group of which the lines before say all, or that is no plain K-out-of-N group.
     """
-    if hidden.apart is None or (hidden.missions == 1.0 and not hidden.beta):
+    is_plain = hidden.missions == 1.0 and hidden.repair is None
+    if hidden.apart is None or (is_plain and not hidden.beta):
         return []
     per_mission = "" if hidden.missions == 1.0 else f" / {number(hidden.missions)}"
     terms = f"-ln(1 - {number(hidden.apart)}){per_mission}"
@@ -132,8 +141,11 @@ def _hazard_of_group(hidden: HiddenGroup) -> list[str]:
             f"{hidden.beta:g} of the units' mean"
         )
     equation = f"-ln(1 - G) + {hidden.beta:g} x" if hidden.beta else "-ln(1 - G)"
+    fails = f"with {number(hidden.apart)}"
+    if hidden.repair is not None:
+        fails = f"in {number(hidden.apart)} of the missions in the long run"
     return [
-        f"  each unit{by_itself}, the group then fails with {number(hidden.apart)}{common}; "
+        f"  each unit{by_itself}, the group then fails {fails}{common}; "
         "the hazard of the mean mission is",
         f"    H = {terms} = {number(hidden.hazard)}",
         f"  like units have it with the x for which {equation} = H, G that of a group whose units "

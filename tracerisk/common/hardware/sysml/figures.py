@@ -16,7 +16,7 @@ from tracerisk.common.hardware.model import (
     TwinBinding,
     default_detection,
 )
-from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy
+from tracerisk.common.hardware.redundancy import ALL_NEEDED, Redundancy, Repair
 from tracerisk.common.hardware.sysml.annotations import Metadata
 from tracerisk.common.hardware.sysml.fields import Fields
 from tracerisk.common.hardware.sysml.language.name_resolution import Symbol
@@ -268,8 +268,9 @@ def read_redundancy(
         for key in ("required", "spare", "dormancy", "switch", "commonCause", "detected"):
             if key in fields:
                 fields.fail(key, "applies to redundant units; write 'redundant = true' too")
-        if "testInterval" in fields:
-            fields.fail("testInterval", "units that are all needed have no hidden failures")
+        for key in ("testInterval", *_REPAIR):
+            if key in fields:
+                fields.fail(key, "units that are all needed have no hidden failures; remove it")
         return ALL_NEEDED, None
     interval = fields.time_s("testInterval") if "testInterval" in fields else None
     if interval is not None and "detected" in fields:
@@ -277,7 +278,7 @@ def read_redundancy(
     detected: Any = (
         fields.word("detected", "Detection")
         if "detected" in fields
-        else default_detection(figures, interval is not None)
+        else default_detection(figures, interval is not None or read_repair(fields) is not None)
     )
     cause = fields.number("commonCause", maximum=1.0) if "commonCause" in fields else 0.0
     return (
@@ -291,6 +292,29 @@ def read_redundancy(
         ),
         interval,
     )
+
+
+_REPAIR = ("repairTime", "repairRate", "repairInMission")
+
+
+def read_repair(fields: Fields) -> Repair | None:
+    """Return how long the repair of a unit of a redundant part takes; `None` where not given."""
+    given = [key for key in _REPAIR if key in fields]
+    if not given:
+        return None
+    if "repairTime" in given and "repairRate" in given:
+        fields.fail("repairRate", "conflicts with 'repairTime'; remove one of the two")
+    if given == ["repairInMission"]:
+        fields.fail("repairInMission", "needs the time of a repair; write 'repairTime = 8 [h]' too")
+    in_mission = fields.boolean("repairInMission", default=False)
+    if "repairTime" in given:
+        return Repair(fields.time_s("repairTime"), in_mission)
+    rate = fields.rate("repairRate")
+    if rate.unit.is_fit:
+        fields.fail("repairRate", "FIT is a unit of failures; write 'repairTime = 8 [h]'")
+    if not rate.number:
+        fields.fail("repairRate", "is 0; give a rate above 0, or leave it out")
+    return Repair(rate.unit.seconds / float(rate.number), in_mission)
 
 
 def _dormancy(fields: Fields) -> float:

@@ -158,6 +158,7 @@ class _Reading:
             source=None if described is None else described.text("source"),
             location=location,
             test_interval_s=interval,
+            repair=None if group is None else meaning.read_repair(group),
         )
         if described is not None and "robot" in described:
             described.fail("robot", "is on the system as a whole; remove it here")
@@ -250,6 +251,7 @@ _METADATA_OF = {
     "spare": "Redundancy",
     "common_cause": "Redundancy",
     "detected": "Redundancy",
+    "repair": "Redundancy",
     "twin": "TwinBinding",
     "active": "TwinBinding",
     "quantity": "",

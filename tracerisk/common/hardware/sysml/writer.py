@@ -272,7 +272,7 @@ class _Writer:
         if not group:
             return []
         kind = {0.0: "cold", 1.0: "hot"}.get(group.dormancy, "warm") if group.has_spares else None
-        interval = component.test_interval_s
+        interval, repair = component.test_interval_s, component.repair
         values: dict[str, object] = {
             "redundant": True,
             "required": group.required if group.required != 1 else None,
@@ -282,6 +282,8 @@ class _Writer:
             "commonCause": group.common_cause or None,
             "testInterval": None if interval is None else _Written(self._time(interval)),
             "detected": self._word("Detection", group.detected) if interval is None else None,
+            "repairTime": None if repair is None else _Written(self._time(repair.mean_time_s)),
+            "repairInMission": True if repair is not None and repair.in_mission else None,
         }
         return self.metadata("Redundancy", values)
 

@@ -65,9 +65,9 @@ def read_figures(entry: YamlMap) -> tuple[FailureFigure, ...]:
 
 def read_time(entry: YamlMap, key: str, *, value: str = "value") -> float:
     """Return the time at `key`, such as `{value: 8, per: hour}`, in seconds; it is above 0."""
-    time = _unit_map(entry, key, "{" + value + ": 8, per: hour}")
+    time = unit_map(entry, key, "{" + value + ": 8, per: hour}")
     time.forbid_unknown({value, "per"})
-    given = _positive(time, value)
+    given = positive(time, value)
     return given * word_of(time, "per", SECONDS_PER)
 
 
@@ -89,13 +89,14 @@ def _given(entry: YamlMap, key: str) -> list[YamlMap]:
     if key not in entry:
         return []
     if not isinstance(entry.require(key), list):
-        return [_unit_map(entry, key, _EXAMPLES[key])]
+        return [unit_map(entry, key, _EXAMPLES[key])]
     if not (maps := entry.maps(key)):
         entry.fail(key, "is an empty list; give a figure, or remove it")
     return maps
 
 
-def _unit_map(entry: YamlMap, key: str, example: str) -> YamlMap:
+def unit_map(entry: YamlMap, key: str, example: str) -> YamlMap:
+    """Return the map at `key`; a bare number there is an error that shows the `example`."""
     if _is_number(entry.require(key)):
         entry.fail(key, f"the number {entry.get(key)} has no unit; write {example}")
     return entry.map(key)
@@ -139,7 +140,7 @@ def _rate(figure: YamlMap, *, standby: bool) -> FailureFigure:
 def _mean_time(figure: YamlMap, kind: SheetKind) -> FailureFigure:
     dangerous = {"dangerous"} if kind in DANGEROUS_KINDS else set()
     figure.forbid_unknown(_SURE_KEYS | {"value", "unit", "temperature"} | dangerous)
-    hours = _positive(figure, "value") * word_of(figure, "unit", _HOURS_PER)
+    hours = positive(figure, "value") * word_of(figure, "unit", _HOURS_PER)
     temperature = _temperature(figure) if "temperature" in figure else None
     sheet = DataSheet(hours, kind, dangerous=_dangerous(figure), temperature=temperature)
     return FailureFigure(
@@ -161,9 +162,9 @@ def _cycles(figure: YamlMap, kind: SheetKind) -> FailureFigure:
     if "cycles" in figure:
         if demand is not None:
             figure.fail("of", "the cycles are given, so no demand is counted; remove one of them")
-        cycles = _unit_map(figure, "cycles", "{value: 120, per: hour}")
+        cycles = unit_map(figure, "cycles", "{value: 120, per: hour}")
         cycles.forbid_unknown({"value", "per"})
-        per_hour = _positive(cycles, "value") * word_of(cycles, "per", _CYCLES_PER_HOUR)
+        per_hour = positive(cycles, "value") * word_of(cycles, "per", _CYCLES_PER_HOUR)
     sheet = DataSheet(value, kind, per_hour, _dangerous(figure))
     return FailureFigure(
         "probability" if per_hour is None else "failure_rate",
@@ -201,8 +202,8 @@ def _temperature(figure: YamlMap) -> Temperature:
 
 def _weibull(figure: YamlMap) -> FailureFigure:
     figure.forbid_unknown(_ALWAYS_KEYS | {"shape", "scale"})
-    shape = _positive(figure, "shape")
-    scale = _positive(figure, "scale")
+    shape = positive(figure, "shape")
+    scale = positive(figure, "scale")
     per = _basis(figure, _SPANS)
     return FailureFigure("weibull", scale, per, shape=shape, **_uncertainty(figure))
 
@@ -221,7 +222,8 @@ def _basis(figure: YamlMap, allowed: tuple[Basis, ...]) -> Basis:
     return word_of(figure, "per", {basis.value: basis for basis in allowed})
 
 
-def _positive(entry: YamlMap, key: str) -> float:
+def positive(entry: YamlMap, key: str) -> float:
+    """Return the number at `key`, which is above 0."""
     value = entry.number(key, minimum=0.0)
     if value == 0.0:
         entry.fail(key, "is 0; give a number above 0")

@@ -8,7 +8,11 @@ from tracerisk.common.hardware.checks import check_component
 from tracerisk.common.hardware.model import FIGURE_KEYS, Component, Hardware, TwinBinding
 from tracerisk.common.hardware.units import sheet_hint
 from tracerisk.common.hardware.yaml.figures import read_figures, read_time, word_of
-from tracerisk.common.hardware.yaml.redundancy import REDUNDANCY_KEYS, read_redundancy
+from tracerisk.common.hardware.yaml.redundancy import (
+    REDUNDANCY_KEYS,
+    read_redundancy,
+    read_repair,
+)
 from tracerisk.common.hardware.yaml.twin import read_twin
 from tracerisk.common.hardware.yaml.use import read_load_law, read_modes
 from tracerisk.common.text.yaml_reader import YamlMap, read_large_yaml
@@ -67,6 +71,7 @@ def _component(name: str, entry: YamlMap, location: Location) -> Component:
         source=entry.optional_string("source"),
         location=location,
         test_interval_s=test_interval_s,
+        repair=read_repair(entry),
     )
 
     def place(*keys: str) -> Location:

@@ -2,14 +2,32 @@
 
 from __future__ import annotations
 
+import math
+
 from tracerisk.common.hardware.model import FailureFigure, default_detection
-from tracerisk.common.hardware.redundancy import ALL_NEEDED, Detection, Redundancy
-from tracerisk.common.hardware.yaml.figures import read_time, word_of, words
+from tracerisk.common.hardware.redundancy import ALL_NEEDED, Detection, Redundancy, Repair
+from tracerisk.common.hardware.units import SECONDS_PER
+from tracerisk.common.hardware.yaml.figures import (
+    positive,
+    read_time,
+    unit_map,
+    word_of,
+    words,
+)
 from tracerisk.common.text.yaml_reader import YamlMap
 from tracerisk.errors import one_of
 
 REDUNDANCY_KEYS = frozenset(
-    {"redundancy", "required", "spare", "dormancy", "switch", "common_cause", "detected"}
+    {
+        "redundancy",
+        "required",
+        "spare",
+        "dormancy",
+        "switch",
+        "common_cause",
+        "detected",
+        "repair",
+    }
 )
 
 _DETECTIONS: dict[str, Detection] = words(Detection)
@@ -37,10 +55,28 @@ def read_redundancy(
             common_cause=_common_cause(entry),
             dormancy=_dormancy(entry),
             switch=_switch(entry),
-            detected=detected or default_detection(figures, test_interval_s is not None),
+            detected=detected
+            or default_detection(figures, test_interval_s is not None or "repair" in entry),
         ),
         test_interval_s,
     )
+
+
+def read_repair(entry: YamlMap) -> Repair | None:
+    """Return how long the repair of a unit takes; `None` where the description does not say."""
+    if "repair" not in entry:
+        return None
+    repair = unit_map(entry, "repair", "{mean_time: 8, per: hour}")
+    repair.forbid_unknown({"mean_time", "rate", "per", "in_mission"})
+    given = [key for key in ("mean_time", "rate") if key in repair]
+    if len(given) != 1:
+        entry.fail("repair", "needs either 'mean_time' or 'rate'; write {mean_time: 8, per: hour}")
+    (key,) = given
+    value, span = positive(repair, key), word_of(repair, "per", SECONDS_PER)
+    mean_time_s = value * span if key == "mean_time" else span / value
+    if not 0.0 < mean_time_s < math.inf:
+        repair.fail(key, f"{value:g} gives no finite time above 0")
+    return Repair(mean_time_s, repair.boolean("in_mission", default=False))
 
 
 def _forbid_for_all_needed(entry: YamlMap) -> None:

@@ -40,6 +40,9 @@ FEATURES: dict[str, tuple[str, ...]] = {
         "commonCause",
         "detected",
         "testInterval",
+        "repairTime",
+        "repairRate",
+        "repairInMission",
     ),
     "TwinBinding": (
         "joints",
