@@ -443,6 +443,18 @@ BROKEN = (
         False,
     ),
     Broken(
+        _one("failure_rate: {value: 1e-6, per: hour}", "active: always", 'lot: "A 7"'),
+        "h.yaml:5:5: a.lot: has no effect, because no figure of the component has an error factor; give one, or remove it",
+        False,
+    ),
+    Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour, error_factor: 3}", "active: always", 'lot: ""'
+        ),
+        "h.yaml:5:5: a.lot: is empty; name the lot, or remove it",
+        True,
+    ),
+    Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", "quantity: many", "twin: {joints: [j1]}"),
         "h.yaml:4:5: components.a.quantity: 'many' is not allowed; write a whole number, or \"*\" for the number that the robot has",
         True,

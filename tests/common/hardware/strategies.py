@@ -50,9 +50,9 @@ def uncertainty(draw) -> dict:
     return {"error_factor": factor, "value_is": meaning, "source": draw(SOURCES)}
 
 
-TEMPERATURES = st.builds(
-    Temperature, st.floats(-100.0, 400.0), st.floats(-100.0, 400.0), st.floats(0.0, 2.0)
-)
+# A sum with 0.0 has no -0.0, which is written otherwise.
+CELSIUS = st.floats(-100.0, 400.0).map(lambda temperature: temperature + 0.0)
+TEMPERATURES = st.builds(Temperature, CELSIUS, CELSIUS, st.floats(0.0, 2.0))
 
 
 @st.composite
@@ -188,6 +188,7 @@ def components(draw, name: str) -> Component:
     quantities = st.integers(1, 9) if named is None or named == 1 else st.just(named)
     quantity = draw(quantities if always else quantities | st.none())
     group, tested = draw(redundancies(quantity, own))
+    is_uncertain = any(each.error_factor is not None for each in own)
     repair = None
     if group.is_redundant and tested is None and draw(st.booleans()):
         group = replace(group, detected="mission_start")
@@ -222,6 +223,7 @@ def components(draw, name: str) -> Component:
         draw(TIMES) if ages and draw(st.booleans()) else 0.0,
         draw(SOURCES),
         test_interval_s=tested,
+        lot=draw(st.none() | st.sampled_from(["A 7", "2024: Ä"])) if is_uncertain else None,
         repair=repair,
     )
 

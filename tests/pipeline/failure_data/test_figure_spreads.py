@@ -219,6 +219,15 @@ def test_build_keeps_the_spread_in_the_model(sample):
     assert inputs(outcome) == {"electric_motor"}
 
 
+def test_build_says_that_a_model_file_has_no_lots(sample):
+    sample.write("hardware.yaml", HARDWARE.replace("motor:", "motor:\n    lot: A"))
+    built = sample.run(
+        "build", "pick_and_place.py", "--hardware", "hardware.yaml", "-o", "model.json"
+    )
+    assert built.code == 0, built.err
+    assert "lots are left out (A): in a model file each component is off by itself" in built.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -338,3 +347,43 @@ def test_what_few_failures_say_of_what_follows_them_is_uncertain_too(modelled):
     certain = hardware_spreads(model, hardware, instances, outcomes_by_hand=["motor"])
     assert certain.outcomes == {}
     assert certain.figures == spreads.figures
+
+
+def joined(first: float, second: float, lots: tuple[str, str]) -> str:
+    """Two components of one figure each, as likely to fail, with their error factors and lots."""
+    return "".join(
+        f"  c{number}: {{failure_rate: {{value: 1e-4, per: hour, error_factor: {factor}}}, "
+        f"active: always{f', lot: {lot}' if lot else ''}}}\n"
+        for number, (factor, lot) in enumerate(zip((first, second), lots, strict=True))
+    )
+
+
+@pytest.mark.parametrize(("first", "second"), [(5.0, 5.0), (3.0, 8.0)])
+def test_components_of_one_lot_are_off_together(modelled, first, second):
+    """The percentiles of a sum of figures of one lot are the sums of their percentiles."""
+
+    def spread(lots):
+        model, hardware, instances = modelled(joined(first, second, lots))
+        figures = hardware_spreads(model, hardware, instances).figures
+        return propagate(model, samples=40_000, seed=1, figures=figures)
+
+    one = 1e-4 / 60
+    together, apart = spread(("A", "A")), spread(("A", "B"))
+    by_hand = (one / first + one / second, 2 * one, one * first + one * second)
+    assert together.percentiles == pytest.approx(by_hand, rel=2e-3)
+    assert apart.percentiles[2] < 0.9 * together.percentiles[2]
+    assert apart.percentiles == spread(("", "")).percentiles
+    # Each keeps its own mean, and so has the sum; its deviation is that of sums that move alike.
+    sigmas = [math.log(factor) / 1.6448536269514722 for factor in (first, second)]
+    means = [one * math.exp(sigma**2 / 2) for sigma in sigmas]
+    variance = sum(
+        m * n * math.expm1(s * t)
+        for m, s in zip(means, sigmas, strict=True)
+        for n, t in zip(means, sigmas, strict=True)
+    )
+    assert together.mean == pytest.approx(sum(means), rel=5e-3)
+    assert together.deviation == pytest.approx(math.sqrt(variance), rel=0.05)
+    (row,) = together.inputs
+    assert (row.name, row.value) == ("lot A", 1.0)
+    assert row.share == pytest.approx(1.0, abs=0.01)
+    assert row.percentiles[2] == pytest.approx(max(first, second), rel=2e-3)

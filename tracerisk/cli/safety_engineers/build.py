@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, write_file
@@ -40,6 +41,13 @@ def run(options: argparse.Namespace) -> int:
         from tracerisk.pipeline.failure_data.figure_spreads import with_distributions
 
         model = with_distributions(model, spreads.figures)
+        lots = {spread.lot for figures in spreads.figures.values() for spread in figures} - {""}
+        if lots:
+            told = (
+                f"lots are left out ({', '.join(sorted(lots))}): in a model file each component is "
+                "off by itself; `run --uncertainty` draws lots together"
+            )
+            spreads = replace(spreads, notes=(*spreads.notes, told))
         print_spreads(spreads, options)
     text = model_json.dumps(model)
     verdicts = sources_verdict(options.files)

@@ -53,6 +53,7 @@ def check_component(component: Component, place: Place) -> None:
         _check_modes,
         _check_load_law,
         _check_age,
+        _check_lot,
     ):
         check(component, _Fail(component, place))
 
@@ -366,4 +367,17 @@ def _check_age(component: Component, fail: _Fail) -> None:
             "applies to wear-out only; give 'weibull: {shape: 2, scale: 30000, per: hour}', "
             "or leave it out",
             "age",
+        )
+
+
+def _check_lot(component: Component, fail: _Fail) -> None:
+    if component.lot is None:
+        return
+    if not component.lot.strip():
+        fail("is empty; name the lot, or remove it", "lot")
+    if all(figure.error_factor is None for figure in component.figures):
+        fail(
+            "has no effect, because no figure of the component has an error factor; give one, or "
+            "remove it",
+            "lot",
         )

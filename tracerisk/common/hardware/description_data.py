@@ -51,7 +51,7 @@ def component_data(component: Component) -> dict[str, Any]:
         data["active"] = "always"
     if component.twin is not None:
         data["twin"] = _twin(component.twin)
-    return data | _given("source", component.source)
+    return data | _given("lot", component.lot) | _given("source", component.source)
 
 
 def _given(key: str, value: Any) -> dict[str, Any]:

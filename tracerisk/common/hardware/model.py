@@ -229,6 +229,9 @@ class Component:
     """The place in the description; `None` for a component that no file describes."""
     test_interval_s: float | None = None
     """The time between tests within the mission [s]; `None` for no tests."""
+    lot: str | None = None
+    """The production lot of its units; the figures of one lot are off together. `None`: by
+    themselves."""
     repair: Repair | None = None
     """How long the repair of a unit takes while other missions go on; `None`: it is replaced
     when `redundancy.detected` says."""

@@ -77,12 +77,12 @@ def hardware_spreads(
                 )
             continue
         if len(component.figures) == 1:
-            figure_spreads[name] = (FigureSpread("", 1.0, _lognormal(factors[0])), *shown)
+            figure_spreads[name] = (_spread(component, factors[0]), *shown)
         elif shares.get(name):
             figure_spreads[name] = (*_parts(component, shares[name]), *shown)
         else:
             widest = max(factors, key=_factor)
-            figure_spreads[name] = (FigureSpread("", 1.0, _lognormal(widest)), *shown)
+            figure_spreads[name] = (_spread(component, widest), *shown)
             notes.append(
                 f"{name}: only a run shows which part each of its {len(component.figures)} figures "
                 f"has; here all of it is off by the widest error factor, {_factor(widest):g}"
@@ -165,7 +165,7 @@ def _share_that_ends(ending: EndingShare | None) -> tuple[FigureSpread, ...]:
 def _parts(component: Component, shares: Sequence[float]) -> tuple[FigureSpread, ...]:
     names = _names(component.figures)
     return tuple(
-        FigureSpread(name, share, _lognormal(figure))
+        _spread(component, figure, name, share)
         for name, share, figure in zip(names, shares, component.figures, strict=True)
         if figure.error_factor is not None and share > 0.0
     )
@@ -191,6 +191,12 @@ def _names(figures: Sequence[FailureFigure]) -> list[str]:
 
 def _factor(figure: FailureFigure) -> float:
     return figure.error_factor or 1.0
+
+
+def _spread(
+    component: Component, figure: FailureFigure, name: str = "", share: float = 1.0
+) -> FigureSpread:
+    return FigureSpread(name, share, _lognormal(figure), lot=component.lot or "")
 
 
 def _lognormal(figure: FailureFigure) -> Lognormal:

@@ -66,9 +66,13 @@ class Lognormal:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:
         """Return the quantiles at `shares`."""
+        return self.at_scores(special().ndtri(shares), value)
+
+    def at_scores(self, scores: Samples, value: float) -> Samples:
+        """Return the values at normal scores, which are 0 at the median."""
         from tracerisk.prm.numbers.arrays import np
 
-        factors: Samples = np.exp(self.sigma * special().ndtri(shares))
+        factors: Samples = np.exp(self.sigma * scores)
         return self._median(value) * factors
 
     def mean(self, value: float) -> float:

@@ -18,6 +18,7 @@ from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve_figures
 from tracerisk.prm.numbers.distributions import Distribution
 from tracerisk.prm.questions.draws import InputDraws, UncertainInput, in_blocks
+from tracerisk.prm.questions.lots import LotDraws
 from tracerisk.prm.questions.set_values import groups_of, parameters_of
 from tracerisk.prm.questions.tails import intervals, tail_mean
 
@@ -49,6 +50,8 @@ class FigureSpread:
     """Distribution of the figure."""
     is_factor: bool = False
     """Whether the figure multiplies the sum of the others instead of adding to it."""
+    lot: str = ""
+    """The lot whose lognormal figures are all off by the same normal score; "" for none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +169,7 @@ def propagate(
         for parameter in groups.get(name) or parameters_of(model, name):
             given[parameter.name] = distribution
     inputs: dict[str, UncertainInput] = {}
+    lot_of: dict[str, str] = {}
     # What a component's figure is the sum of: its inputs, and what is certain of it.
     sums: dict[str, tuple[float, list[str]]] = {}
     factors: dict[str, list[tuple[str, float]]] = {}
@@ -184,6 +188,8 @@ def propagate(
         for key, figure_spread in named.items():
             point = figure_spread.share if figure_spread.is_factor else figure_spread.share * value
             inputs[key] = UncertainInput(point, figure_spread.distribution)
+            if figure_spread.lot:
+                lot_of[key] = figure_spread.lot
         summed = {
             key: figure_spread
             for key, figure_spread in named.items()
@@ -202,9 +208,12 @@ def propagate(
             part.name: part.theta / value if value > 0.0 else 1.0 / len(parts) for part in parts
         }
 
+    lots = LotDraws(inputs, lot_of)
+    inputs = lots.inputs
     fated = FateDraws(model, outcomes or {})
 
     def thetas_of(drawn: Mapping[str, Samples]) -> dict[str, Samples]:
+        drawn = lots.with_members(drawn)
         thetas = {}
         for name, (certain, keys) in sums.items():
             total = _at_most_one([drawn[key] for key in keys], certain)

@@ -59,6 +59,8 @@ MEANING = {
     "a repair of rate 0": (f"part a [2] {{ {DATA}\n @Redundancy {{ redundant = true; repairRate = 0 [h^-1]; }} }}", "3:47: Redundancy.repairRate: is 0; give a rate above 0"),
     "a repair in FIT": (f"part a [2] {{ {DATA}\n @Redundancy {{ redundant = true; repairRate = 1 [FIT]; }} }}", "3:47: Redundancy.repairRate: FIT is a unit of failures"),
     "a repair and a test": (f"part a [2] {{ {DATA} @TwinBinding {{ always = true; }}\n @Redundancy {{ redundant = true; repairTime = 1 [h]; testInterval = 8 [h]; }} }}", "3:3: a.repair: 'detected' says already when failed units are replaced"),
+    "a lot of a system": (f"part a {{ part b {{ {DATA} }}\n @HardwareData {{ lot = \"A\"; }} }}", "3:24: HardwareData.lot: is of a part, not of the system as a whole"),
+    "a lot of what is certain": (f"part a {{ part b {{ {DATA}\n @HardwareData {{ lot = \"A\"; }} }} }}", "3:3: b.lot: has no effect, because no figure"),
     "a second redundancy": (f"part a [2] {{ {DATA} @Redundancy {{ redundant = true; }}\n @Redundancy {{ redundant = true; }} }}", "3:3: duplicate Redundancy on 'a'; keep one"),
     "binding without figure": ("part r { part b { @FailureData { probability = 0.1; } } part a {\n @TwinBinding { gripper = true; } } }", "3:3: 'a' has TwinBinding but no failure data"),
     "an open range": (f"part r {{ part a [1..3] {{ {DATA} }} }}", "2:15: 'a' has 1 to 3 units; give one number"),

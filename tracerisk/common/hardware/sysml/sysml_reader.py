@@ -93,7 +93,11 @@ class _Reading:
 
     def _description(self, root: Symbol) -> tuple[str | None, str | None]:
         fields = self._single(root, "HardwareData", (root,))
-        return (None, None) if fields is None else (fields.text("robot"), fields.text("source"))
+        if fields is None:
+            return None, None
+        if "lot" in fields:
+            fields.fail("lot", "is of a part, not of the system as a whole; remove it here")
+        return fields.text("robot"), fields.text("source")
 
     def _single(self, part: Symbol, kind: str, way: tuple[Symbol, ...]) -> Fields | None:
         """Return the fields of the one metadata of a kind that a part has."""
@@ -158,13 +162,16 @@ class _Reading:
             source=None if described is None else described.text("source"),
             location=location,
             test_interval_s=interval,
+            lot=None if described is None else described.text("lot"),
             repair=None if group is None else meaning.read_repair(group),
         )
         if described is not None and "robot" in described:
             described.fail("robot", "is on the system as a whole; remove it here")
         known = {mode.kind: mode.location for mode in reversed((*data, *modes))}
         known |= {
-            fields.owner: fields.location for fields in (group, binding) if fields is not None
+            fields.owner: fields.location
+            for fields in (group, binding, described)
+            if fields is not None
         }
 
         def find(*keys: str) -> Location:
@@ -252,6 +259,7 @@ _METADATA_OF = {
     "common_cause": "Redundancy",
     "detected": "Redundancy",
     "repair": "Redundancy",
+    "lot": "HardwareData",
     "twin": "TwinBinding",
     "active": "TwinBinding",
     "quantity": "",

@@ -190,7 +190,7 @@ class _Writer:
 
     def part(self, name: str, component: Component, inner: list[str]) -> list[str]:
         lines = [
-            *self.metadata("HardwareData", {"source": component.source}),
+            *self.metadata("HardwareData", {"lot": component.lot, "source": component.source}),
             *self._figures(component),
             *(line for mode in component.modes for line in self._mode(mode)),
             *self._redundancy(component),

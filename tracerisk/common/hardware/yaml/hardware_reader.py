@@ -25,7 +25,7 @@ _TOP_KEYS = frozenset({"components", "robot", "source"})
 _COMPONENT_KEYS = (
     frozenset(FIGURE_KEYS)
     | REDUNDANCY_KEYS
-    | {"quantity", "age", "load_law", "modes", "twin", "active", "source"}
+    | {"quantity", "age", "load_law", "modes", "twin", "active", "lot", "source"}
 )
 
 
@@ -71,6 +71,7 @@ def _component(name: str, entry: YamlMap, location: Location) -> Component:
         source=entry.optional_string("source"),
         location=location,
         test_interval_s=test_interval_s,
+        lot=entry.optional_string("lot"),
         repair=read_repair(entry),
     )
 

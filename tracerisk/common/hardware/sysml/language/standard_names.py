@@ -30,7 +30,7 @@ FEATURES: dict[str, tuple[str, ...]] = {
         "loadLaw",
     ),
     "FailureMode": ("fraction", "uses", "fault", "lasts", "source"),
-    "HardwareData": ("robot", "source"),
+    "HardwareData": ("robot", "lot", "source"),
     "Redundancy": (
         "redundant",
         "required",
