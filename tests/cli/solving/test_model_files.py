@@ -346,11 +346,35 @@ def test_tops_are_solved_in_each_phase_of_an_alignment(call):
     (top,) = repair["tops"]
     assert top["probability"] == pytest.approx(1.0, rel=1e-15)
     assert top["complement"] == 0.0
+    (mission,) = data["missions"]
+    assert mission["name"] == "year, any phase"
+    assert mission["tops"][0]["probability"] == pytest.approx(1.0, rel=1e-15)
     outcome = call(
         "solve", "phases.xml", "--mission-time", "20", "--max-failure-probability", "0.9"
     )
     assert outcome.code == 1
     assert "none (year, repair) 1 is over" in outcome.err
+    # With the house event off in both phases, the mission is that without phases.
+    Path("off.xml").write_text(text.replace('"true"', '"false"'))
+    (mission,) = solved(call, "off.xml", "--mission-time", "20")["missions"]
+    p = -math.expm1(-0.01 * 20)
+    expected = pytest.approx(1 - (1 - p * p) * 0.999, rel=1e-14)
+    assert mission["tops"][0]["probability"] == expected
+
+
+def test_phases_of_what_is_repaired_have_no_figure_of_the_mission(call):
+    law = "<GLM>" + "".join(f'<float value="{v}"/>' for v in (0.0, 0.1, 1.0))
+    text = xml(law + "<system-mission-time/></GLM>")
+    phases = (
+        '<define-alignment name="year"><define-phase name="all" time-fraction="1"/>'
+        "</define-alignment></opsa-mef>"
+    )
+    Path("repaired.xml").write_text(text.replace("</opsa-mef>", phases))
+    data = solved(call, "repaired.xml", "--mission-time", "20")
+    assert data["missions"] == []
+    (told,) = data["notes"]
+    assert told.startswith("none in year, any phase: event ")
+    assert "is repaired or tested" in told
 
 
 # Chains.

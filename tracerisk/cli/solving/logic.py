@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass, replace
 
 from tracerisk.cli.shared.output import note
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
-from tracerisk.errors import InputError
+from tracerisk.errors import InputError, ModelError
 from tracerisk.prm.other_models.logic.checks import needs_mission_time
-from tracerisk.prm.other_models.logic.model import LogicModel
+from tracerisk.prm.other_models.logic.model import Alignment, LogicModel
 from tracerisk.report.model_files import render_event_tree, render_top_importance, render_tops
 
 TYPE_CHECKING = False
@@ -85,6 +85,14 @@ class LogicFile:
                 solved: dict[str, tuple[float, float]] = phase["tops"]
                 figures |= {f"{top} ({phase['name']})": p for top, (p, _) in solved.items()}
                 phase["tops"] = _tops_data(solved)
+            data["missions"] = []
+            for alignment in model.alignments:
+                ever = self._in_any_phase(alignment, wanted, time, notes)
+                if ever:
+                    name = f"{alignment.name}, any phase"
+                    data["missions"].append({"name": name, "tops": _tops_data(ever)})
+                    shown.append((render_tops, (name, ever)))
+                    figures |= {f"{top} ({name})": p for top, (p, _) in ever.items()}
         risks = tuple(figures) or None
         if model.alignments and begun:
             notes.append("event trees are solved without phases: house events as they are defined")
@@ -125,6 +133,20 @@ class LogicFile:
                 name = f"{alignment.name}, {phase.name}"
                 phases.append({"name": name, "fraction": phase.fraction, "tops": tops})
         return phases
+
+    def _in_any_phase(
+        self, alignment: Alignment, wanted: tuple[str, ...], time: float, notes: list[str]
+    ) -> dict[str, tuple[float, float]]:
+        """Solve the tops for phases that follow one another; `notes` get why not."""
+        from tracerisk.prm.other_models.logic.phased import phased_probability
+
+        tops: dict[str, tuple[float, float]] = {}
+        for top in wanted:
+            try:
+                tops[top] = phased_probability(self.model, alignment, top, time)
+            except ModelError as error:
+                notes.append(f"{top} in {alignment.name}, any phase: {error}")
+        return tops
 
     def at(self, mission_time_h: float) -> LogicFile:
         """Return the model with another mission time."""

@@ -1,0 +1,163 @@
+"""Missions of phases, against sums over the phases in which each event occurs."""
+
+import itertools
+import random
+
+import pytest
+
+from tests.slow import slow_but_every
+from tracerisk.errors import ModelError
+from tracerisk.prm.other_models.formats.open_psa import loads_open_psa
+from tracerisk.prm.other_models.logic.phased import phased_probability
+
+mpmath = pytest.importorskip("mpmath", reason="mpmath gives the exact figures")
+
+HOURS = 50.0
+
+
+def model_of(gates, events, phases):
+    """Read a model from Open-PSA text; a phase has a fraction and the house events that are on."""
+    houses = sorted({house for _, on in phases for house in on} | {"h0", "h1"})
+    text = ["<opsa-mef><define-fault-tree name='t'>"]
+    kinds = {"event": "basic-event", "house": "house-event", "gate": "gate"}
+    for name, (kind, k, inputs) in gates.items():
+        least = f" min='{k}'" if kind == "atleast" else ""
+        below = "".join(f"<{kinds[what]} name='{of}'/>" for what, of in inputs)
+        text.append(f"<define-gate name='{name}'><{kind}{least}>{below}</{kind}></define-gate>")
+    text.append("</define-fault-tree><model-data>")
+    for name, law in events.items():
+        text.append(f"<define-basic-event name='{name}'>{law}</define-basic-event>")
+    text += [
+        f"<define-house-event name='{house}'><constant value='false'/></define-house-event>"
+        for house in houses
+    ]
+    text.append("</model-data><define-alignment name='m'>")
+    for number, (fraction, on) in enumerate(phases):
+        text.append(f"<define-phase name='p{number}' time-fraction='{fraction!r}'>")
+        for house in houses:
+            state = "true" if house in on else "false"
+            text.append(
+                f"<set-house-event name='{house}'><constant value='{state}'/></set-house-event>"
+            )
+        text.append("</define-phase>")
+    return loads_open_psa("".join([*text, "</define-alignment></opsa-mef>"]), "m.xml")
+
+
+def exponential(rate):
+    return f"<exponential><float value='{rate!r}'/><system-mission-time/></exponential>"
+
+
+def drawn(rng):
+    names = [f"e{number}" for number in range(rng.randint(1, 4))]
+    rates = {name: rng.choice([None, 10.0 ** rng.uniform(-6, -1)]) for name in names}
+    laws = {
+        name: f"<float value='{0.01!r}'/>" if rate is None else exponential(rate)
+        for name, rate in rates.items()
+    }
+    gates = {}
+    leaves = [("event", name) for name in names] + [("house", "h0"), ("house", "h1")]
+    for name in ("g0", "g1"):
+        inputs = rng.sample(leaves, rng.randint(2, len(leaves)))
+        gates[name] = (rng.choice(["and", "or", "atleast"]), rng.randint(1, len(inputs)), inputs)
+    inputs = [("gate", "g0"), ("gate", "g1"), ("event", rng.choice(names))]
+    gates["top"] = (rng.choice(["and", "or", "atleast"]), 2, inputs)
+    cuts = sorted(rng.randint(1, 7) / 8 for _ in range(rng.randint(0, 2)))
+    ends = [*dict.fromkeys(cuts), 1.0]
+    fractions = [end - begin for begin, end in itertools.pairwise([0.0, *ends])]
+    phases = [
+        (fraction, [house for house in ("h0", "h1") if rng.random() < 0.5])
+        for fraction in fractions
+    ]
+    return gates, rates, laws, phases, ends
+
+
+def happens(gates, name, true):
+    kind, k, inputs = gates[name]
+    count = sum(happens(gates, of, true) if what == "gate" else of in true for what, of in inputs)
+    return count >= {"and": len(inputs), "or": 1, "atleast": k}[kind]
+
+
+def exact(gates, rates, phases, ends):
+    """Sum over all phases in which each event may occur, the last for none at all."""
+    total = mpmath.mpf(0)
+    names = list(rates)
+    with mpmath.workdps(40):
+        chances = {}
+        for name, rate in rates.items():
+            if rate is None:
+                by = [mpmath.mpf(0.01)] * len(ends)
+            else:
+                by = [-mpmath.expm1(-mpmath.mpf(rate) * HOURS * end) for end in ends]
+            chances[name] = [now - before for before, now in itertools.pairwise([0, *by, 1])]
+        for when in itertools.product(range(len(ends) + 1), repeat=len(names)):
+            if any(
+                happens(
+                    gates, "top", {n for n, at in zip(names, when, strict=True) if at <= j} | {*on}
+                )
+                for j, (_, on) in enumerate(phases)
+            ):
+                total += mpmath.fprod(chances[n][at] for n, at in zip(names, when, strict=True))
+    return total
+
+
+@pytest.mark.parametrize("seed", slow_but_every(20, range(1000)))
+def test_random_missions_are_sums_over_the_phases_in_which_events_occur(seed):
+    gates, rates, laws, phases, ends = drawn(random.Random(seed))
+    model = model_of(gates, laws, phases)
+    found = phased_probability(model, model.alignments[0], "top", HOURS)
+    share = exact(gates, rates, phases, ends)
+    with mpmath.workdps(40):
+        rest = float(1 - share)
+    assert found.p == pytest.approx(float(share), rel=1e-12, abs=1e-35)
+    assert found.q == pytest.approx(rest, rel=1e-12, abs=1e-35)
+
+
+def test_cutting_a_phase_in_two_changes_nothing():
+    gates = {"top": ("and", 1, [("event", "a"), ("event", "b")])}
+    laws = {name: exponential(0.01) for name in "ab"}
+    whole = model_of(gates, laws, [(1.0, [])])
+    parts = model_of(gates, laws, [(0.25, []), (0.75, [])])
+    one, other = (
+        phased_probability(model, model.alignments[0], "top", HOURS) for model in (whole, parts)
+    )
+    assert one == pytest.approx(other, rel=1e-14)
+    assert one == pytest.approx(
+        whole.fault_tree("top").probability({"a": one.p**0.5, "b": one.p**0.5})
+    )
+
+
+def test_a_failure_is_carried_into_the_phase_that_needs_the_unit():
+    # In the first phase nothing is needed (both house events off), in the second the unit is.
+    gates = {"top": ("and", 1, [("event", "a"), ("house", "h0")])}
+    model = model_of(gates, {"a": exponential(0.01)}, [(0.8, []), (0.2, ["h0"])])
+    found = phased_probability(model, model.alignments[0], "top", HOURS)
+    assert found.p == pytest.approx(float(-mpmath.expm1(-0.01 * HOURS)), rel=1e-14)
+
+
+GLM = "<GLM><float value='0'/><float value='0.1'/><float value='1'/><system-mission-time/></GLM>"
+
+
+@pytest.mark.parametrize(
+    ("gates", "law", "message"),
+    [
+        (
+            {"top": ("nor", 1, [("event", "a"), ("house", "h0")])},
+            exponential(0.1),
+            "gate 'top': nor is not coherent",
+        ),
+        (
+            {"top": ("or", 1, [("event", "a"), ("house", "h0")])},
+            GLM,
+            "event 'a' is repaired or tested, and may have happened in one phase and not in 'p0'",
+        ),
+        (
+            {"top": ("or", 1, [("event", "a"), ("house", "h0")])},
+            f"<sub><float value='1'/>{exponential(0.1)}</sub>",
+            "event 'a': its probability falls from",
+        ),
+    ],
+)
+def test_what_has_no_figure_of_all_phases_says_so(gates, law, message):
+    model = model_of(gates, {"a": law}, [(0.5, []), (0.5, ["h0"])])
+    with pytest.raises(ModelError, match=message):
+        phased_probability(model, model.alignments[0], "top", HOURS)
