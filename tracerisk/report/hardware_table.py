@@ -114,6 +114,8 @@ def _figures(component: Component) -> Iterator[str]:
             f"load law: {law.wearing_share:.0%} x (load/{law.reference_load:g})^"
             f"{exponent_text(law.exponent)}{speed}"
         )
+    if component.exposure_error_factor is not None:
+        yield f"use: error factor {component.exposure_error_factor:g}"
     if component.lot is not None:
         yield f"lot {component.lot}"
     for mode in component.modes:

@@ -455,6 +455,18 @@ BROKEN = (
         True,
     ),
     Broken(
+        _one(
+            "failure_rate: {value: 1e-6, per: hour}", "active: always", "exposure_error_factor: 0.5"
+        ),
+        "h.yaml:5:5: components.a.exposure_error_factor: 0.5 is outside [1, inf]",
+        True,
+    ),
+    Broken(
+        _one("probability: 1e-6", "active: always", "exposure_error_factor: 2"),
+        "h.yaml:5:5: a.exposure_error_factor: is that of the use that figures count, and figures per visit count none; give figures per time or demand, or remove it",
+        False,
+    ),
+    Broken(
         _one("failure_rate: {value: 1e-6, per: hour}", "quantity: many", "twin: {joints: [j1]}"),
         "h.yaml:4:5: components.a.quantity: 'many' is not allowed; write a whole number, or \"*\" for the number that the robot has",
         True,

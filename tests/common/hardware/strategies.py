@@ -223,6 +223,9 @@ def components(draw, name: str) -> Component:
         draw(TIMES) if ages and draw(st.booleans()) else 0.0,
         draw(SOURCES),
         test_interval_s=tested,
+        exposure_error_factor=None
+        if any(each.per is Basis.VISIT for each in own)
+        else draw(st.none() | st.floats(1.0, 100.0)),
         lot=draw(st.none() | st.sampled_from(["A 7", "2024: Ä"])) if is_uncertain else None,
         repair=repair,
     )

@@ -387,3 +387,36 @@ def test_components_of_one_lot_are_off_together(modelled, first, second):
     assert (row.name, row.value) == ("lot A", 1.0)
     assert row.share == pytest.approx(1.0, abs=0.01)
     assert row.percentiles[2] == pytest.approx(max(first, second), rel=2e-3)
+
+
+@pytest.mark.parametrize("figure_factor", [None, 2.0])
+def test_the_use_of_a_component_may_be_off_beside_its_figures(modelled, figure_factor):
+    """All figures of a component are multiplied by one lognormal factor of median 1."""
+    own = f", error_factor: {figure_factor}" if figure_factor else ""
+    model, hardware, instances = modelled(
+        f"  motor: {{failure_rate: {{value: 1e-4, per: hour{own}}}, active: always, "
+        "exposure_error_factor: 4}\n"
+    )
+    spreads = hardware_spreads(model, hardware, instances).figures
+    spread = propagate(model, samples=40_000, seed=1, figures=spreads)
+    one = 1e-4 / 60
+    factor = math.exp(math.hypot(math.log(4.0), math.log(figure_factor or 1.0)))
+    assert spread.percentiles == pytest.approx((one / factor, one, one * factor), rel=0.02)
+    rows = {row.name: row for row in spread.inputs}
+    assert set(rows) == {"motor: use", *(["motor"] if figure_factor else [])}
+    assert rows["motor: use"].cut == 0
+    assert rows["motor: use"].percentiles == pytest.approx((0.25, 1.0, 4.0), rel=2e-3)
+    law = with_distributions(model, spreads).parameters[0].distribution
+    assert isinstance(law, Lognormal)
+    assert law.error_factor == pytest.approx(factor, rel=1e-12)
+
+
+def test_the_use_is_that_of_all_figures_of_a_component(modelled):
+    figures = "[{value: 1e-6, per: minute}, {value: 1e-6, per: demand, of: start}]"
+    model, hardware, instances = modelled(motor(figures, ", exposure_error_factor: 4"))
+    spread = propagate(
+        model, samples=40_000, seed=1, figures=hardware_spreads(model, hardware, instances).figures
+    )
+    # Both together are off by 4; apart they would be by less.
+    assert spread.percentiles[2] / spread.percentiles[1] == pytest.approx(4.0, rel=2e-3)
+    assert [row.name for row in spread.inputs] == ["motor: use"]

@@ -54,6 +54,7 @@ def check_component(component: Component, place: Place) -> None:
         _check_load_law,
         _check_age,
         _check_lot,
+        _check_exposure,
     ):
         check(component, _Fail(component, place))
 
@@ -380,4 +381,15 @@ def _check_lot(component: Component, fail: _Fail) -> None:
             "has no effect, because no figure of the component has an error factor; give one, or "
             "remove it",
             "lot",
+        )
+
+
+def _check_exposure(component: Component, fail: _Fail) -> None:
+    if component.exposure_error_factor is None:
+        return
+    if any(figure.per is Basis.VISIT for figure in component.figures):
+        fail(
+            "is that of the use that figures count, and figures per visit count none; give "
+            "figures per time or demand, or remove it",
+            "exposure_error_factor",
         )

@@ -51,6 +51,7 @@ def component_data(component: Component) -> dict[str, Any]:
         data["active"] = "always"
     if component.twin is not None:
         data["twin"] = _twin(component.twin)
+    data |= _given("exposure_error_factor", component.exposure_error_factor)
     return data | _given("lot", component.lot) | _given("source", component.source)
 
 

@@ -229,6 +229,9 @@ class Component:
     """The place in the description; `None` for a component that no file describes."""
     test_interval_s: float | None = None
     """The time between tests within the mission [s]; `None` for no tests."""
+    exposure_error_factor: float | None = None
+    """How far the use that a run shows may be off from that in the field: p95/p50 of a lognormal of
+    median 1, from 1 on; `None`: not at all."""
     lot: str | None = None
     """The production lot of its units; the figures of one lot are off together. `None`: by
     themselves."""
@@ -258,6 +261,13 @@ class Component:
         """The sources of its load law and of the failure modes that count for uses of their own."""
         law = [] if self.load_law is None else [self.load_law.source]
         return [*law, *(mode.source for mode in self.modes_by_use)]
+
+    @property
+    def is_uncertain(self) -> bool:
+        """Whether a figure of the component, or the use that it counts, has an error factor."""
+        return self.exposure_error_factor is not None or any(
+            figure.error_factor is not None for figure in self.figures
+        )
 
     def sources(self, default: str | None = None) -> tuple[str, ...]:
         """Return where its figures, load law and modes come from, each source once.

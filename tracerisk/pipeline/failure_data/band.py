@@ -58,11 +58,7 @@ def figure_band(
     `instances` are those of the run, and components that `by_hand` names were set by users. Also
     `None` without NumPy and SciPy, which draw the samples.
     """
-    stated = {
-        component.name
-        for component in hardware.components
-        if any(figure.error_factor is not None for figure in component.figures)
-    }
+    stated = {component.name for component in hardware.components if component.is_uncertain}
     if not stated or not (is_installed("numpy") and is_installed("scipy")):
         return None
     load_factor = load_factor_of(robot)

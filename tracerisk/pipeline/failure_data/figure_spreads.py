@@ -64,7 +64,7 @@ def hardware_spreads(
         factors = [figure for figure in component.figures if figure.error_factor is not None]
         if name in left_out:
             continue
-        shown = _share_that_ends(ending.get(name)) if name in known else ()
+        shown = (*_use(component), *_share_that_ends(ending.get(name))) if name in known else ()
         if shown:
             figure_spreads[name] = shown
         if not factors:
@@ -149,6 +149,12 @@ def with_distributions(
     )
 
 
+def _use(component: Component) -> tuple[FigureSpread, ...]:
+    """Return how far all figures of a component are off by the use that they count."""
+    factor = component.exposure_error_factor
+    return () if factor is None else (FigureSpread("use", 1.0, Lognormal(factor), is_factor=True),)
+
+
 def _share_that_ends(ending: EndingShare | None) -> tuple[FigureSpread, ...]:
     """Return how far the share that ends the mission may be off, as the drawn failures show it.
 
@@ -206,9 +212,11 @@ def _lognormal(figure: FailureFigure) -> Lognormal:
 def _joined(spreads: Sequence[FigureSpread]) -> Lognormal:
     apart = 1.0
     for spread in spreads:
-        if spread.is_factor:
-            assert isinstance(spread.distribution, Beta)
+        if isinstance(spread.distribution, Beta):
             apart *= 1.0 + spread.distribution.variance / spread.distribution.mean(0.0) ** 2
+        elif spread.is_factor:
+            assert isinstance(spread.distribution, Lognormal)
+            apart *= math.exp(spread.distribution.sigma**2)
     spreads = [spread for spread in spreads if not spread.is_factor]
     laws = [spread.distribution for spread in spreads]
     if apart == 1.0 and len(spreads) == 1 and spreads[0].share == 1.0:

@@ -187,7 +187,9 @@ def propagate(
         named = {f"{name}: {spread.name}" if spread.name else name: spread for spread in spreads}
         for key, figure_spread in named.items():
             point = figure_spread.share if figure_spread.is_factor else figure_spread.share * value
-            inputs[key] = UncertainInput(point, figure_spread.distribution)
+            inputs[key] = UncertainInput(
+                point, figure_spread.distribution, is_probability=not figure_spread.is_factor
+            )
             if figure_spread.lot:
                 lot_of[key] = figure_spread.lot
         summed = {

@@ -95,8 +95,9 @@ class _Reading:
         fields = self._single(root, "HardwareData", (root,))
         if fields is None:
             return None, None
-        if "lot" in fields:
-            fields.fail("lot", "is of a part, not of the system as a whole; remove it here")
+        for key in ("exposureErrorFactor", "lot"):
+            if key in fields:
+                fields.fail(key, "is of a part, not of the system as a whole; remove it here")
         return fields.text("robot"), fields.text("source")
 
     def _single(self, part: Symbol, kind: str, way: tuple[Symbol, ...]) -> Fields | None:
@@ -162,6 +163,9 @@ class _Reading:
             source=None if described is None else described.text("source"),
             location=location,
             test_interval_s=interval,
+            exposure_error_factor=described.number("exposureErrorFactor", minimum=1.0)
+            if described is not None and "exposureErrorFactor" in described
+            else None,
             lot=None if described is None else described.text("lot"),
             repair=None if group is None else meaning.read_repair(group),
         )
@@ -260,6 +264,7 @@ _METADATA_OF = {
     "detected": "Redundancy",
     "repair": "Redundancy",
     "lot": "HardwareData",
+    "exposure_error_factor": "HardwareData",
     "twin": "TwinBinding",
     "active": "TwinBinding",
     "quantity": "",

@@ -190,7 +190,14 @@ class _Writer:
 
     def part(self, name: str, component: Component, inner: list[str]) -> list[str]:
         lines = [
-            *self.metadata("HardwareData", {"lot": component.lot, "source": component.source}),
+            *self.metadata(
+                "HardwareData",
+                {
+                    "exposureErrorFactor": component.exposure_error_factor,
+                    "lot": component.lot,
+                    "source": component.source,
+                },
+            ),
             *self._figures(component),
             *(line for mode in component.modes for line in self._mode(mode)),
             *self._redundancy(component),

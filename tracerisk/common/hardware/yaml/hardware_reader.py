@@ -25,7 +25,17 @@ _TOP_KEYS = frozenset({"components", "robot", "source"})
 _COMPONENT_KEYS = (
     frozenset(FIGURE_KEYS)
     | REDUNDANCY_KEYS
-    | {"quantity", "age", "load_law", "modes", "twin", "active", "lot", "source"}
+    | {
+        "quantity",
+        "age",
+        "load_law",
+        "modes",
+        "twin",
+        "active",
+        "exposure_error_factor",
+        "lot",
+        "source",
+    }
 )
 
 
@@ -71,6 +81,9 @@ def _component(name: str, entry: YamlMap, location: Location) -> Component:
         source=entry.optional_string("source"),
         location=location,
         test_interval_s=test_interval_s,
+        exposure_error_factor=entry.number("exposure_error_factor", minimum=1.0)
+        if "exposure_error_factor" in entry
+        else None,
         lot=entry.optional_string("lot"),
         repair=read_repair(entry),
     )

@@ -30,7 +30,7 @@ FEATURES: dict[str, tuple[str, ...]] = {
         "loadLaw",
     ),
     "FailureMode": ("fraction", "uses", "fault", "lasts", "source"),
-    "HardwareData": ("robot", "lot", "source"),
+    "HardwareData": ("robot", "exposureErrorFactor", "lot", "source"),
     "Redundancy": (
         "redundant",
         "required",
