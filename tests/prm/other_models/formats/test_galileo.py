@@ -279,7 +279,7 @@ EVENTS = '"A" lambda=1;\n"B" lambda=1;\n'
         ('"A" lambda=-1;', "f:1:1: rate is -1.0 1/h; allowed: 0 or more"),
         (
             '"A" dorm=1;',
-            "f:1:1: event 'A' has no failure law; allowed: prob; lambda; lambda and ph",
+            "f:1:1: event 'A' has no failure law; allowed: prob; lambda; lambda and repair; ",
         ),
         ('"A" prob=1 lambda=1;', "f:1:1: event 'A' has lambda and prob; allowed: prob;"),
         ('"A" lambda=1 phases=1.5;', "f:1:21: event 'A': phases=1.5; allowed: whole numbers"),
