@@ -215,8 +215,10 @@ def _expression(name: str, model: FailureModel, mission_time_h: float | None) ->
     if isinstance(model, failure_models.Exponential):
         return Exponential(Number(model.rate), MissionTime())
     if isinstance(model, failure_models.GLM):
-        rates = (model.failure_on_demand, model.failure_rate, model.repair_rate)
-        return Glm(*map(Number, rates), MissionTime())
+        gamma, failure, repair = map(
+            Number, (model.failure_on_demand, model.failure_rate, model.repair_rate)
+        )
+        return Glm(gamma, failure, repair, MissionTime())
     if isinstance(model, failure_models.Weibull) and model.age_h == 0.0:
         scale, shape, shift = (
             Number(value) for value in (model.scale_h, model.shape, model.location_h)
