@@ -59,7 +59,10 @@ def lived(tmp_path_factory, example_in, real_ros):
             )
             if LOST_TRANSITION not in done.out + done.err:
                 break
-    assert done.code == 0, done.err
+    # It calls a service with too many arguments on purpose, and catches what that raises.
+    assert done.code == 1, done.err
+    assert "raised TypeError" in done.out
+    assert "ServiceException" not in done.out.partition("\n")[0]
     example.write("printed.txt", done.out + done.err)
     return example
 

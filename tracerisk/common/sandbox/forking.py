@@ -108,8 +108,10 @@ def _reopened(descriptor: int, moved: Mapping[str, str], known: frozenset[int]) 
         raise NotForkableError(
             f"the controller has an open {kind}, which two processes cannot share"
         )
-    path = str(Path(_OPENED.format(descriptor)).readlink())
     flags = fcntl.fcntl(descriptor, fcntl.F_GETFL)
+    if flags & os.O_PATH:
+        return None  # it only names a file: it has no place in it that one could move
+    path = str(Path(_OPENED.format(descriptor)).readlink())
     copy = next(
         (to + path[len(top) :] for top, to in moved.items() if path.startswith(f"{top}/")), None
     )

@@ -192,7 +192,9 @@ class _Failures(logging.Handler):
 
     def of_callback(self, what: str, error: Exception) -> None:
         """Report that a callback raised an error with which the library goes on."""
-        if self._counts(error):
+        rospy: Any = importlib.import_module("rospy")
+        # By a ServiceException a handler says no; the caller gets it.
+        if self._counts(error) and not isinstance(error, rospy.ServiceException):
             words = f"{what} raised {type(error).__name__}: {error}"
             place = self._tracer.where_failed(error)
             self._tell(CALLBACK_FAILED, words, place, type(error).__name__)
