@@ -111,6 +111,7 @@ def become(system: str) -> None:
     socket.socketpair = _socketpair  # type: ignore[assignment]
     ctypes.WinDLL = _NoFunctions  # type: ignore[attr-defined]
     shutil._use_fd_functions = False  # type: ignore[attr-defined]
+    shutil.which = _which  # there programs have endings, and here none
     sys.platform = "win32"
     _open_files_stay()
     _text_has_crlf()
@@ -121,6 +122,13 @@ def _socketpair(
 ) -> tuple[socket.socket, socket.socket]:
     """A pair of connected sockets; which ones they are by default is the system's affair."""
     return _real_socketpair(family, kind, number)
+
+
+def _which(name: str, mode: int = os.X_OK, path: str | None = None) -> str | None:
+    """The first program of a name in the folders of a path."""
+    folders = (os.environ["PATH"] if path is None else path).split(os.pathsep)
+    files = (str(Path(folder, name)) for folder in folders)
+    return next((file for file in files if os.access(file, mode)), None)
 
 
 class _NoFunctions:

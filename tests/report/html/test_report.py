@@ -15,6 +15,7 @@ from markupsafe import Markup
 
 from tracerisk.adder.blocks.override import Override
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
+from tracerisk.common.text.printable import without_controls
 from tracerisk.common.verdict import UNKNOWN_VERDICT, VERDICTS, Coverage, Verdict
 from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel, solve
@@ -318,7 +319,11 @@ def test_a_script_or_style_that_would_end_itself_is_refused(js, css):
 @given(st.dictionaries(st.text(max_size=20), st.text(max_size=20), max_size=3))
 def test_json_in_a_script_reads_back_and_cannot_end_it(value):
     text = json_in_script(value)
-    assert json.loads(text) == value
+
+    def shown(given):
+        return "\r".join(map(without_controls, given.split("\r")))  # a page shows it as a blank
+
+    assert json.loads(text) == {shown(key): shown(item) for key, item in value.items()}
     assert text.isascii()
     assert not set("<>&\u2028\u2029") & set(text)
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from tracerisk.common.geometry.frames import rotation
 from tracerisk.common.sandbox.limited_process import end_with, limit_memory, mark_start
-from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
+from tracerisk.common.text.bounded import MOST_WRITTEN, NoFileError, file_bytes
 from tracerisk.twin.model_files.bounds import bounding_shape
 from tracerisk.twin.model_files.coarse import MOST_FACES, coarsened, most_faces, packed
 
@@ -35,7 +35,10 @@ def main() -> int:
     import mujoco  # noqa: F401 - importing it is no part of the work
 
     mark_start()
-    meshes = {name: file_bytes(path, MOST_WRITTEN) for name, path in asked["meshes"].items()}
+    try:
+        meshes = {name: file_bytes(path, MOST_WRITTEN) for name, path in asked["meshes"].items()}
+    except NoFileError as error:
+        sys.exit(str(error))
     answer: dict[str, Any]
     if asked["text"] is None:
         most = most_faces(len(meshes))
