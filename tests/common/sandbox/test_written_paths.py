@@ -70,3 +70,13 @@ def test_a_run_says_where_the_log_went(example):
     (reason,) = (r for r in outcome.json["verdict"]["reasons"] if r["code"] == "input-assumed")
     assert reason["words"].startswith(f"{HOME} is not here")
     assert reason["location"]["file"] == "turn.py"
+
+
+def test_what_an_opener_opens_in_another_folder_is_not_what_was_written_in_this_one(assumed):
+    Path("poses.yaml").write_text("written")
+    there = os.open("/usr", os.O_RDONLY)
+    with pytest.raises(FileNotFoundError):
+        open("poses.yaml", opener=lambda path, flags: os.open(path, flags, dir_fd=there))  # noqa: SIM115
+    os.close(there)
+    with open("poses.yaml", opener=os.open) as stream:
+        assert stream.read() == "written"

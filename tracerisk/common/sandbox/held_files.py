@@ -16,7 +16,7 @@ import os
 import pathlib
 import stat
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +79,8 @@ def _serving(real: Callable[..., Any], held: Mapping[str, str]) -> Callable[...,
         try:
             return real(file, *args, **more)
         except PermissionError:
-            place = _place(file, held)
+            # An opener opens by `os.open`, which is served by itself.
+            place = None if has_opener(args, more) else _place(file, more.get("dir_fd"), held)
             if place is not None:
                 with contextlib.suppress(OSError):
                     return real(place, *args, **more)
@@ -88,10 +89,18 @@ def _serving(real: Callable[..., Any], held: Mapping[str, str]) -> Callable[...,
     return opened
 
 
-def _place(file: Any, held: Mapping[str, str]) -> str | None:
-    """Return where a file is held, by any of its names; `None` where it is not."""
+def has_opener(args: Sequence[Any], more: Mapping[str, Any]) -> bool:
+    """Return whether `open` is given what opens the file; `args` are those after its name."""
+    return more.get("opener", args[6] if len(args) > 6 else None) is not None
+
+
+def _place(file: Any, folder: int | None, held: Mapping[str, str]) -> str | None:
+    """Return where a file is held, by any of its names; `None` where it is not.
+
+    `folder` is the descriptor of the folder in which the name is looked up, if not the current one.
+    """
     try:
-        path = Path(os.fsdecode(file))
+        path = Path("" if folder is None else f"/proc/self/fd/{folder}", os.fsdecode(file))
         return held.get(str(path.parent.resolve() / path.name))
     except (TypeError, ValueError, OSError, RuntimeError):
         return None

@@ -19,6 +19,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from tracerisk.common.sandbox.held_files import has_opener
 from tracerisk.common.sandbox.replaced_names import replaced
 
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -353,7 +354,8 @@ def _named_as(
 
     @functools.wraps(real)
     def replacement(*args: Any, **more: Any) -> Any:
-        if getattr(_inside, "is_so", False):
+        # What an opener calls is redirected by itself.
+        if getattr(_inside, "is_so", False) or has_opener(args[1:], more):
             return real(*args, **more)
         _inside.is_so = True
         try:
