@@ -450,6 +450,20 @@ def test_root_opens_what_another_user_owns_and_the_sandbox_allows():
     world.close()
 
 
+@pytest.mark.parametrize("mode", [0o700, 0o750, 0o711])
+def test_root_opens_its_own_below_a_folder_of_another_user(mode):
+    if os.geteuid() != 0:
+        pytest.skip("only root can enter what another closes")
+    world = World(0)
+    os.chown(world.folder, NOBODY, NOBODY)
+    world.folder.chmod(mode)
+    code = "len(os.read(os.open(P, os.O_RDONLY), 9)) + os.open(os.path.join(W, b'own'), os.O_RDWR)"
+    assert made(world, code, 0).startswith("got")
+    # It keeps what opens a folder that is closed to it, and nothing where none is.
+    assert bool(made(world, RIGHTS["any capability"], 0)) == (mode != 0o711)
+    world.close()
+
+
 def test_the_attacks_work_where_nothing_contains_them(world, user, monkeypatch):
     """Without the sandbox some of each kind get through, so that the tests above can fail."""
     monkeypatch.setattr(kernel_features, "restrict", lambda *_: None)

@@ -10,6 +10,7 @@ import struct
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 from tracerisk.common.sandbox.system_calls import is_known_machine, program
 
@@ -94,8 +95,8 @@ def restrict(readable: Iterable[str], listable: Iterable[str], writable: Iterabl
     what is below a `writable` one; it has no network, and reaches no other process. To be called
     before there is a second thread. Raises OSError where the kernel refuses.
 
-    It keeps no capability, also as root, but for one: where a place belongs to another user, root
-    can still open there what Landlock allows.
+    It keeps no capability, also as root, but for one: where a place belongs to another user, or
+    lies in a folder that is closed to root without it, root can still open what Landlock allows.
     """
     version = min(support().landlock, _NEWEST)
     handled = _handled(version)
@@ -103,6 +104,7 @@ def restrict(readable: Iterable[str], listable: Iterable[str], writable: Iterabl
     scope = _SCOPE_ABSTRACT_SOCKETS | _SCOPE_SIGNALS if version >= _SIGNALS_SINCE else 0
     ruleset = _ruleset(handled, ports, scope)
     are_ours = True
+    folders: set[Path] = set()
     for paths, wanted in (
         (readable, _EXECUTE | _READ | _LIST),
         (listable, _LIST),
@@ -111,6 +113,8 @@ def restrict(readable: Iterable[str], listable: Iterable[str], writable: Iterabl
     ):
         for path in paths:
             are_ours &= _allow(ruleset, path, wanted & handled)
+            folders.add(Path(path).parent)
+    are_ours = are_ours and not any(map(_is_closed, _with_parents(folders)))
     _restrict(ruleset)
     _give_up_capabilities(0 if are_ours else 1 << _OPEN_FILES_OF_OTHERS)
     text = program(landlock=version, process=os.getpid())
@@ -153,6 +157,20 @@ def _allow(ruleset: int, path: str, rights: int) -> bool:
         finally:
             os.close(place)
     return True
+
+
+def _with_parents(folders: Iterable[Path]) -> set[Path]:
+    """Return folders with those around them, by their names and by where these lead."""
+    named = {path for folder in folders for path in (folder, Path(os.path.realpath(folder)))}
+    return named.union(parent for path in named for parent in path.parents)
+
+
+def _is_closed(folder: Path) -> bool:
+    """Return whether a folder belongs to another user, and not everybody may enter it."""
+    with contextlib.suppress(OSError):
+        status = folder.stat()
+        return status.st_uid not in (0, os.geteuid()) and not status.st_mode & stat.S_IXOTH
+    return False
 
 
 def _give_up_capabilities(kept: int) -> None:
