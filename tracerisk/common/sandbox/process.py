@@ -15,7 +15,7 @@ import sys
 import sysconfig
 import tempfile
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache, partial
 from importlib.util import cache_from_source
 from pathlib import Path
@@ -142,15 +142,14 @@ def start(
     }
     if sandbox is not None and is_contained(sandbox):
         _compile_own()
-        given = [*reads, *map(Path, sandbox.readable)]
         ours = [_PACKAGE, *_interpreter(), *(Path(name) for name in paths)]
-        kept = [pair for folder in ours for pair in _within(folder, is_installed=True)]
-        kept += [pair for folder in given for pair in _within(folder, is_installed=False)]
-        whole = [path for path, is_whole in kept if is_whole]
+        parts = readable_parts(ours, [*reads, *map(Path, sandbox.readable)])
+        whole = [path for path, is_whole in parts.items() if is_whole]
+        files = filter(os.path.isfile, (path for path in whole if path not in _SYSTEM))
         plan |= {
-            "readable": [*_SYSTEM, *whole],
-            "held": sorted(filter(os.path.isfile, dict.fromkeys(whole)), key=_is_no_source),
-            "listable": [path for path, is_whole in kept if not is_whole],
+            "readable": whole,
+            "held": sorted(files, key=_is_no_source),
+            "listable": [path for path, is_whole in parts.items() if not is_whole],
             "writable": [str(write) for write in writes],
         }
     begin = partial(_popen, module, options)
@@ -248,14 +247,35 @@ def _is_no_source(path: str) -> bool:
     return not path.endswith(_SOURCE_ENDINGS)
 
 
-def _within(place: Path, *, is_installed: bool) -> list[tuple[str, bool]]:
+def readable_parts(installed: Iterable[Path], given: Iterable[Path]) -> dict[str, bool]:
+    """Return what is readable of the system, of what is installed and of places that are given.
+
+    For each path it says whether it may be read with all that is below it, or only listed.
+    """
+    parts = dict.fromkeys(_SYSTEM, True)
+    for places, is_installed in ((installed, True), (given, False)):
+        # What lies below a place that is read already needs no look.
+        for place in sorted(_resolved(places), key=lambda path: len(path.parts)):
+            if str(place) in parts or any(parts.get(str(path)) for path in place.parents):
+                continue
+            for path, is_whole in _within(place, is_installed=is_installed):
+                parts[path] = is_whole or parts.get(path, False)
+    return parts
+
+
+def _resolved(places: Iterable[Path]) -> Iterator[Path]:
+    for place in places:
+        with contextlib.suppress(OSError, RuntimeError):
+            yield place.resolve()
+
+
+def _within(path: Path, *, is_installed: bool) -> list[tuple[str, bool]]:
     """Return what of a place is readable: itself, or its parts where it holds what is not.
 
     With each path stands whether it may be read, or only listed. What is installed is looked
     through at its top alone.
     """
     try:
-        path = place.resolve()
         if not path.is_dir():
             return [(str(path), True)]
         homes = _homes(os.environ.get("HOME"))
@@ -266,13 +286,13 @@ def _within(place: Path, *, is_installed: bool) -> list[tuple[str, bool]]:
             inside = (item for item in sorted(path.iterdir()) if not item.is_symlink())
             parts = [item for item in inside if item.is_file() and item.suffix in _SOURCE_ENDINGS]
             return [(str(path), False), *((str(part), True) for part in parts)]
-        return _parts_of(str(path), 1 if is_installed else _DEEPEST)
+        return _parts_of(str(path), 1, is_installed=is_installed)
     except (OSError, RuntimeError):
         return []
 
 
-def _parts_of(folder: str, levels: int) -> list[tuple[str, bool]]:
-    """Return a folder where nothing in it is secret, so many levels deep; else its parts.
+def _parts_of(folder: str, level: int, *, is_installed: bool) -> list[tuple[str, bool]]:
+    """Return a folder where nothing in it is secret; else its parts. `level` is how deep it lies.
 
     A link that stands among them is no part: what it leads to may lie anywhere.
     """
@@ -285,19 +305,20 @@ def _parts_of(folder: str, levels: int) -> list[tuple[str, bool]]:
             is_whole = False
         elif entry.is_symlink():
             continue
-        elif not entry.is_dir() or levels == 1:
+        elif not entry.is_dir() or is_installed:
             parts.append((entry.path, True))
         else:
-            # The certificates among what is installed are those of authorities.
-            inner = _inner_parts(entry.path, 1 if entry.name in _INSTALLED else levels - 1)
+            inner = _inner_parts(entry, level + 1)
             is_whole = is_whole and inner == [(entry.path, True)]
             parts += inner
     return [(folder, True)] if is_whole else [(folder, False), *parts]
 
 
-def _inner_parts(folder: str, levels: int) -> list[tuple[str, bool]]:
+def _inner_parts(folder: os.DirEntry[str], level: int) -> list[tuple[str, bool]]:
     try:
-        return _parts_of(folder, levels) if levels > 0 else []
+        # The certificates among what is installed are those of authorities.
+        is_installed = folder.name in _INSTALLED
+        return _parts_of(folder.path, level, is_installed=is_installed) if level <= _DEEPEST else []
     except OSError:
         return []  # who may not list it may not read it
 
