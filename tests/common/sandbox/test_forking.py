@@ -34,3 +34,10 @@ def test_a_file_to_write_into_is_refused_where_it_has_no_copy(tmp_path):
         assert fresh is not None
         assert os.path.samestat(os.fstat(fresh), (tmp_path / "copies" / "log").stat())
         os.close(fresh)
+
+
+def test_a_file_that_is_held_and_not_read_may_be_shared(tmp_path):
+    (tmp_path / "held.py").touch()
+    held = os.open(tmp_path / "held.py", os.O_PATH)
+    assert forking._reopened(held, {}, frozenset()) is None
+    os.close(held)

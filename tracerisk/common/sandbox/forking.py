@@ -101,6 +101,9 @@ def _reopened(descriptor: int, moved: Mapping[str, str], known: frozenset[int]) 
     status = _status(descriptor)
     if status is None or stat.S_ISDIR(status.st_mode) or stat.S_ISCHR(status.st_mode):
         return None
+    flags = fcntl.fcntl(descriptor, fcntl.F_GETFL)
+    if flags & os.O_PATH:
+        return None  # held, not read: there is no position in it to share
     if not stat.S_ISREG(status.st_mode):
         if descriptor in known:
             return None
@@ -108,9 +111,6 @@ def _reopened(descriptor: int, moved: Mapping[str, str], known: frozenset[int]) 
         raise NotForkableError(
             f"the controller has an open {kind}, which two processes cannot share"
         )
-    flags = fcntl.fcntl(descriptor, fcntl.F_GETFL)
-    if flags & os.O_PATH:
-        return None  # it only names a file: it has no place in it that one could move
     path = str(Path(_OPENED.format(descriptor)).readlink())
     copy = next(
         (to + path[len(top) :] for top, to in moved.items() if path.startswith(f"{top}/")), None
