@@ -29,6 +29,36 @@ def main():
 end_with(main)
 """
 PLACE = Location("arm.xacro")
+# A keeper with a process, which forks one that leads its own group; both leave one behind.
+FAMILY = """\
+import os, signal, sys
+from tracerisk.common.sandbox.kernel_features import adopt_orphans
+
+def hold(name, size):
+    global held
+    held = b"x" * size * 1_000_000
+    print(name, os.getpid(), flush=True)
+
+def leave_behind(name, size):
+    if os.fork() == 0:
+        if os.fork() == 0:
+            hold(name, size)
+            signal.pause()
+        os._exit(0)
+    os.wait()
+
+adopt_orphans()
+if os.fork() == 0:
+    leave_behind("orphan", ORPHAN) if ORPHAN else None
+    if os.fork() == 0:
+        os.setpgid(0, 0)
+        leave_behind("orphan", 40)
+        hold("branch", 80)
+        signal.pause()
+    hold("worker", 10)
+    signal.pause()
+signal.pause()
+"""
 
 
 @pytest.fixture
@@ -125,6 +155,19 @@ def test_processes_of_a_child_that_take_too_much_together_end_with_its_limit(run
         run(f"{hoard}\n    signal.pause()", memory=2000)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is weighed")
+@pytest.mark.parametrize("sandbox", ["off", "auto"])
+def test_processes_that_a_child_left_behind_count_too(run, sandbox):
+    eat = "held = b'x' * 200_000_000; __import__('time').sleep(600)"
+    daemons = f'for _ in 1 2 3; do ({sys.executable} -c "{eat}" &) ; done'
+    with pytest.raises(LimitError, match="took more than 500 MB of memory"):
+        run(
+            f"import subprocess; subprocess.run({daemons!r}, shell=True)\n    time.sleep(600)",
+            memory=2000,
+            sandbox=sandbox,
+        )
+
+
 @pytest.mark.skipif(bool(support().missing) and os.geteuid() == 0, reason="root may, uncontained")
 def test_a_child_cannot_raise_its_limits(run):
     lift = "import resource; resource.setrlimit(resource.RLIMIT_AS, (2**40, 2**40))"
@@ -170,7 +213,7 @@ def test_time_in_which_a_process_is_stopped_is_not_its_own():
         try:
             os.kill(child.pid, signal.SIGSTOP)
             os.waitpid(child.pid, os.WUNTRACED)
-            own = OwnTime(child.pid)
+            own = OwnTime(child.pid, keeper=os.getpid())
             own.look()
             stopped_s = own.seconds
             for _ in range(1000):
@@ -182,3 +225,29 @@ def test_time_in_which_a_process_is_stopped_is_not_its_own():
             assert own.cpu_s == own.seconds
         finally:
             child.kill()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is weighed")
+@pytest.mark.parametrize("orphan", [0, 20])
+def test_a_process_with_limits_of_its_own_is_weighed_apart_with_what_it_leaves_behind(orphan):
+    code = FAMILY.replace("ORPHAN", str(orphan))
+    started = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    with started as keeper:
+        lines = [keeper.stdout.readline().split() for _ in range(4 if orphan else 3)]
+        pids = {name: int(pid) for name, pid in lines}
+        try:
+            branch = OwnTime(pids["branch"], keeper=keeper.pid, leads_group=True)
+            run = OwnTime(pids["worker"], keeper=keeper.pid)
+            together = OwnTime(pids["worker"], keeper=keeper.pid)
+            run.apart = {pids["branch"]}
+            for own in (branch, run, together):
+                while own.held_bytes == 0 and own.seconds < 0.3:
+                    own.look()
+            assert 120e6 < branch.held_bytes < 170e6
+            # A process by itself the system limits.
+            assert (30e6 < run.held_bytes < 80e6) if orphan else run.held_bytes == 0
+            assert together.held_bytes > 130e6 + orphan * 1e6
+        finally:
+            for _, pid in lines:
+                os.kill(int(pid), signal.SIGKILL)
+            keeper.kill()

@@ -18,7 +18,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from time import monotonic, process_time, sleep
 from typing import NoReturn
@@ -108,14 +108,20 @@ class OwnTime:
     """The time that a process computes or sleeps [s], as far as it was looked at.
 
     Where the system does not report what a process does (all but Linux), it is wall time.
-    Beside it, how much memory the process and its descendants hold together.
+    Beside it, how much memory the process and those that it has started hold together. Those that
+    it left behind are children of the `keeper`, the process that `start` returns.
     """
 
     held_bytes = 0
-    """The memory of the process with its descendants; 0 while it has none [bytes]."""
+    """The memory of the process with those that it has started; 0 while there are none [bytes]."""
+    apart: Collection[int] = ()
+    """Processes that lead groups of their own, and are weighed by themselves."""
 
-    def __init__(self, pid: int, cpu_s: float = 0.0) -> None:
-        self._pid = pid
+    def __init__(
+        self, pid: int, cpu_s: float = 0.0, *, keeper: int, leads_group: bool = False
+    ) -> None:
+        self.pid = pid
+        self._keeper, self._leads_group = keeper, leads_group
         self._first_s = self._cpu_s = cpu_s
         self._slept_s = 0.0
         self._looked = self._weighed = monotonic()
@@ -137,15 +143,33 @@ class OwnTime:
         # Who looks late, for it was kept waiting itself, cannot know what went on meanwhile.
         passed, self._looked = min(now - self._looked, 2 * POLL_S), now
         if now - self._weighed > _WEIGH_S:
-            self._weighed, self.held_bytes = now, _held_bytes(self._pid)
-        cpu_s = _cpu_s(self._pid)
+            self._weighed, self.held_bytes = now, self._held_bytes()
+        cpu_s = _cpu_s(self.pid)
         if cpu_s is not None and cpu_s > self._cpu_s:
             self._cpu_s, self._was_asleep = cpu_s, False
             return
-        is_asleep = _is_asleep(self._pid)
+        is_asleep = _is_asleep(self.pid)
         if is_asleep and self._was_asleep:
             self._slept_s += passed
         self._was_asleep = is_asleep
+
+    def _held_bytes(self) -> int:
+        """Return the memory of the process and its descendants [bytes]; 0 where it has none.
+
+        What several of them share is counted once. The system itself limits a single process.
+        """
+        left_behind = (child for child in _children(self._keeper) if child != self.pid)
+        processes = [self.pid, *(child for child in left_behind if self._has_left(child))]
+        for process in processes:
+            processes += (child for child in _children(process) if child not in self.apart)
+        return sum(map(_share_bytes, processes)) if len(processes) > 1 else 0
+
+    def _has_left(self, orphan: int) -> bool:
+        """Return whether it was this process, and none of those apart, that left an orphan."""
+        with contextlib.suppress(OSError):
+            group = os.getpgid(orphan)
+            return group == self.pid if self._leads_group else group not in self.apart
+        return False
 
 
 def _cpu_s(pid: int) -> float | None:
@@ -158,17 +182,10 @@ def _cpu_s(pid: int) -> float | None:
     return None
 
 
-def _held_bytes(pid: int) -> int:
-    """Return the memory that a process and its descendants hold [bytes]; 0 where it has none.
-
-    What several of them share is counted once. The system itself limits a single process.
-    """
-    processes = [pid]
-    for process in processes:
-        for children in Path(_TASKS.format(process)).glob("*/children"):
-            with contextlib.suppress(OSError):
-                processes += map(int, children.read_text(encoding="ascii").split())
-    return sum(map(_share_bytes, processes)) if len(processes) > 1 else 0
+def _children(pid: int) -> Iterator[int]:
+    for children in Path(_TASKS.format(pid)).glob("*/children"):
+        with contextlib.suppress(OSError):
+            yield from map(int, children.read_text(encoding="ascii").split())
 
 
 def _share_bytes(pid: int) -> int:
@@ -297,7 +314,8 @@ def _watched(
         if answered.size > MOST_ANSWERED:
             raise LimitError(f"{doing} printed more than {MOST_ANSWERED // _MB} MB", place)
         if own is None and (cpu_s := mark.cpu_s) is not None:
-            own, began = OwnTime(mark.pid or child.pid, cpu_s), monotonic()
+            own = OwnTime(mark.pid or child.pid, cpu_s, keeper=child.pid)
+            began = monotonic()
         if own is not None:
             own.look()
             if own.seconds > limits.own.value:

@@ -79,6 +79,11 @@ class RunningChild:
     options: RunOptions
     """What is asked of the run beside its settings."""
 
+    def own_time(self, cpu_s: float) -> OwnTime:
+        """Return the time of the process from its start mark on, at which it had used `cpu_s`."""
+        keeper = self.process.pid
+        return OwnTime(self.start.pid or keeper, cpu_s, keeper=keeper)
+
     def show(self, phase: str, simulated_ns: int) -> None:
         """Show how far the run has come."""
         if self.options.progress is not None:
@@ -315,7 +320,7 @@ def _watch(child: RunningChild) -> ProcessEnd:
         with contextlib.suppress(subprocess.TimeoutExpired):
             return ProcessEnd(child.process.wait(timeout=POLL_S), own_s=own_s)
         if own is None and (cpu_s := start.cpu_s) is not None:
-            own, began = OwnTime(start.pid or child.process.pid, cpu_s), time.monotonic()
+            own, began = child.own_time(cpu_s), time.monotonic()
         if own is not None:
             own.look()
             own_s = own.seconds

@@ -199,6 +199,16 @@ def test_a_branch_that_does_harm_loses_only_itself(tmp_path, monkeypatch):
     assert not (tmp_path / "notes.txt").exists()
 
 
+def test_branches_that_take_little_each_do_not_end_their_run_together(tmp_path):
+    hoard = "global held; held = b'x' * 500_000_000; ctypes.CDLL(None).sleep(6)"
+    source = ODD.replace("BEFORE", "pass").replace("    while True:\n        pass", f"    {hoard}")
+    (tmp_path / "odd.py").write_text(source)
+    controller, settings, nominal = prepared(tmp_path / "odd.py", memory_limit_mb=1300)
+    wanted = [jam(1, index) for index in range(3)]
+    found = list(run_branches(controller, settings, nominal, wanted, at_once=4))
+    assert [result.reason for result in found] == [""] * 3
+
+
 def test_a_file_that_is_open_is_each_branchs_own(tmp_path):
     before = 'global log; log = open("log.txt", "a+"); log.write("begun\\n"); log.flush()'
     text = 'log.write("held\\n"); log.flush(); log.seek(0); rospy.logerr(repr(log.read()))'

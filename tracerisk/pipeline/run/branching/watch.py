@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime, StartMark
+from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings
 from tracerisk.pipeline.run.child_output import place_in
@@ -96,7 +96,7 @@ class BranchWatch:
         try:
             return self._wait(child)
         finally:
-            self._read_log(child.request, child.start)
+            self._read_log(child)
             for live in self._live.values():
                 live.close()
 
@@ -107,7 +107,7 @@ class BranchWatch:
         while True:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 return ProcessEnd(child.process.wait(timeout=POLL_S))
-            self._read_log(child.request, start)
+            self._read_log(child)
             for live in self._live.values():
                 self._look(live, settings)
             now = time.monotonic()
@@ -115,8 +115,9 @@ class BranchWatch:
             may_wait = any(live.runs for live in self._live.values())
             wall_s, looked = wall_s + (0.0 if may_wait else now - looked), now
             if own is None and (cpu_s := start.cpu_s) is not None:
-                own, wall_s = OwnTime(start.pid or child.process.pid, cpu_s), 0.0
+                own, wall_s = child.own_time(cpu_s), 0.0
             if own is not None:
+                own.apart = {live.own.pid for live in self._live.values() if live.runs}
                 own.look()
             grown = (size_of(folder / EVENTS), simulated_so_far(folder))
             if grown != seen or may_wait:
@@ -126,20 +127,22 @@ class BranchWatch:
             if reached is not None:
                 return ProcessEnd(0) if WallTime.is_in(folder) else ProcessEnd(1, reached)
 
-    def _read_log(self, request: RunRequest, start: StartMark) -> None:
+    def _read_log(self, child: RunningChild) -> None:
         """Read what the run has noted since; what is malformed is another's, and passed over."""
-        assert request.plan is not None
+        plan = child.request.plan
+        assert plan is not None
         try:
-            text = file_bytes(request.plan.log, _MOST_LOG, through_links=False)
+            text = file_bytes(plan.log, _MOST_LOG, through_links=False)
         except OSError:
             return
         whole = text.rfind(b"\n") + 1
         lines, self._read = text[self._read : whole].splitlines(), max(whole, self._read)
         for line in lines:
             with contextlib.suppress(ValueError, TypeError, KeyError, RecursionError):
-                self._noted(json.loads(line), request, start)
+                self._noted(json.loads(line), child)
 
-    def _noted(self, entry: dict[str, Any], request: RunRequest, start: StartMark) -> None:
+    def _noted(self, entry: dict[str, Any], child: RunningChild) -> None:
+        request = child.request
         assert request.plan is not None
         index, known = entry["index"], {branch.index for branch in request.plan.branches}
         if not isinstance(index, int) or index not in known:
@@ -148,7 +151,8 @@ class BranchWatch:
             self.refused[index] = str(entry["refused"])[:500]
         elif "process" in entry and index not in self.left:
             process = entry["process"]
-            handle, own = _of(process, start.pid), OwnTime(int(process))
+            handle = _of(process, child.start.pid)
+            own = OwnTime(int(process), keeper=child.process.pid, leads_group=True)
             self.left.add(index)
             recording, written = request.plan.folders(index)
             moved = replace(request, folder=recording)
