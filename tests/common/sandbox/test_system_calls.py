@@ -124,6 +124,20 @@ def fitting(way):
         yield given
 
 
+@pytest.mark.parametrize(("machine", "kill"), [("x86_64", 62), ("aarch64", 129)])
+@pytest.mark.parametrize("landlock", [1, 5])
+def test_who_keeps_watch_gets_no_signal_where_landlock_does_not_keep_signals_in(
+    machine, kill, landlock
+):
+    text = program(landlock=landlock, process=PROCESS, machine=machine)
+    refused = ERRNO | errno.EPERM
+    # The parent that keeps watch is in the group of the process, to which a 0 leads.
+    for receiver in (0, 1, 2**32 - 1, PROCESS - 1, 2**32 - (PROCESS - 1)):
+        assert answer(text, machine, kill, (receiver, signal.SIGKILL, 0, 0, 0, 0)) == refused
+    for receiver in (PROCESS, 2**32 - PROCESS):
+        assert answer(text, machine, kill, (receiver, signal.SIGUSR2, 0, 0, 0, 0)) == ALLOW
+
+
 @pytest.mark.parametrize("machine", ARCHITECTURES)
 def test_calls_of_another_architecture_end_the_process(machine):
     (other,) = ARCHITECTURES.keys() - {machine}

@@ -100,10 +100,11 @@ Lines = tuple[tuple[int, int, int, int], ...]
 def checks(*, landlock: int, process: int) -> dict[str, Checks]:
     """Return the arguments that calls may have on a kernel with this version of Landlock.
 
-    `process` is the contained process, which may always signal itself.
+    `process` is the contained process, which may always signal itself. A 0 would be its group, in
+    which is also the parent that ends what it leaves behind.
     """
     itself = ((Check(0, (0, process)),),)
-    signalled = ((Check(0, (process, 0, -process & 0xFFFFFFFF)),),)
+    signalled = ((Check(0, (process, -process & 0xFFFFFFFF)),),)
     return {
         "clone": ((Check(0, (0,), ~sum(_CLONE.values()) & 0xFFFFFFFF),),),
         "socket": tuple(
