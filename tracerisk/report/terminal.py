@@ -208,8 +208,9 @@ def _readings(assessment: Assessment) -> str:
 
 
 def _fixed_cycles(mission: MissionFigures) -> str:
-    if mission.reading == FIXED and mission.expected_cycles < 1.5:
-        # The loops stand behind the entry, each with a number of its own.
+    is_one = mission.expected_cycles is not None and mission.expected_cycles < 1.5
+    if mission.expected_cycles is None or (mission.reading == FIXED and is_one):
+        # The mission is not its entry's rounds: each loop has a number of its own.
         return "fixed cycles"
     return counted(mission.expected_cycles, "fixed cycle")
 

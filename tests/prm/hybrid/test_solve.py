@@ -87,7 +87,52 @@ def test_visits_of_the_failure_free_chain_are_the_counts_of_the_run(block, compo
     ]
     mission = solve(build_model(blocks, name="m")).mission
     assert mission.visits_as_run == close(1 - Fraction(7, 8) ** 6)
-    assert mission.expected_cycles == close(2)
+
+
+_ROUNDS = {
+    "once": ({"a": {"b": 1}, "b": {"done": 1}}, 1),
+    "equal rounds": ({"a": {"b": 1}, "b": {"a": "2/3", "done": "1/3"}}, 3),
+    "one function": ({"a": {"a": "2/3", "done": "1/3"}}, 3),
+    "branches": (
+        {
+            "a": {"b": "1/2", "c": "1/2"},
+            "b": {"a": 1},
+            "c": {"a": "1/2", "done": "1/2"},
+        },
+        4,
+    ),
+    "loop behind the entry": ({"a": {"b": 1}, "b": {"b": "2/3", "done": "1/3"}}, 1),
+    "home at the end": (
+        {
+            "a": {"b": "1/2", "done": "1/2"},
+            "b": {"c": 1},
+            "c": {"b": "2/3", "a": "1/3"},
+        },
+        None,
+    ),
+    "home twice at the start": (
+        {"a": {"a": "1/2", "b": "1/2"}, "b": {"b": "2/3", "done": "1/3"}},
+        None,
+    ),
+    "park at the end": (
+        {"a": {"b": 1}, "b": {"a": "2/3", "c": "1/3"}, "c": {"done": 1}},
+        None,
+    ),
+}
+"""What follows each function, the entry first, and the cycles that a mission has, if any."""
+
+
+@pytest.mark.parametrize(("following", "cycles"), _ROUNDS.values(), ids=_ROUNDS)
+def test_a_mission_has_cycles_only_where_it_is_rounds_from_its_entry(
+    block, component, following, cycles
+):
+    blocks = [
+        block(name, number, (component("motor", 0.125),), after=after)
+        for number, (name, after) in enumerate(following.items(), start=1)
+    ]
+    mission = solve(build_model(blocks, name="m")).mission
+    assert (mission.cycle_failure_probability is None) == (cycles is None)
+    assert mission.expected_cycles == (None if cycles is None else close(cycles))
 
 
 def test_a_mission_that_is_sure_to_fail_is_solved(block, component):

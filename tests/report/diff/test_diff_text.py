@@ -312,6 +312,12 @@ def test_the_figure_of_a_cycle_is_shown_only_where_it_is_another_one(difference,
     assert "per cycle" not in render_diff(review_of(difference(once, once)))
     assert "per cycle" in render_diff(review_of(difference(often, often)))
     assert "per cycle" in render_diff(review_of(difference(once, often)))
+    ends_at_home = {
+        "home": ("pick 1/2, done 1/2", "motor = 2e-8"),
+        "pick": ("pick 2/3, home 1/3", "motor = 2e-8"),
+    }
+    home = review_of(difference(ends_at_home, ends_at_home))
+    assert "per cycle" not in render_diff(home) + render_diff_markdown(home)
     only_mission = render_diff_markdown(
         review_of(difference(once, {"pick": ("done 1", "motor = 4e-8")}))
     )

@@ -52,10 +52,9 @@ def _mission(blocks: list[RiskBlock], file: str) -> str:
     except TraceRiskError as error:
         # A `next` may lead into another file of the controller.
         return f"no mission of these blocks alone: {_nameless(error, file)}"
-    return (
-        f"mission failure {mission.failure_probability:.4g}, "
-        f"per cycle {mission.cycle_failure_probability:.4g}"
-    )
+    cycle = mission.cycle_failure_probability
+    per_cycle = "" if cycle is None else f", per cycle {cycle:.4g}"
+    return f"mission failure {mission.failure_probability:.4g}{per_cycle}"
 
 
 def _function(block: RiskBlock) -> Iterator[str]:

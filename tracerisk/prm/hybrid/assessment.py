@@ -118,13 +118,14 @@ class MissionFigures:
     """Which reading `failure_probability` is."""
     geometric_cycles: float
     """Failure probability of the chain itself: cycles vary around their mean."""
-    cycle_failure_probability: float
-    """Failure probability f of one cycle: the chain cut where it comes back to the entry."""
-    expected_cycles: float
-    """Number N of cycles: the entry's expected visits where nothing fails."""
+    cycle_failure_probability: float | None
+    """Failure probability of one cycle: the chain cut where it comes back to the entry; `None`
+    where the mission is not only rounds from the entry (`HybridModel.has_rounds`)."""
+    expected_cycles: float | None
+    """Number of cycles: the entry's expected visits where nothing fails; `None` as above."""
     fixed_cycles: float
     """Failure probability with each loop repeated as often as `next` counts; 1-(1-f)^N where
-    `next` is a distribution."""
+    `next` is a distribution, with N visits of the entry and f the failure between two of them."""
     visits_as_run: float
     """Failure probability 1-prod(1-t_s)^(v0_s), v0 the visits expected where nothing fails: the
     run's own counts when `next` comes from one run."""

@@ -125,6 +125,26 @@ class HybridModel(DisplayedGraph):
         )
 
     @property
+    def has_rounds(self) -> bool:
+        """Whether a mission is nothing but rounds of a cycle that begins at the entry.
+
+        Each round but the last leads back to the entry, and the last ends where others do. So it
+        is not where the entry is a home position that the mission takes at its end once more, or
+        where other functions follow the rounds. A mission that visits its entry once is one round.
+        """
+        reachable = set(self.reachable)
+        following = {
+            state.name: {step.target for step in state.next if step.weight > 0}
+            for state in self.states
+            if state.name in reachable
+        }
+        if not any(self.entry in targets for targets in following.values()):
+            return True
+        if len(following) > 1 and following[self.entry] & {self.entry, DONE}:
+            return False
+        return all(self.entry in targets for targets in following.values() if DONE in targets)
+
+    @property
     def failure_states(self) -> Mapping[str, str]:
         """Each state's absorbing failure state: `<name>_failure`.
 

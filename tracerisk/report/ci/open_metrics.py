@@ -48,7 +48,8 @@ def mission_metrics(name: str, mission: MissionFigures) -> Iterator[Sample]:
     if mission.undetected_probability is not None:
         undetected = mission.undetected_probability
         yield Sample("tracerisk_mission_undetected_probability", name, undetected)
-    yield Sample("tracerisk_cycle_failure_probability", name, mission.cycle_failure_probability)
+    if mission.cycle_failure_probability is not None:
+        yield Sample("tracerisk_cycle_failure_probability", name, mission.cycle_failure_probability)
 
 
 def run_metrics(name: str, verdict: Verdict | None) -> Iterator[Sample]:

@@ -111,8 +111,8 @@ def _cycles(diff: RiskDiff) -> str:
     """Return the figures of a cycle; nothing where they are those of the mission."""
     if diff.before is None or diff.after is None or not sentences.has_cycles(diff):
         return ""
-    figures = (mission.cycle_failure_probability for mission in (diff.before, diff.after))
-    return " → ".join(map(sentences.probability, figures))
+    figures = [mission.cycle_failure_probability for mission in (diff.before, diff.after)]
+    return " → ".join("none" if p is None else sentences.probability(p) for p in figures)
 
 
 def _figures(diff: RiskDiff, links: Links) -> tuple[str, ...]:

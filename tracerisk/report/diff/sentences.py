@@ -362,16 +362,20 @@ _LIKELY = 0.05
 
 def _per_cycle(diff: RiskDiff) -> str:
     """Return why a mission's failure changes more, or less, than that of its first cycle."""
-    if diff.before is None or diff.after is None:
+    before, after = diff.before, diff.after
+    if before is None or before.cycle_failure_probability is None or not before.expected_cycles:
         return ""
-    figures = diff.before.failure_probability, diff.after.failure_probability
+    if after is None or after.cycle_failure_probability is None or not after.expected_cycles:
+        return ""
+    figures = before.failure_probability, after.failure_probability
     if max(figures) > _LIKELY:
         return ""
     mission = ratio_of(*figures)
-    cycle = ratio_of(diff.before.cycle_failure_probability, diff.after.cycle_failure_probability)
+    cycles = before.cycle_failure_probability, after.cycle_failure_probability
+    cycle = ratio_of(*cycles)
     if not mission or not cycle or 1 / _APART <= mission / cycle <= _APART:
         return ""
-    counts = diff.before.expected_cycles, diff.after.expected_cycles
+    counts = before.expected_cycles, after.expected_cycles
     if not is_noise(*counts):
         plural = "" if count(counts[1]) == "1" else "s"
         why = f"the mission has {count(counts[1])} cycle{plural}, it had {count(counts[0])}"
@@ -380,15 +384,16 @@ def _per_cycle(diff: RiskDiff) -> str:
             "all redundant units work when it begins, and failures that stay hidden add up in "
             "later ones"
         )
-    cycles = diff.before.cycle_failure_probability, diff.after.cycle_failure_probability
     return f"; the first cycle alone: {ratio(*cycles)}, for {why}"
 
 
 def has_cycles(diff: RiskDiff) -> bool:
-    """Return whether a cycle's figure is another one than the mission's, in a version."""
+    """Return whether a version has cycles, whose figure is another one than the mission's."""
     missions = [mission for mission in (diff.before, diff.after) if mission is not None]
     return any(
-        probability(mission.failure_probability) != probability(mission.cycle_failure_probability)
+        mission.cycle_failure_probability is not None
+        and probability(mission.failure_probability)
+        != probability(mission.cycle_failure_probability)
         for mission in missions
     )
 

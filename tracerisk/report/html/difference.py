@@ -144,9 +144,9 @@ def _functions(name: str, diff: RiskDiff) -> Table:
 
 
 def _figure(mission: MissionFigures | None, kind: str) -> str:
-    if mission is None:
+    value = None if mission is None else getattr(mission, kind)
+    if value is None:
         return _NONE
-    value = getattr(mission, kind)
     return sentences.count(value) if kind == "expected_cycles" else sentences.probability(value)
 
 

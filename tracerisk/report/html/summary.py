@@ -5,7 +5,7 @@ from __future__ import annotations
 from markupsafe import Markup
 
 from tracerisk.common.verdict import UNKNOWN_VERDICT, VERDICTS
-from tracerisk.prm.hybrid.assessment import FIXED
+from tracerisk.prm.hybrid.assessment import FIXED, MissionFigures
 from tracerisk.report.diff import sentences
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
@@ -130,11 +130,10 @@ def _readings(report: ReportInput) -> tuple[tuple[tuple[str, str, str], ...], st
     Where all agree there are no figures beside the headline's.
     """
     mission = report.assessment.mission
-    cycles = figures.count(mission.expected_cycles)
-    is_one = cycles == "1"
+    fixed, each_fails = _fixed_cycles(mission)
     has_cycle = report.model.has_cycle
-    held = "; the figure above, for `next` counts the cycles"
-    each_fails = f"each fails with {figures.probability(mission.cycle_failure_probability)}"
+    is_held = has_cycle and mission.reading == FIXED
+    held = "the figure above, for `next` counts the cycles"
     alike = {
         figures.probability(value)
         for value in (mission.geometric_cycles, mission.fixed_cycles, mission.visits_as_run)
@@ -142,7 +141,7 @@ def _readings(report: ReportInput) -> tuple[tuple[tuple[str, str, str], ...], st
     if len(alike) == 1:
         if not has_cycle:
             return (), "The readings agree: the chain's, and that of the visits as executed."
-        fixed = f"{cycles} fixed cycle{'' if is_one else 's'} ({each_fails})"
+        fixed += f" ({each_fails})" if each_fails else ""
         return (), f"The readings agree: cycles that vary around their mean, {fixed}, as executed."
     ways = (
         (
@@ -151,9 +150,9 @@ def _readings(report: ReportInput) -> tuple[tuple[tuple[str, str, str], ...], st
             "the number of cycles varies around its mean" if has_cycle else "exact",
         ),
         (
-            f"{cycles} fixed cycle{'' if is_one else 's'}",
+            fixed,
             figures.probability(mission.fixed_cycles),
-            f"{each_fails}{held if has_cycle and mission.reading == FIXED else ''}",
+            "; ".join(filter(None, (each_fails, held if is_held else ""))),
         ),
         (
             "as executed",
@@ -162,6 +161,16 @@ def _readings(report: ReportInput) -> tuple[tuple[tuple[str, str, str], ...], st
         ),
     )
     return ways, ""
+
+
+def _fixed_cycles(mission: MissionFigures) -> tuple[str, str]:
+    """Return the name of the reading with fixed cycles, and how often one of them fails."""
+    cycle = mission.cycle_failure_probability
+    if cycle is None or mission.expected_cycles is None:
+        return "fixed cycles", ""
+    cycles = figures.count(mission.expected_cycles)
+    name = f"{cycles} fixed cycle{'' if cycles == '1' else 's'}"
+    return name, f"each fails with {figures.probability(cycle)}"
 
 
 def _counts(report: ReportInput) -> tuple[tuple[str, int, str], ...]:
