@@ -64,6 +64,38 @@ def test_a_gripper_that_closes_on_nothing_is_told_at_the_line_that_closes_it(
     assert reasons == [("grasped-nothing", "close")]
 
 
+@pytest.mark.parametrize(
+    ("objects", "why"),
+    [
+        (ASIDE, "from cube, the nearest object: no object of the scene is between its pads there"),
+        ("", "m: the scene gives it nothing to grasp, so no load is in the figures"),
+    ],
+    ids=["aside", "empty scene"],
+)
+@pytest.mark.parametrize("then", ["release()\n    turn(-0.2)\n    ", ""], ids=["back", "at once"])
+def test_a_controller_that_notices_an_empty_grip_learns_where_it_was(
+    tmp_path, example_in, then, objects, why
+):
+    arm, hand, opened, closed = ENDS["panda"]
+    source = CLOSES_TWICE.format(arm=arm, hand=hand, opened=opened, closed=closed)
+    example = example_in(tmp_path)
+    example.write(
+        "c.py", source.replace("    turn(0.2)\n    release()", f"    {then}raise SystemExit(1)")
+    )
+    example.write("cell.yaml", objects)
+    scenario = ("--scenario", "cell.yaml") if objects else ()
+    outcome = example.run("run", "c.py", "--json", "--robot", "panda", *scenario)
+    assert "grasped-nothing" not in [reason["code"] for reason in verdict(outcome)]
+    (found,) = [
+        finding
+        for finding in outcome.json["trace"]["findings"]
+        if finding["kind"] == "nothing_to_grasp"
+    ]
+    assert found["message"].startswith("panda_hand closed on nothing at (")
+    assert why in found["message"]
+    assert found["function"] == "close"
+
+
 GRASP = """\
 import actionlib
 import rospy

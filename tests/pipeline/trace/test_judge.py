@@ -353,6 +353,16 @@ def test_a_last_grasp_without_a_release_is_a_reason_where_the_same_call_had_one_
     assert codes(recorded(commands=PICK)) == []
 
 
+def test_a_last_grasp_on_nothing_is_not_said_to_hold():
+    held_before = (*PICK[:2], held(PICK[2]), *PICK[3:])
+    empty = replace(PICK[2], issue_s=12.0, place="at (0.450, 0.000, 0.078) m", posture=(1.0,))
+    (reason,) = judge(recorded(commands=(*held_before, move(11.0), empty, move(13.0)))).reasons
+    assert reason.code == "never-released"
+    assert reason.words == (
+        "hand closed on nothing at (0.450, 0.000, 0.078) m, and was not opened again"
+    )
+
+
 @pytest.mark.parametrize(
     ("was_held", "code"), [(True, "object-dropped"), (False, "object-knocked")]
 )

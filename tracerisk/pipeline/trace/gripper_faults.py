@@ -16,26 +16,27 @@ _BY_ITSELF: frozenset[EndCause] = frozenset({"ended", "quiescent", "idle"})
 
 @dataclass(frozen=True, slots=True)
 class EmptyGrasp:
-    """A gripper that closed on nothing, was carried on and opened."""
+    """A gripper that closed on nothing where it was to grasp, as it seems."""
 
     command: IssuedCommand
     """The command that closed it."""
-    intended: bool
-    """Whether it was meant to hold a thing."""
+    is_fault: bool
+    """Whether it was meant to hold a thing, and the controller went on as if it held."""
 
 
 def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Iterator[EmptyGrasp]:
-    """Yield the grasps on nothing with which a controller went on as if it held.
+    """Yield the grasps on nothing, also those that the controller noticed.
 
-    The gripper closes and holds nothing, the arm moves, the gripper opens. It was meant to hold
+    The gripper closes and holds nothing, nor does it later at the same place. It was meant to hold
     something where the same call did so at another time in the run; or, in a run that never
     holds anything although the user gave it something to grasp, where the arm had moved with
-    the gripper open.
+    the gripper open. The controller went on as if it held where the arm then moves and the gripper
+    opens.
     """
     closing = [issued_command for issued_command in commands if issued_command.grip == "closes"]
     held_at = {issued_command.path for issued_command in closing if issued_command.holds}
     for number, command in enumerate(commands):
-        if command.grip != "closes" or command.holds or not _is_carried_on(commands, number):
+        if command.grip != "closes" or command.holds or command.end_s is None:
             continue
         later = [
             issued_command
@@ -47,11 +48,10 @@ def empty_grasps(commands: Sequence[IssuedCommand], *, has_objects: bool) -> Ite
             for issued_command in later
         ):
             continue
-        if held_at:
-            if command.path in held_at:
-                yield EmptyGrasp(command, intended=True)
-        elif _is_approached(commands, number):
-            yield EmptyGrasp(command, intended=has_objects)
+        is_grasp = command.path in held_at if held_at else _is_approached(commands, number)
+        if is_grasp:
+            is_fault = bool(held_at or has_objects) and _is_carried_on(commands, number)
+            yield EmptyGrasp(command, is_fault)
 
 
 def closed_on_nothing(command: IssuedCommand) -> str:
@@ -94,7 +94,7 @@ class GripperFault:
 def gripper_faults(run: RecordedRun) -> Iterator[GripperFault]:
     """Yield what is wrong with how the grippers were used."""
     for empty_grasp in empty_grasps(run.commands, has_objects=run.has_objects):
-        if empty_grasp.intended:
+        if empty_grasp.is_fault:
             told = closed_on_nothing(empty_grasp.command)
             words = f"{told}, and the controller went on as if it held"
             yield GripperFault("grasped-nothing", words, empty_grasp.command)
@@ -112,7 +112,10 @@ def gripper_faults(run: RecordedRun) -> Iterator[GripperFault]:
             yield GripperFault("never-grasped", words, own[-1])
         if _is_left_closed(run, own):
             words = (
-                f"{name} closed and was not opened again: what it takes is still held at the end"
+                f"{closed_on_nothing(own[-1])}, and was not opened again"
+                if own[-1].place
+                else f"{name} closed and was not opened again: what it takes is still held at the "
+                "end"
             )
             yield GripperFault("never-released", words, own[-1])
 

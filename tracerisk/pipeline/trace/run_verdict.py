@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,7 +106,7 @@ def run_verdict(
     contacts: RunContacts | None,
     visits: Sequence[Visit],
 ) -> tuple[Verdict, tuple[Finding, ...]]:
-    """Return the verdict of a run, and findings on grasps for which there was nothing to grasp.
+    """Return the verdict of a run, and a finding on the first grasp on nothing that is no fault.
 
     `findings` have their functions: `placed_findings`.
     """
@@ -136,24 +137,31 @@ def run_verdict(
         is_speed_known=ran.robot.name != GENERIC,
     )
     accepted = (*settings.accept, *(Acceptance(**item) for item in given["accept"]))
-    noted = tuple(
-        Finding(
-            NOTHING_TO_GRASP,
-            f"{closed_on_nothing(empty_grasp.command)}: the scene gives it nothing to grasp, so "
-            "no load "
-            "is in the figures; objects in a scenario (--scenario) would",
-            empty_grasp.command.issue_s,
-            empty_grasp.command.location,
-            empty_grasp.command.function,
-            empty_grasp.command.gripper,
-        )
-        for empty_grasp in empty_grasps(commands, has_objects=run.has_objects)
-        if not empty_grasp.intended
-    )
     verdict = judge(run, accepted)
     if settings.robot is None:
         verdict = with_acceptances(not_blamed(verdict, ran.robot, controller), accepted)
-    return verdict, noted[:1]
+    return verdict, tuple(islice(_noted_grasps(run), 1))
+
+
+def _noted_grasps(run: RecordedRun) -> Iterator[Finding]:
+    """Yield where a gripper closed on nothing: for want of things, or noticed by the controller."""
+    why = (
+        ": no object of the scene is between its pads there"
+        if run.has_objects or any(command.holds for command in run.commands)
+        else ": the scene gives it nothing to grasp, so no load is in the figures; objects in a "
+        "scenario (--scenario) would"
+    )
+    for empty_grasp in empty_grasps(run.commands, has_objects=run.has_objects):
+        if not empty_grasp.is_fault:
+            command = empty_grasp.command
+            yield Finding(
+                NOTHING_TO_GRASP,
+                f"{closed_on_nothing(command)}{why}",
+                command.issue_s,
+                command.location,
+                command.function,
+                command.gripper,
+            )
 
 
 def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
