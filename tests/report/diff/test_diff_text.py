@@ -127,6 +127,23 @@ def test_the_first_sentence_names_what_made_the_change_and_not_what_worked_again
     assert "mostly through b in reach" in sentence
 
 
+def test_the_first_sentence_gives_what_each_does_where_causes_have_opposite_signs(
+    difference, review_of
+):
+    before = {"reach": ("grip 1", "motor = 9e-8"), "grip": ("done 1", "gripper = 1e-8")}
+    after = {"reach": ("grip 1", "motor = 6e-8"), "grip": ("done 1", "gripper = 5e-8")}
+    rises = first_sentence(render_diff(review_of(difference(before, after))))
+    assert rises.endswith(
+        "mostly through gripper in grip: probability 1e-8 -> 5e-8 (x5) [edited by hand] "
+        "(+4.00e-08), against it motor in reach: probability 9e-8 -> 6e-8 (x0.6667) [edited by "
+        "hand] (-3.00e-08)."
+    )
+    falls = first_sentence(render_diff(review_of(difference(after, before))))
+    assert "falls" in falls
+    assert "(-4.00e-08), against it motor in reach" in falls
+    assert "%" not in rises + falls
+
+
 def test_the_first_sentence_puts_a_cause_together_over_functions(difference, review_of):
     before = {
         "reach": ("grip 1", "motor = 1e-7; gripper = 1e-8"),

@@ -288,14 +288,31 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
         f"({ratio(old, new)}{missions}){_of_which(diff)}"
     )
-    # What works against the change is not what made it.
-    alike = [cause for cause in diff.causes if (cause.contribution or 0.0) * diff.increase > 0.0]
-    if alike:
-        text += f", mostly through {alike[0].summary}{_because(alike[0])}"
-        share = _share(alike[0], diff)
-        if len(diff.causes) > 1 or share != "100 %":
-            text += f", {share} of the {'rise' if new > old else 'fall'}"
-    return text + _per_cycle(diff) + _stale(diff)
+    return text + _main_cause(diff) + _per_cycle(diff) + _stale(diff)
+
+
+def _main_cause(diff: RiskDiff) -> str:
+    """Return what made most of a change, with its share; where others work against, what each does.
+
+    What works against the change is not what made it.
+    """
+    parts = [(cause, (cause.contribution or 0.0) / diff.increase) for cause in diff.causes]
+    first = next(((cause, share) for cause, share in parts if share > 0.0), None)
+    if first is None:
+        return ""
+    cause, share = first
+    text = f", mostly through {cause.summary}{_because(cause)}"
+    against = next((cause for cause, share in parts if share <= -NOISE), None)
+    if against is not None:
+        return (
+            f"{text} ({difference(cause.contribution)}), against it {against.summary}"
+            f"{_because(against)} ({difference(against.contribution)})"
+        )
+    if round(100.0 * share) > 100:
+        return f"{text} ({difference(cause.contribution)})"
+    if len(parts) == 1 and round(100.0 * share) == 100:
+        return text
+    return f"{text}, {100.0 * share:.0f} % of the {'rise' if diff.increase > 0.0 else 'fall'}"
 
 
 def _of_which(diff: RiskDiff) -> str:
@@ -346,11 +363,6 @@ def _remedy(diff: RiskDiff) -> str:
 
 def _because(cause: CauseShare) -> str:
     return f" [{', '.join(cause.kinds)}]" if cause.kinds else ""
-
-
-def _share(cause: CauseShare, diff: RiskDiff) -> str:
-    """Return how much of a change a cause makes alone; above 100 % where others work against."""
-    return f"{100.0 * (cause.contribution or 0.0) / diff.increase:.0f} %"
 
 
 _APART = 1.1
