@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 import tracerisk
-from tracerisk.adder.lock.lock import ControllerLock, Lock, written_block
+from tracerisk.adder.lock.lock import Behind, ControllerLock, Lock, written_block
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import BlockError, InputError
 from tracerisk.pipeline.review.review import review
@@ -171,6 +171,37 @@ def test_the_lock_says_the_cause(repository, parts, inputs, causes):
     after = parts(gripper="= 4e-07")
     write(repository, after, ("main.py", lock_of(after, "main.py", **inputs)))
     (change,) = only(review([], repository.folder)).changes
+    assert change.causes == causes
+
+
+@pytest.mark.parametrize(
+    ("inputs", "described", "causes"),
+    [
+        ({"sources": {"main.py": "b"}, "hardware": "b"}, {"motor": "2"}, ("code",)),
+        ({"sources": {"main.py": "b"}, "hardware": "b"}, {"gripper": "2"}, ("code", "hardware")),
+        ({"hardware": "b"}, {"gripper": "2"}, ("hardware",)),
+        # Nothing else explains it.
+        ({"hardware": "b"}, {"motor": "2"}, ("hardware",)),
+        ({"files": {"a": "b"}, "settings": {"hardware": "b.yaml"}}, {}, ("files",)),
+        ({"files": {"a": "b"}, "settings": {"active": "x"}}, {}, ("files", "hardware")),
+    ],
+)
+def test_a_component_changed_by_the_hardware_data_only_where_its_own_entry_differs(
+    repository, parts, inputs, described, causes
+):
+    entries = {"gripper": "1", "motor": "1"}
+    before = replace(lock_of(parts(), "main.py"), behind=Behind(components=entries))
+    write(repository, parts(), ("main.py", before))
+    repository.commit()
+    after = parts(gripper="= 4e-07")
+    behind = Behind(components={**entries, **described})
+    write(
+        repository,
+        after,
+        ("main.py", replace(lock_of(after, "main.py", **inputs), behind=behind)),
+    )
+    (change,) = only(review([], repository.folder)).changes
+    assert change.component == "gripper"
     assert change.causes == causes
 
 

@@ -17,7 +17,8 @@ from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.review.renamed_functions import FunctionSource
 from tracerisk.prm.review.change_records import Cause, ChangedField
 
-_OF_HARDWARE = frozenset({"hardware", "system", "active"})
+_OF_DESCRIPTION = frozenset({"hardware", "system"})
+"""The settings that say which description holds."""
 
 
 def cause_finder(
@@ -27,12 +28,15 @@ def cause_finder(
 
     A value that neither its block's digest nor the later lock knows is a user's edit. Else it is
     what the run depended on that differs: the controller's code, the hardware description,
-    settings, other files. Where a version has no lock, its code decides.
+    settings, other files. Where a version has no lock, its code decides. A component whose own
+    entry in the hardware description is the same did not change because of another one's.
     `functions` are those of the later version by their names in the model.
     """
-    of_run = _run_causes(before, after)
+    of_any = _run_causes(before, after)
+    of_same_entry = _run_causes(before, after, is_described_alike=True) or of_any
 
     def cause_of(field: ChangedField) -> tuple[Cause, ...]:
+        of_run = of_same_entry if _is_same_entry(before, after, field.component) else of_any
         values = [
             _BlockValue(functions[function], field.component, key)
             for function, key in field.stated
@@ -113,7 +117,23 @@ def input_changes(before: ControllerVersion, after: ControllerVersion) -> tuple[
     return tuple(changed_inputs(old, new))
 
 
-def _run_causes(before: ControllerVersion, after: ControllerVersion) -> tuple[Cause, ...]:
+def _is_same_entry(
+    before: ControllerVersion, after: ControllerVersion, component: str | None
+) -> bool:
+    """Return whether both locks know that a component's entry in the description is the same."""
+    if component is None or before.entry is None or after.entry is None:
+        return False
+    old, new = (entry.behind.components for entry in (before.entry, after.entry))
+    return component in old and old[component] == new.get(component)
+
+
+def _run_causes(
+    before: ControllerVersion, after: ControllerVersion, *, is_described_alike: bool = False
+) -> tuple[Cause, ...]:
+    """Return what the runs depended on that differs, of a component that is described alike or not.
+
+    The setting `active` says how each is used, whatever its entry.
+    """
     if before.entry is None or after.entry is None:
         return ("code",) if _codes(before) != _codes(after) else ()
     old, new = RunInputs.from_data(before.entry.inputs), RunInputs.from_data(after.entry.inputs)
@@ -122,11 +142,15 @@ def _run_causes(before: ControllerVersion, after: ControllerVersion) -> tuple[Ca
         causes.add("code")
     if old.files != new.files:
         causes.add("files")
-    if old.hardware != new.hardware:
+    if old.hardware != new.hardware and not is_described_alike:
         causes.add("hardware")
     for name in {*old.settings, *new.settings}:
-        if old.settings.get(name) != new.settings.get(name):
-            causes.add("hardware" if name in _OF_HARDWARE else "settings")
+        if old.settings.get(name) == new.settings.get(name):
+            continue
+        if name not in _OF_DESCRIPTION:
+            causes.add("hardware" if name == "active" else "settings")
+        elif not is_described_alike:
+            causes.add("hardware")
     return tuple(cause for cause in get_args(Cause) if cause in causes)
 
 
