@@ -186,6 +186,13 @@ def test_a_sandbox_that_is_required_in_vain_is_reported_so(call, tmp_path, monke
     assert_reported("sandbox", out, tmp_path)
 
 
+def test_a_reason_without_an_edit_that_says_so_is_reported_so(call, tmp_path):
+    put({"cell.py": BLOCK.replace("quantity = 1", "quantity = 1  ! one is in use")})
+    exit_code, out = call("build cell.py")
+    assert exit_code == ExitCode.EDIT_IN_THE_WAY
+    assert_reported("reason", out, tmp_path)
+
+
 def test_an_edit_in_the_way_is_reported_so(call, tmp_path):
     put({"cell.py": CELL, **DATA})
     assert call(ANNOTATE) == (ExitCode.FINE, "")
@@ -331,7 +338,17 @@ def test_each_code_has_a_section_and_each_section_a_code():
     ends = {RunEnd(cause, "", None).code for cause in get_args(EndCause) if cause not in GOOD_ENDS}
     assert set(SECTIONS) == raised | ends | set(get_args(FindingKind)) | {"usage"}
     # tests/common/test_dependencies.py, tests/report/png, tests/pipeline: errors of the machine
-    others = {"edit", "unequal", "contact", "dependency", "limit", "machine", "render", "sandbox"}
+    others = {
+        "edit",
+        "reason",
+        "unequal",
+        "contact",
+        "dependency",
+        "limit",
+        "machine",
+        "render",
+        "sandbox",
+    }
     others.add("system")  # tests/test_other_systems.py
     assert set(SECTIONS) == {*STATIC, *RUNS, *CHECKS, *VERDICTS, *others}
 

@@ -101,6 +101,13 @@ class BlockError(InputError):
     code = "block"
 
 
+class UnpinnedReasonError(BlockError):
+    """A value of the tool's has a reason: a user edited it, and did not write `:=`."""
+
+    exit_code = ExitCode.EDIT_IN_THE_WAY
+    code = "reason"
+
+
 class UnsafeRewriteError(InputError):
     """A source file cannot be rewritten with proof that nothing else changes."""
 

@@ -11,7 +11,7 @@ from tracerisk.adder.blocks.grammar import parse_block, print_block
 from tracerisk.adder.blocks.lines import BlockLine
 from tracerisk.adder.lock.digest import with_digest
 from tracerisk.config import BlockForm
-from tracerisk.errors import BlockError
+from tracerisk.errors import BlockError, ExitCode, UnpinnedReasonError
 
 COMPACT = """\
 # | RiskAnnotation
@@ -204,8 +204,39 @@ BAD = {
     "conflict": ("f 1\n=======", 3, "is a conflict marker in a risk block"),
     "name": ('f 1\n"m\\q" 1e-8 1', 3, "cannot read the name"),
     "sections": ("f 1\n@Component {", 3, "cannot read `@Component {` as a component"),
+    "no mark": (
+        "f 1\nm := 1e-8 1 ! computed 2e-8\n! endurance test",
+        3,
+        "write `;` before the reason: `! computed 2e-8; endurance test`",
+    ),
     "hash": ("f 1\nm := 1e-8 1 # why", 3, "redundancy = # why is not allowed"),
 }
+
+
+@pytest.mark.parametrize(
+    "comment",
+    [
+        "computed 4e-08; May",
+        "computed 4e-08 ! May",
+        "computed 4e-08  !May",
+        "computed 4e-08\n! ; May",
+    ],
+)
+def test_a_reason_stands_behind_either_mark_after_what_was_computed(comment: str) -> None:
+    rows = "".join(f"# | {row}\n" for row in f"f 1\nm := 1e-7 1 ! {comment}".split("\n"))
+    block = parsed(f"# | RiskAnnotation\n{rows}")
+    value = block.components[0].probability
+    assert (value.computed, value.reason) == ("4e-08", "May")
+    # The tool writes one form, and reads it back.
+    again = parsed(text_of(block)).components[0].probability
+    assert (again.computed, again.reason) == ("4e-08", "May")
+
+
+def test_a_reason_of_a_computed_value_is_an_edit() -> None:
+    for row in ("m 1e-8 1 ! why", "m 1e-8 1\n# | ! why", "m := 1e-8 1\n# | quantity ! why"):
+        with pytest.raises(UnpinnedReasonError) as caught:
+            parsed(f"# | RiskAnnotation\n# | f 1\n# | {row}\n")
+        assert (caught.value.exit_code, caught.value.code) == (ExitCode.EDIT_IN_THE_WAY, "reason")
 
 
 @pytest.mark.parametrize(("text", "line", "message"), BAD.values(), ids=BAD)

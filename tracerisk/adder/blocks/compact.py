@@ -41,7 +41,7 @@ from tracerisk.adder.blocks.values import (
     is_function_name,
 )
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.errors import BlockError, Location
+from tracerisk.errors import BlockError, Location, UnpinnedReasonError
 
 UNSTATED = "-"
 """What stands for a value that an omitted component leaves out."""
@@ -146,6 +146,9 @@ class _Reader:
     def _error(self, line: int, message: str) -> BlockError:
         return BlockError(message, Location(self._file, line))
 
+    def _unpinned(self, line: int, message: str) -> UnpinnedReasonError:
+        return UnpinnedReasonError(message, Location(self._file, line))
+
     def lines(self, lines: Iterable[BlockLine]) -> list[_Line]:
         read: list[_Line] = []
         last: list[str] | None = None
@@ -157,7 +160,7 @@ class _Reader:
             of_field = _OF_FIELD.fullmatch(text)
             if text.startswith("!"):
                 if last is None:
-                    raise self._error(
+                    raise self._unpinned(
                         line.number,
                         "a `!` line continues the reason of a `:=` value, but none precedes it",
                     )
@@ -176,7 +179,7 @@ class _Reader:
                         read.append(self._line(line.number, words.rstrip(), is_first=not read))
                     last = self._own_comment(read[-1])
                 if last is None and mark:
-                    raise self._error(
+                    raise self._unpinned(
                         line.number,
                         "a reason is allowed only for what a user set; write `:=` before the value",
                     )
@@ -239,7 +242,7 @@ class _Reader:
         keys = _keys_set(line.parts)
         if key not in keys:
             allowed = ", ".join(filter(None, keys)) or "no value of this line"
-            raise self._error(
+            raise self._unpinned(
                 number, f"{key} has a reason but is not set by hand; set by hand: {allowed}"
             )
         if any(line.comments.get(key, ())):

@@ -90,6 +90,10 @@ def _value(kind: FieldKind, stated: ValueText, text: str, before: str) -> Any:
             if reason and _is_readable(kind, value.strip()):
                 words = f"{kind.key} := {value.strip()}  ! {reason.strip()}"
                 message = f"put a reason after `!`, not after `{mark}`; write `{words}`"
+        if before.startswith("!"):
+            value, _, reason = text.partition(" ")
+            if reason and _is_readable(kind, value):
+                message = f"write `;` before the reason: `{before}{value}; {reason}`"
         raise BlockError(message, stated.location) from error
 
 
@@ -111,8 +115,9 @@ def _split_comment(comment: str | None) -> tuple[str | None, str | None]:
     if comment is None:
         return None, None
     if comment.startswith("computed "):
-        computed, _, reason = comment.removeprefix("computed ").partition(";")
-        return computed.strip(), reason.strip() or None
+        # Users put a reason behind a further `!`; the tool writes `;`.
+        computed, *reason = re.split("[;!]", comment.removeprefix("computed "), maxsplit=1)
+        return computed.strip(), "".join(reason).strip() or None
     return None, comment.removeprefix(";").strip() or None
 
 

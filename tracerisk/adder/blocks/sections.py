@@ -31,7 +31,7 @@ from tracerisk.adder.blocks.values import (
     is_function_name,
 )
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.errors import BlockError, Location, one_of
+from tracerisk.errors import BlockError, Location, UnpinnedReasonError, one_of
 
 _SECTION = re.compile(r"@(?P<kind>\w*)\s*(?P<mark>:=\s*omit\b|:=)?\s*\{\s*(?P<rest>.*)")
 _ASSIGNMENT = re.compile(r"(?P<key>\w+)\s*(?P<operator>:?=)\s*(?P<rest>.*)")
@@ -89,6 +89,9 @@ class _Parser:
 
     def _error(self, line: int, message: str) -> BlockError:
         return BlockError(message, Location(self._file, line))
+
+    def _unpinned(self, line: int, message: str) -> UnpinnedReasonError:
+        return UnpinnedReasonError(message, Location(self._file, line))
 
     def block(self, start: int, lines: Iterable[BlockLine]) -> RiskBlock:
         sections = self._sections(lines)
@@ -169,7 +172,7 @@ class _Parser:
         if rest and not rest.startswith("!"):
             raise self._error(line, f"unexpected `{rest}` after the brace; allowed: `! a reason`")
         if rest and not mark:
-            raise self._error(line, "a reason may follow only what a user set; write `:= {`")
+            raise self._unpinned(line, "a reason may follow only what a user set; write `:= {`")
         comment = [rest[1:].strip()] if rest else []
         return _Section(kind, bool(mark), omitted, comment, line, [])
 
@@ -180,7 +183,7 @@ class _Parser:
                 return last.assignments[-1].comment
         elif last is not None and last.by_hand:
             return last.comment
-        raise self._error(
+        raise self._unpinned(
             line, "a `!` line continues the reason of a `:=` line, but none precedes it"
         )
 
@@ -207,7 +210,7 @@ class _Parser:
         if key in ("name", "component") and pinned:
             raise self._error(line, f"a name cannot be set by hand; write `{key} = `")
         if mark and not pinned:
-            raise self._error(
+            raise self._unpinned(
                 line, f"a reason is allowed only for a value set by hand; write `{key} := `"
             )
         return _Assignment(key, pinned, value.strip(), [comment.strip()] if mark else [], line)
