@@ -223,7 +223,7 @@ def _rise(diff: RiskDiff, most: float | None) -> list[str]:
         return [f"{diff.name}: {bad}; --max-increase {most:g}"]
     # Of two runs of unknown verdict, and of two missions, the figures are all there is.
     unknown = verdicts is not None and verdicts == RunVerdicts(None, None)
-    is_other = _is_other_mission(diff)
+    is_other = diff.is_other_mission
     is_measured = diff.is_comparable or unknown or is_other
     if diff.before is None or diff.is_same_figure or diff.is_credited or not is_measured:
         return []
@@ -273,12 +273,6 @@ def _undetected(diff: RiskDiff, max_increase: float | None, limit: float | None)
             f"--max-undetected-probability {limit:g}"
         )
     return texts
-
-
-def _is_other_mission(diff: RiskDiff) -> bool:
-    """Return whether both runs went well, and are of different missions."""
-    went_well = diff.verdicts is None or diff.verdicts.is_comparable
-    return went_well and not diff.is_same_mission
 
 
 def _link_base(environment: Mapping[str, str]) -> str:

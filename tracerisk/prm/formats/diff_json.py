@@ -28,11 +28,12 @@ def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
     plain = asdict(diff)
     if not diff.is_comparable:
         # Of a run that went wrong a ratio or a contribution says nothing.
-        shown = replace(diff, changes=(), functions=(), interaction=None, single_points=())
+        functions = diff.functions if diff.is_other_mission else ()
+        shown = replace(diff, changes=(), functions=functions, interaction=None, single_points=())
         diff, plain = shown, asdict(shown)
     for name in ("before", "after"):
         plain[name] = None if plain[name] is None else mission_to_json(plain[name])
-    functions = zip(plain["functions"], diff.functions, strict=True)
+    functions_data = zip(plain["functions"], diff.functions, strict=True)
     changes = zip(plain["changes"], diff.changes, strict=True)
     return {
         **plain,
@@ -44,7 +45,7 @@ def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
         "new_acceptances": (
             [] if diff.verdicts is None else [asdict(e) for e in diff.verdicts.new_acceptances]
         ),
-        "functions": [{**data, "status": function.status} for data, function in functions],
+        "functions": [{**data, "status": function.status} for data, function in functions_data],
         "changes": [{**data, "causes": list(change.causes)} for data, change in changes],
     }
 

@@ -375,6 +375,23 @@ class RiskDiff:
         return not self.outcome.result and not (self._falls and self.outcome.lost)
 
     @property
+    def is_other_mission(self) -> bool:
+        """Whether both runs went well, but are of different missions.
+
+        Then both figures are true of their missions, and so are those of each function.
+        """
+        verdicts = self.verdicts
+        went_well = verdicts is None or (verdicts.is_comparable and not verdicts.does_less)
+        return went_well and not self.is_same_mission
+
+    @property
+    def shown_functions(self) -> tuple[FunctionChange, ...]:
+        """The functions that a reader should see: those that differ, of runs that went well."""
+        if not self.is_comparable and not self.is_other_mission:
+            return ()
+        return tuple(function for function in self.functions if function.status != "unchanged")
+
+    @property
     def _falls(self) -> bool:
         return (self.increase < 0.0 and not self.is_same_figure) or self.undetected_increase < 0.0
 

@@ -140,8 +140,7 @@ def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) ->
             yield from _list(title, entries, links)
     if diff.changes and diff.is_comparable:
         yield from _changes(review, diff, links)
-    functions = [function for function in diff.functions if function.status != "unchanged"]
-    if functions and diff.is_comparable:
+    if diff.shown_functions:
         yield from _table(
             ("function", "a visit, before", "after", "visits, before", "after"),
             [
@@ -149,7 +148,7 @@ def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) ->
                     escaped(sentences.name_of(function)),
                     *_of_function(function.before, function.after),
                 )
-                for function in functions
+                for function in diff.shown_functions
             ],
             right=(1, 2, 3, 4),
         )

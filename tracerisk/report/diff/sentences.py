@@ -150,7 +150,7 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     if diff.outcome is not None:
         kinds = (diff.outcome.result, diff.outcome.lost, diff.outcome.added)
         pairs.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
-        if not diff.is_same_mission and _can_tell(diff):
+        if diff.is_other_mission:
             pairs.append((OF_VISITS, list(_at_most(tuple(_visits(diff))))))
     if diff.verdicts is not None:
         broke = list(map(str, diff.verdicts.broke))
@@ -247,16 +247,10 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool)
     return f"{text}; the two runs cannot be compared"
 
 
-def _can_tell(diff: RiskDiff) -> bool:
-    """Return whether both runs went well, so that what they brought about is all that differs."""
-    verdicts = diff.verdicts
-    return verdicts is None or (verdicts.is_comparable and not verdicts.does_less)
-
-
 def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = False) -> str:
     """Return what a change did to one controller's risk, without the full stop."""
     missions = "" if diff.after is None or not one_in_n else _missions(diff.after)
-    if diff.outcome is not None and not diff.is_same_mission and _can_tell(diff):
+    if diff.outcome is not None and diff.is_other_mission:
         return _other_mission(diff, diff.outcome) + _stale(diff)
     if diff.verdicts is not None and not diff.is_comparable:
         return _incomparable(diff, diff.verdicts, below_verdict=below_verdict)

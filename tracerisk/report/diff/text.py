@@ -57,8 +57,8 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
             rest = sentences.difference(diff.interaction)
             yield f"  {rest:>{_ALONE}}  what they do only together, and noise"
         yield ""
-    if diff.is_comparable:
-        yield from _functions(diff.functions, room)
+    if diff.shown_functions:
+        yield from _functions(diff, room)
     for title, entries in sentences.of_parts(review, diff):
         yield from _list(title, entries, room)
     if diff.within_noise and diff.is_comparable:
@@ -96,18 +96,19 @@ def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
     yield from _wrapped(" " * hanging + text, room, hanging=hanging)
 
 
-def _functions(functions: Sequence[FunctionChange], room: int) -> Iterator[str]:
-    reported = [function for function in functions if function.status != "unchanged"]
-    if reported:
-        yield from _row("  Functions, a visit", ("before", "after", "ratio"), room)
-        for function_change in reported:
-            tops = [
-                None if it is None else it.top_event
-                for it in (function_change.before, function_change.after)
-            ]
-            yield from _row(f"    {_name(function_change)}", _cells(*tops), room)
-            yield from _wrapped(f"      {_visits(function_change)}", room, hanging=6)
-        yield ""
+def _functions(diff: RiskDiff, room: int) -> Iterator[str]:
+    heads = ("before", "after", "ratio" if diff.is_comparable else "")
+    yield from _row("  Functions, a visit", heads, room)
+    for function_change in diff.shown_functions:
+        tops = [
+            None if it is None else it.top_event
+            for it in (function_change.before, function_change.after)
+        ]
+        before, after, ratio = _cells(*tops)
+        cells = (before, after, ratio if diff.is_comparable else "")
+        yield from _row(f"    {_name(function_change)}", cells, room)
+        yield from _wrapped(f"      {_visits(function_change)}", room, hanging=6)
+    yield ""
 
 
 def _name(function: FunctionChange) -> str:

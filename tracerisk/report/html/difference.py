@@ -75,8 +75,7 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
     tables = [_missions(name, review, diff)]
     if diff.changes and diff.is_comparable:
         tables.append(_changes(name, review, diff))
-    is_other = any(function.status != "unchanged" for function in diff.functions)
-    if is_other and diff.is_comparable:
+    if diff.shown_functions:
         tables.append(_functions(name, diff))
     lists = [*sentences.of_missions(diff), *sentences.of_parts(review, diff)]
     note = ""
@@ -130,8 +129,7 @@ def _functions(name: str, diff: RiskDiff) -> Table:
             *_of_function(function.after),
             function=function.name,
         )
-        for function in diff.functions
-        if function.status != "unchanged"
+        for function in diff.shown_functions
     )
     columns = (
         Column("function"),
