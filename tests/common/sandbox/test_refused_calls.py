@@ -419,17 +419,20 @@ def test_a_contained_process_has_no_capability_and_gains_none(world, user):
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
-        if user != os.geteuid():
-            os.setresgid(user, user, user)
-            os.setresuid(user, user, user)
-        with Path("/proc/self/status").open(encoding="ascii") as status:
-            kernel_features.restrict(["/usr"], [], [])
-            os.write(writing, status.read().encode())
-        os._exit(0)
+        try:
+            # Another user may no longer open it.
+            with Path("/proc/self/status").open(encoding="ascii") as status:
+                if user != os.geteuid():
+                    os.setresgid(user, user, user)
+                    os.setresuid(user, user, user)
+                kernel_features.restrict(["/usr"], [], [])
+                os.write(writing, status.read().encode())
+        finally:
+            os._exit(0)
+    os.close(writing)
     os.waitpid(child, 0)
     lines = dict(line.split(":") for line in os.read(reading, 9999).decode().splitlines())
     os.close(reading)
-    os.close(writing)
     assert {lines[name].strip() for name in names} == {"0" * 16}
     assert lines["NoNewPrivs"].strip() == "1"
     assert lines["Seccomp"].strip() == "2"
