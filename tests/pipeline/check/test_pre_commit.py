@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
+from tracerisk.pipeline.start.ci_files import template
+
 HOOKS = YAML(typ="safe").load((Path(__file__).parents[3] / ".pre-commit-hooks.yaml").read_bytes())
 BIN = Path(sys.executable).parent
 
@@ -278,3 +280,65 @@ def test_settings_lead_to_all_controllers(folder):
     done = repository.hooks()
     assert done.code == 1
     assert "above the max_failure_probability of 1e-09" in done.out
+
+
+def test_a_commit_of_the_lock_alone_is_checked(folder):
+    example = folder
+    repository = Repository(example.folder, "tracerisk-check")
+    annotate(example, "cell.py")
+    repository.commit()
+    change(example.folder / "tracerisk.lock", "9.5e-08", "9.6e-08")
+    repository.git("add", "tracerisk.lock")
+    done = repository.hooks()
+    assert done.code == 1, done.out
+    assert "cell.py" in done.out
+
+
+def test_a_commit_of_hardware_in_sysml_alone_is_checked(folder):
+    example = folder
+    repository = Repository(example.folder, "tracerisk-check")
+    example.write("arm.yaml", HARDWARE)
+    example.write("run.log", LOG)
+    example.write("cell.py", STEPS)
+    assert example.run("hardware", "convert", "arm.yaml", "-o", "arm.sysml").code == 0
+    outcome = example.run("annotate", "cell.py", "--log", "run.log", "--hardware", "arm.sysml")
+    assert outcome.code == 0, outcome.err
+    repository.commit()
+    text = (example.folder / "arm.sysml").read_text()
+    (example.folder / "arm.sysml").write_text(text.replace("9.5", "9.6"))
+    repository.git("add", "arm.sysml")
+    done = repository.hooks()
+    assert done.code == 1, done.out
+    assert "arm.sysml has changed" in done.out
+
+
+def test_a_commit_that_deletes_a_description_is_checked(folder):
+    example = folder
+    repository = Repository(example.folder, "tracerisk-check")
+    annotate(example, "cell.py")
+    repository.commit()
+    repository.git("rm", "--quiet", "arm.yaml")
+    example.write("notes.md", "Unrelated.\n")
+    repository.git("add", "notes.md")
+    done = repository.hooks()
+    assert done.code == 1, done.out
+    assert "arm.yaml" in done.out
+
+
+def test_the_hooks_pass_before_the_first_run(folder):
+    example = folder
+    repository = Repository(example.folder, "tracerisk-refresh", "tracerisk-check")
+    example.write("cell.py", STEPS)
+    repository.git("add", "--all")
+    done = repository.hooks()
+    assert done.code == 0, done.out
+    assert done.out.count("Passed") == 2
+    assert example.run("check").code == 2
+
+
+def test_init_writes_a_hook_that_looks_at_every_commit():
+    (repo,) = YAML(typ="safe").load(template("pre-commit.yaml"))["repos"]
+    for hook in [*repo["hooks"], *HOOKS]:
+        assert hook["always_run"] is True
+        assert hook["pass_filenames"] is False
+        assert not {"types", "types_or", "files", "exclude"} & hook.keys()
