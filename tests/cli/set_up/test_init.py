@@ -256,8 +256,48 @@ def test_files_that_are_there_stay(cell):
 
 def test_settings_that_are_there_are_not_touched(cell):
     cell.write("pyproject.toml", "[tool.tracerisk]\nseed = 3\n")
-    assert cell.run("init", "--yes").code == 0
+    outcome = cell.run("init", "--yes")
+    assert outcome.code == 0
     assert cell.read("pyproject.toml").decode() == "[tool.tracerisk]\nseed = 3\n"
+    lack = (
+        'pyproject.toml is kept as it is; add to [tool.tracerisk]: hardware = "hardware.yaml"; '
+        "without it, no run reads hardware.yaml"
+    )
+    assert f"Next: {lack}\n" in outcome.out
+    assert cell.run("init", "--json").json["lacking"] == [lack]
+    cell.write("pyproject.toml", '[tool.tracerisk]\nhardware = "hardware.yaml"\n')
+    assert "no run reads" not in cell.run("init", "--yes").out
+
+
+def test_settings_that_are_there_lack_the_hardware_of_each_robot(cell):
+    shutil.copy(SAMPLES / "surface_scan.py", cell.folder / "src" / "scan.py")
+    own = '[tool.tracerisk]\n[tool.tracerisk.controllers."src/pick.py"]\nhardware = "mine.yaml"\n'
+    cell.write("pyproject.toml", own)
+    outcome = cell.run("init", "--yes")
+    assert (
+        'add to [tool.tracerisk.controllers."src/scan.py"]: hardware = "hardware_ur5e.yaml"; '
+        "without it, no run reads hardware_ur5e.yaml\n"
+    ) in outcome.out
+    assert "hardware_panda.yaml" not in outcome.out.partition("Next:")[2]
+
+
+def test_a_description_that_no_settings_name_is_said_by_run_and_check(cell):
+    cell.write("pyproject.toml", "[tool.tracerisk]\nseed = 3\n")
+    assert cell.run("init", "--yes").code == 0
+    said = (
+        "hardware.yaml: no settings name it, so its figures count nowhere; add to [tool.tracerisk] "
+        'in pyproject.toml: hardware = "hardware.yaml"'
+    )
+    assert said in cell.run("run", "src/pick.py").err
+    checked = cell.run("check")
+    assert checked.code == 0
+    assert said in checked.err
+    assert said in cell.run("refresh").err
+    # A description of something else is none, and one that the options name is read.
+    assert said not in cell.run("run", "src/pick.py", "--hardware", "hardware.yaml").err
+    assert said not in cell.run("check").err
+    cell.write("hardware.yaml", "ros2_control: {components: []}\n")
+    assert said not in cell.run("run", "src/pick.py").err
 
 
 def test_controllers_of_several_robots_have_a_description_each(cell):

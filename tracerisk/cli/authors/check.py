@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NoReturn
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
+    note_unread_hardware,
     note_without_controllers,
     print_json,
     show,
@@ -132,6 +133,7 @@ def _check(options: argparse.Namespace, projects: Projects) -> int:
         show(line)
     for line in _notes(checked):
         note(line, quiet=options.quiet)
+    note_unread_hardware(paths, projects, quiet=options.quiet)
     bad = len(errors) + sum(1 for check_finding in checked if check_finding.findings)
     count = f"{len(paths)} controller{'' if len(paths) == 1 else 's'}"
     note(f"{count} checked, {bad} to mend", quiet=options.quiet)

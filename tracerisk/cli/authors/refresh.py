@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
+    note_unread_hardware,
     note_without_controllers,
     print_diffs,
     print_json,
@@ -86,6 +87,7 @@ def run(options: argparse.Namespace) -> int:
             for line in verdict_details(as_typed(done.verdict, path)):
                 note(f"  {line}", quiet=options.quiet)
         note(f"{path}: {_state(done, path)}", quiet=options.quiet)
+    note_unread_hardware(paths, projects, quiet=options.quiet)
     forgotten = _forget_gone(paths, options)
     if forgotten and options.check:
         code = max(code, ExitCode.WOULD_CHANGE)

@@ -15,6 +15,7 @@ from tracerisk.cli.shared.sources import read_profile
 from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
 from tracerisk.common import trace_json
 from tracerisk.pipeline.failure_data.band import figure_band
+from tracerisk.pipeline.freshness.unread_hardware import unread_hardware
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.review.alerts import run_alerts
@@ -75,6 +76,8 @@ def finish_run(
         if known is not None and _is_same(done, known.assessed):
             return known
         note_warnings(done.hardware, quiet=options.quiet)
+        for line in unread_hardware(done.controller.project, done.settings):
+            note(f"warning: {line}", quiet=options.quiet)
         gap = evidence_gap(done.controller, done.settings, done.annotated.fingerprint)
         if gap:
             note(

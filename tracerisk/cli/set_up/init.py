@@ -57,6 +57,7 @@ def run(options: argparse.Namespace) -> int:
             robots={name: list(files) for name, files in start.robots.items()},
             asked={name: list(told) for name, told in start.asked.items()},
             files=[file.path for file in start.files],
+            lacking=list(start.settings_lack),
             written=is_written,
         )
         return 0
@@ -65,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
     if start.files and not is_written:
         show("Nothing was written; `tracerisk init --yes` writes it.")
         return 0
-    show(*start.settings_lack)
+    show(*(f"Next: {lack}" for lack in start.settings_lack))
     for name in list(start.asked)[:_MOST_SHOWN]:
         show(f"`tracerisk scenario {name} --write` drafts what the cell has to give it")
     if any(file.path == HOOK_FILE for file in start.files):

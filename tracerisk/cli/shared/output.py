@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import stat
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from tracerisk.common.text.columns import columns_of
 from tracerisk.common.text.printable import (
@@ -20,6 +20,7 @@ from tracerisk.errors import ExitCode, InputError, Location
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
+    from pathlib import Path
     from typing import Any, TextIO
 
     from tracerisk.common.hardware.model import Hardware
@@ -148,6 +149,16 @@ def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:
     """Print what was left out of a hardware description, on standard error."""
     for warning in hardware.warnings:
         note(f"warning: {warning}", quiet=quiet)
+
+
+def note_unread_hardware(paths: Iterable[Path], projects: Projects, *, quiet: bool = False) -> None:
+    """Print a line for each description of hardware beside controllers that no settings name."""
+    from tracerisk.config import controller_root
+    from tracerisk.pipeline.freshness.unread_hardware import unread_hardware
+
+    for root in dict.fromkeys(map(controller_root, paths)):
+        for line in unread_hardware(projects.at(root)):
+            note(f"warning: {line}", quiet=quiet)
 
 
 def note_without_controllers(options: argparse.Namespace, projects: Projects) -> None:

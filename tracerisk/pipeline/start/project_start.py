@@ -66,7 +66,7 @@ class ProjectStart:
     robot_why: str
     """Why no robot is known for a controller, in words; empty where all are."""
     settings_lack: tuple[str, ...]
-    """What existing settings should say of the robot, as sentences."""
+    """What existing settings should say of the robot and its hardware, as sentences."""
     asked: Mapping[str, tuple[str, ...]]
     """What each controller's source asks its cell for, in words; a scenario may have to provide
     it."""
@@ -235,7 +235,8 @@ def _settings(
 ) -> tuple[list[StartFile], list[str]]:
     """Return the settings of each root of controllers: a package of a workspace has its own.
 
-    And what those that are there lack of the robot that is `given` and of the form of blocks.
+    And what those that are there lack of the robot that is `given`, of the hardware of each
+    controller and of the form of blocks.
     """
     root = root.resolve()
     names: dict[Path, dict[str, str]] = {} if controllers else {root: {}}
@@ -253,7 +254,8 @@ def _settings(
         paths = {robot: from_root(folder, root / file) for robot, file in described.items()}
         path = folder / "pyproject.toml"
         shown = from_root(root, path)
-        settings = Project(folder).settings()
+        project = Project(folder)
+        settings = project.settings()
         before = file_bytes(path) if path.exists() else b""
         named = given
         if given is not None and Path(given).is_file():
@@ -263,10 +265,36 @@ def _settings(
         if b"[tool.tracerisk" not in before:
             files.append(_settings_of(shown, before, [*own, *form], item, paths))
             continue
-        lacks = [*(own if given is not None and settings.robot is None else ()), *form]
+        unread = {
+            file: robot
+            for file, robot in item.items()
+            if robot in paths and project.settings(file).hardware is None
+        }
+        if given is None or settings.robot is not None:
+            of_all = unread.keys() == item.keys() and settings.hardware is None
+            own = _lines_of(unread, paths, None) if of_all else []
+        lacks = [*own, *form]
         if lacks:
             lacking.append(f"{shown} is kept as it is; add to [tool.tracerisk]: {', '.join(lacks)}")
+        if not any(line.startswith("hardware = ") for line in own):
+            lacking += [
+                f"{shown} is kept as it is; add to {table}: {line}"
+                for table, line in _own_tables(unread, paths)
+            ]
+        if unread:
+            unnamed = ", ".join(sorted({paths[robot] for robot in unread.values()}))
+            lacking[-1] += f"; without it, no run reads {unnamed}"
     return files, lacking
+
+
+def _own_tables(
+    robot_of: Mapping[str, str], described: Mapping[str, str]
+) -> Iterator[tuple[str, str]]:
+    """Yield the table of each controller whose robot is described, and the setting in it."""
+    for name, robot in robot_of.items():
+        if robot in described:
+            table = f"[tool.tracerisk.controllers.{json.dumps(name)}]"
+            yield table, f"hardware = {json.dumps(described[robot])}"
 
 
 def _lines_of(
@@ -297,10 +325,8 @@ def _settings_of(
         "# max_failure_probability = 1e-5",
     ]
     if len(set(robot_of.values())) > 1:
-        for name, robot in robot_of.items():
-            if robot in described:
-                table = f"[tool.tracerisk.controllers.{json.dumps(name)}]"
-                lines += ["", table, f"hardware = {json.dumps(described[robot])}"]
+        for table, setting in _own_tables(robot_of, described):
+            lines += ["", table, setting]
     newline = "\r\n" if b"\r\n" in before else "\n"
     gap = "" if not before else newline if before.endswith(b"\n") else 2 * newline
     text = gap + newline.join(lines) + newline
