@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+import subprocess
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
@@ -221,6 +222,16 @@ def test_what_a_check_finds_is_reported_so(code, call, tmp_path):
     assert_reported(code, out, tmp_path)
 
 
+def test_a_lock_that_git_does_not_track_is_reported_so(call, tmp_path):
+    put({"cell.py": CELL, **DATA})
+    assert call(ANNOTATE)[0] == ExitCode.FINE
+    for command in ("git init --quiet", "git add cell.py"):
+        subprocess.run(command.split(), check=True)
+    exit_code, out = call("check cell.py")
+    assert exit_code == ExitCode.WOULD_CHANGE
+    assert_reported("untracked", out, tmp_path)
+
+
 def test_a_redundancy_by_hand_over_units_that_differ_is_reported_so(call, tmp_path, quick):
     put({"cell.py": quick()})
     assert call("run cell.py --quiet")[0] == ExitCode.FINE
@@ -349,7 +360,7 @@ def test_each_code_has_a_section_and_each_section_a_code():
         "render",
         "sandbox",
     }
-    others.add("system")  # tests/test_other_systems.py
+    others.update(("system", "untracked"))  # tests/test_other_systems.py
     assert set(SECTIONS) == {*STATIC, *RUNS, *CHECKS, *VERDICTS, *others}
 
 

@@ -23,6 +23,7 @@ from tracerisk.config import Settings, controller_root
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding
+from tracerisk.pipeline.check.not_in_git import untracked_findings
 from tracerisk.pipeline.check.remedies import as_typed, with_remedy
 from tracerisk.pipeline.check.run import (
     CoverageLimits,
@@ -150,11 +151,19 @@ def check_controllers(
 ) -> tuple[Checked | TraceRiskError, ...]:
     """Return for each controller what `check_controller` returns or raises, in their order.
 
-    `limits` are those of each; none for all of them where it is empty.
+    `limits` are those of each; none for all of them where it is empty. What git lacks is found
+    here alone, for all of a repository at once.
     Many are shared out among as many processes as there are cores, or `jobs`.
     """
     asked = zip(paths, limits or [_NO_LIMITS] * len(paths), strict=True)
-    return tuple(shared_out(partial(_checked, projects), list(asked), jobs=jobs))
+    results = shared_out(partial(_checked, projects), list(asked), jobs=jobs)
+    untracked = untracked_findings(paths, projects)
+    return tuple(
+        result._replace(findings=(*untracked.get(result.path, ()), *result.findings))
+        if isinstance(result, Checked)
+        else result
+        for result in results
+    )
 
 
 def _checked(

@@ -27,6 +27,7 @@ FindingKind = Literal[
     "partial",
     "coverage",
     "world",
+    "untracked",
 ]
 """Why blocks are not to be trusted: what they depend on has changed; a user changed a value
 that is the tool's; it is unknown who changed one; a block is gone; its function is gone or
@@ -36,7 +37,8 @@ lock knows nothing; the lock knows a controller that is gone or renamed; the blo
 that has a solution; in the last run something touched that should not, and `fail_on` says that
 this is to fail; the last run went wrong, did not come to an end, or rests on needs that nothing
 met or on assumptions that nobody accepted; of the functions that can command hardware too few
-ran; it was not repeated in a world that `require_worlds` names, or depends on one."""
+ran; it was not repeated in a world that `require_worlds` names, or depends on one; git tracks
+the blocks, and not the lock or an input of their run."""
 
 
 class CheckFinding(NamedTuple):

@@ -28,6 +28,7 @@ _REMEDIES: dict[FindingKind, str] = {
     "partial": "mend it, then `{begin}`",
     "coverage": "`tracerisk scenario {file}` lists what the others may wait for",
     "world": "mend it; `tracerisk docs worlds` says how",
+    "untracked": "`git add` them",
 }
 
 MENDED_BY_REFRESH: frozenset[FindingKind] = frozenset(

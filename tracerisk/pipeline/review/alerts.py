@@ -55,6 +55,7 @@ _RULES: dict[FindingKind, str] = {
     "partial": "partial-run",
     "coverage": "partial-run",
     "world": "world-dependence",
+    "untracked": "unknown-blocks",
 }
 _FIGURE = re.compile(r"-?\d+(\.\d+)?")
 _CONTACT = "unexpected_contact"
