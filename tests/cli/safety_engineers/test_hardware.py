@@ -13,6 +13,7 @@ from tests.slow import slow_but
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.formats import read_description
 from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.hardware.units import SHEET_KINDS
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.twin.robots.robot import load_robot, robot_names
 
@@ -370,3 +371,20 @@ def test_a_fault_in_sysml_is_reported_before_anything_is_simulated(example, quic
     assert outcome.code == 2
     assert "cell.sysml:3:" in outcome.err
     assert example.files() == before
+
+
+def test_a_first_description_and_the_help_name_what_a_data_sheet_states(example):
+    first = example.run("hardware", "init", "--robot", "panda").out
+    head = " ".join(line.removeprefix("# ") for line in first.splitlines() if line.startswith("# "))
+    said = " ".join(example.run("hardware", "update", "--help").out.split())
+    for kind in SHEET_KINDS:
+        assert re.search(rf"\b{kind}\b", head), kind
+        assert re.search(rf"\b{kind}\b", said), kind
+    forms = re.findall(r"(\w+): (\{value: [^}]*\})", head)
+    assert [kind for kind, _ in forms] == ["mtbf", "b10d"]
+    for kind, form in forms:
+        text = form.replace("HOURS", "2e5").replace("CYCLES", "5e6").replace("SHARE", "0.5")
+        example.write(
+            "h.yaml", f"components:\n  part: {{twin: {{gripper: true}}, {kind}: {text}}}\n"
+        )
+        assert example.run("hardware", "show", "h.yaml").code == 0, text

@@ -21,8 +21,18 @@ def _one(*lines: str) -> str:
 
 BROKEN = (
     Broken(
-        _one("mtbf: 886000"),
-        "h.yaml:3:5: components.a.mtbf: the number 886000 has no unit; write {value: 886000, unit: hour}",
+        _one("mtbf: 200000"),
+        "h.yaml:3:5: components.a.mtbf: the number 200000 has no unit; write {value: 200000, unit: hour}",
+        True,
+    ),
+    Broken(
+        _one("b10d: 5000000"),
+        "h.yaml:3:5: components.a.b10d: the number 5000000 has no unit; write {value: 5000000}, in cycles",
+        True,
+    ),
+    Broken(
+        _one("mtbf_h: long"),
+        "h.yaml:3:5: unknown key 'mtbf_h' in components.a; write 'mtbf: {value: NUMBER, unit: hour}' among the keys of the component",
         True,
     ),
     Broken(
@@ -31,8 +41,8 @@ BROKEN = (
         True,
     ),
     Broken(
-        _one("mtbf_h: {value: 886000, per: hour}"),
-        "h.yaml:3:5: unknown key 'mtbf_h' in components.a; write 'mtbf: {value: 886000, unit: hour}' among the keys of the component",
+        _one("mtbf_h: {value: 200000, per: hour}"),
+        "h.yaml:3:5: unknown key 'mtbf_h' in components.a; write 'mtbf: {value: 200000, unit: hour}' among the keys of the component",
         True,
     ),
     Broken(
@@ -79,12 +89,12 @@ BROKEN = (
     ),
     Broken(
         _one("failure_rate: 5e-6"),
-        "h.yaml:3:5: components.a.failure_rate: the number 5e-06 has no unit; write {value: 5.7e-6, per: hour} or {value: 5700, unit: FIT}",
+        "h.yaml:3:5: components.a.failure_rate: the number 5e-06 has no unit; write {value: 5e-06, per: hour} or {value: 5e-06, unit: FIT}",
         True,
     ),
     Broken(
         _one("weibull: 3"),
-        "h.yaml:3:5: components.a.weibull: the number 3 has no unit; write {shape: 2, scale: 30000, per: hour}",
+        "h.yaml:3:5: components.a.weibull: the number 3 has no unit; write {shape: SHAPE, scale: 3, per: hour}",
         True,
     ),
     Broken(
@@ -184,7 +194,7 @@ BROKEN = (
     ),
     Broken(
         _one("weibull: {shape: 2, scale: 3, per: hour}", "age: 12000"),
-        "h.yaml:4:5: components.a.age: the number 12000 has no unit; write {value: 8, per: hour}",
+        "h.yaml:4:5: components.a.age: the number 12000 has no unit; write {value: 12000, per: hour}",
         True,
     ),
     Broken(

@@ -214,7 +214,8 @@ def _add_update(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--figures",
         metavar="CSV",
-        help="other figures: component, failure_rate or probability, per, error_factor, source",
+        help="other figures: component, one of failure_rate, probability, mtbf, mttf, mttfd, b10 "
+        "and b10d, then per, error_factor, source",
     )
     parser.add_argument(
         "--field",

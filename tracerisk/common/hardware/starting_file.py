@@ -122,6 +122,8 @@ def starting_yaml(hardware: Hardware, title: str) -> str:
         "# A file to start from: put in the figures of the makers' data, each with its source.",
         "# Lines that begin with '#' are examples; a figure may be per hour, minute or demand, or "
         "in FIT.",
+        "# What a data sheet states may be the figure: mtbf: {value: HOURS, unit: hour}, or",
+        "# b10d: {value: CYCLES, dangerous: SHARE, of: grasp}; mttf, mttfd and b10 likewise.",
         f"# `tracerisk schema hardware -o {SCHEMA_NAME}` writes the schema for completion in "
         "editors.",
     ]
@@ -138,6 +140,8 @@ def starting_sysml(hardware: Hardware, title: str) -> str:
     return (
         f"// Hardware of: {title}.\n"
         "// A starting point: replace the figures by manufacturers' data, each with its source.\n"
+        "// What a data sheet states may be the figure: mtbf = HOURS [h], or b10d = CYCLES with\n"
+        "// dangerous = SHARE; mttf, mttfd and b10 likewise.\n"
         f"{write_sysml(hardware)}"
         "\n// Examples of annotations of a part:\n"
         + "".join(f"//{' ' if line else ''}{line}\n" for line in examples)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, get_args
@@ -129,16 +130,17 @@ def rate_from_fit(fit: float) -> float:
 def sheet_hint(name: str, value: object = None) -> str:
     """Return how what a data sheet states is written; empty for a key of anything else.
 
-    `name` is the key where it is unknown, `value` what stands there.
+    `name` is the key where it is unknown, `value` what a user put there.
     """
     word = re.sub(r"[^a-z0-9]", "", name.lower())
     kinds = [kind for kind in SHEET_KINDS if word.startswith(kind)]
     if not kinds:
         return ""
     kind = max(kinds, key=len)
-    usual = 2e7 if kind in CYCLE_KINDS else 886_000.0
+    if isinstance(value, Mapping):
+        value = value.get("value")
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     given = float(value) if is_number else 0.0  # type: ignore[arg-type]
-    number = f"{given if math.isfinite(given) and given > 0.0 else usual:.10g}"
+    number = f"{given:.10g}" if math.isfinite(given) and given > 0.0 else "NUMBER"
     unit = "" if kind in CYCLE_KINDS else ", unit: hour"
     return f"write '{kind}: {{value: {number}{unit}}}' among the keys of the component"

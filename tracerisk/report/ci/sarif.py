@@ -97,7 +97,7 @@ RULES: tuple[Rule, ...] = (
     Rule(
         "unknown-blocks",
         "warning",
-        "The lock file knows nothing of a controller's risk blocks, or git lacks what they rest on.",
+        "The lock file knows nothing of a controller's blocks, or git lacks what they rest on.",
         "It is unknown whether the blocks fit the controller. Run `tracerisk run FILE` and commit "
         "tracerisk.lock with the source.",
     ),

@@ -30,15 +30,17 @@ _SPANS = (Basis.MINUTE, Basis.HOUR)
 _HOURS_PER = {"hour": 1.0, "year": HOURS_PER_YEAR}
 _CYCLES_PER_HOUR = {"minute": 60.0, "hour": 1.0, "day": 1.0 / 24.0, "year": 1.0 / HOURS_PER_YEAR}
 
-_EXAMPLES: dict[str, str] = {
-    "probability": "{value: 1e-7, per: hour}",
+_PER_HOUR = "{value: NUMBER, per: hour}"
+_FORMS: dict[str, str] = {
+    "probability": _PER_HOUR,
     **dict.fromkeys(
-        ("failure_rate", "standby_rate"), "{value: 5.7e-6, per: hour} or {value: 5700, unit: FIT}"
+        ("failure_rate", "standby_rate"), "{value: NUMBER, per: hour} or {value: NUMBER, unit: FIT}"
     ),
-    "weibull": "{shape: 2, scale: 30000, per: hour}",
-    **dict.fromkeys(SHEET_KINDS, "{value: 886000, unit: hour}"),
-    **dict.fromkeys(CYCLE_KINDS, "{value: 2e7}, in cycles"),
+    "weibull": "{shape: SHAPE, scale: NUMBER, per: hour}",
+    **dict.fromkeys(SHEET_KINDS, "{value: NUMBER, unit: hour}"),
+    **dict.fromkeys(CYCLE_KINDS, "{value: NUMBER}, in cycles"),
 }
+"""How a figure is written, NUMBER standing for what a user gave without a unit."""
 
 _Meant = TypeVar("_Meant")
 
@@ -65,7 +67,7 @@ def read_figures(entry: YamlMap) -> tuple[FailureFigure, ...]:
 
 def read_time(entry: YamlMap, key: str, *, value: str = "value") -> float:
     """Return the time at `key`, such as `{value: 8, per: hour}`, in seconds; it is above 0."""
-    time = unit_map(entry, key, "{" + value + ": 8, per: hour}")
+    time = unit_map(entry, key, _PER_HOUR.replace("value", value))
     time.forbid_unknown({value, "per"})
     given = positive(time, value)
     return given * word_of(time, "per", SECONDS_PER)
@@ -89,16 +91,17 @@ def _given(entry: YamlMap, key: str) -> list[YamlMap]:
     if key not in entry:
         return []
     if not isinstance(entry.require(key), list):
-        return [unit_map(entry, key, _EXAMPLES[key])]
+        return [unit_map(entry, key, _FORMS[key])]
     if not (maps := entry.maps(key)):
         entry.fail(key, "is an empty list; give a figure, or remove it")
     return maps
 
 
-def unit_map(entry: YamlMap, key: str, example: str) -> YamlMap:
-    """Return the map at `key`; a bare number there is an error that shows the `example`."""
+def unit_map(entry: YamlMap, key: str, form: str) -> YamlMap:
+    """Return the map at `key`; a bare number there is an error that shows it in the `form`."""
     if _is_number(entry.require(key)):
-        entry.fail(key, f"the number {entry.get(key)} has no unit; write {example}")
+        number = str(entry.get(key))
+        entry.fail(key, f"the number {number} has no unit; write {form.replace('NUMBER', number)}")
     return entry.map(key)
 
 
@@ -162,7 +165,7 @@ def _cycles(figure: YamlMap, kind: SheetKind) -> FailureFigure:
     if "cycles" in figure:
         if demand is not None:
             figure.fail("of", "the cycles are given, so no demand is counted; remove one of them")
-        cycles = unit_map(figure, "cycles", "{value: 120, per: hour}")
+        cycles = unit_map(figure, "cycles", _PER_HOUR)
         cycles.forbid_unknown({"value", "per"})
         per_hour = positive(cycles, "value") * word_of(cycles, "per", _CYCLES_PER_HOUR)
     sheet = DataSheet(value, kind, per_hour, _dangerous(figure))
