@@ -259,6 +259,7 @@ def test_nothing_is_written(committed, two_steps):
         (["main...nope"], "'nope' is not a revision here"),
         (["main", "nope.py"], "nope.py: there is no such file in main nor in working tree"),
         (["main..main", "nope.py"], "nope.py: there is no such file in main nor in main"),
+        (["HEAD", "main"], "main: is a revision, and files come after the first; write HEAD..main"),
         (["../x.py"], "../x.py: is outside the repository"),
         (["./x.py"], "./x.py: there is no such file in HEAD nor in working tree; name a tracked"),
         (["main", "../x.py"], "../x.py: is outside the repository"),

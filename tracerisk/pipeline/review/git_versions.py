@@ -201,5 +201,11 @@ def _check_file(
         tree = version.commit
         if tree is not None and repository.read(f"{tree}:{'' if path == '.' else path}"):
             return
+    if _commit(repository, word) is not None:
+        raise InputError(
+            f"is a revision, and files come after the first; write {versions[0].name}..{word} to "
+            "compare the two",
+            Location(word),
+        )
     names = " nor in ".join(version.name for version in versions)
     raise InputError(f"there is no such file in {names}; name a tracked one", Location(word))
