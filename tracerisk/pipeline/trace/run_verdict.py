@@ -48,6 +48,7 @@ from tracerisk.twin.robots.added_gripper import NAME as ASSUMED_GRIPPER
 from tracerisk.twin.robots.added_gripper import has_assumed_gripper
 from tracerisk.twin.robots.generic import NAME as GENERIC
 from tracerisk.twin.robots.gripper_ends import GripperEnds, gripper_ends
+from tracerisk.twin.robots.index import shipped_grippers
 from tracerisk.twin.robots.robot import robot_names
 
 if TYPE_CHECKING:
@@ -180,7 +181,8 @@ def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
     if ASSUMED_GRIPPER in commanded and has_assumed_gripper(robot):
         words = f"the gripper of {robot.name} is assumed with all its figures"
         if robot.name in robot_names():
-            words += f"; --robot {robot.name}+GRIPPER names one that `tracerisk robots` lists"
+            grippers = ", ".join(shipped_grippers())
+            words += f"; --robot {robot.name}+GRIPPER names it, one of {grippers}"
         yield ASSUMED_GRIPPER, words
 
 
