@@ -3,6 +3,7 @@
 import json
 import os
 import pty
+import re
 import select
 import shutil
 import subprocess
@@ -18,6 +19,7 @@ from tracerisk.cli.set_up import init
 from tracerisk.pipeline.start.ci_files import ci_files, template
 
 SAMPLES = Path(__file__).parents[3] / "sample_controllers"
+TUTORIAL = (SAMPLES.parent / "docs/tutorial.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -60,6 +62,29 @@ def test_it_says_which_components_its_hardware_file_counts_beside_the_shipped_on
     assert {"encoder", "torque_sensor"} <= set(described)
     again = cell.run("init", "--yes").out
     assert "torque_sensor" not in again
+
+
+def test_it_shows_what_it_would_set_up_for_git(cell):
+    shown = cell.run("init").out.partition("To write:\n")[2]
+    assert "  .gitattributes: by which git merges tracerisk.lock by controllers\n" in shown
+    assert "  .git/config: the command for that, in this clone alone\n" in shown
+    before = set(files(cell))
+    outcome = cell.run("init", "--yes", "--json").json
+    assert set(outcome["files"]) == {*files(cell)} - before | {".git/config"}
+    assert "merge=tracerisk-lock" in cell.read(".gitattributes").decode()
+    (cell.folder / ".pre-commit-config.yaml").unlink()
+    assert ".gitattributes" not in cell.run("init").out
+
+
+def test_the_hook_that_it_prints_for_git_alone_is_the_one_of_the_tutorial(cell):
+    said = cell.run("init", "--yes").out
+    command = re.search(r"this is the hook: (printf .*)", said)[1]
+    assert command == " && ".join(
+        line for line in TUTORIAL.splitlines() if ".git/hooks/pre-commit" in line
+    )
+    subprocess.run(command, shell=True, cwd=cell.folder, check=True)
+    hook = (cell.folder / ".git/hooks/pre-commit").read_text()
+    assert hook == "#!/bin/sh\nexec tracerisk check\n"
 
 
 def test_it_says_how_the_hook_comes_to_work(cell):

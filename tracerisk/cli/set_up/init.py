@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
@@ -13,12 +14,16 @@ from tracerisk.cli.shared.output import note, print_json, show
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import BlockForm
 from tracerisk.errors import InputError, Location
-from tracerisk.pipeline.history.merge_driver import install_merge_driver
+from tracerisk.pipeline.history.merge_driver import install_merge_driver, merge_driver_changes
 from tracerisk.pipeline.start.project_start import HOOK_FILE, project_start
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.start.project_start import ProjectStart
 
+_PLAIN_HOOK = (
+    r"printf '#!/bin/sh\nexec tracerisk check\n' > .git/hooks/pre-commit && "
+    "chmod +x .git/hooks/pre-commit"
+)
 _MOST_SHOWN = 10
 _MOST_ASKED = 3
 
@@ -46,8 +51,9 @@ def run(options: argparse.Namespace) -> int:
     if not folder.is_dir():
         raise InputError("is no folder; name that of the repository", Location(str(folder)))
     start = project_start(folder, robot=options.robot, ci=options.ci, blocks=_form(options, folder))
+    of_git = _of_git(start)
     if not options.json:
-        _show(start)
+        _show(start, of_git)
     is_written = bool(start.files) and (options.yes or _agreed(options))
     done = _write(start) if is_written else ()
     if options.json:
@@ -56,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
             controllers=list(start.controllers),
             robots={name: list(files) for name, files in start.robots.items()},
             asked={name: list(told) for name, told in start.asked.items()},
-            files=[file.path for file in start.files],
+            files=[*(file.path for file in start.files), *of_git],
             lacking=list(start.settings_lack),
             written=is_written,
         )
@@ -70,7 +76,10 @@ def run(options: argparse.Namespace) -> int:
     for name in list(start.asked)[:_MOST_SHOWN]:
         show(f"`tracerisk scenario {name} --write` drafts what the cell has to give it")
     if any(file.path == HOOK_FILE for file in start.files):
-        show("Next: `pip install pre-commit`, then `pre-commit install`: no hook works before.")
+        show(
+            "Next: `pip install pre-commit`, then `pre-commit install`: no hook works before.",
+            f"Without pre-commit, this is the hook: {_PLAIN_HOOK}",
+        )
     first = start.controllers[0] if start.controllers else "CONTROLLER.py"
     named = "" if start.robots else " --robot NAME"
     show(
@@ -79,7 +88,15 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _show(start: ProjectStart) -> None:
+def _of_git(start: ProjectStart) -> dict[str, str]:
+    """Return what is written for git beside the files, with its purpose; nothing without git."""
+    try:
+        return merge_driver_changes(start.root) if start.files else {}
+    except InputError:
+        return {}
+
+
+def _show(start: ProjectStart, of_git: Mapping[str, str]) -> None:
     count = len(start.controllers)
     show(f"{count} controller{'' if count == 1 else 's'} found")
     show(*(f"  {controller}" for controller in start.controllers[:_MOST_SHOWN]))
@@ -100,6 +117,7 @@ def _show(start: ProjectStart) -> None:
     for file in start.files:
         kind = "" if file.is_new else ", a table more"
         show(f"  {file.path}{kind}: {file.why}")
+    show(*(f"  {path}: {why}" for path, why in of_git.items()))
 
 
 def _form(options: argparse.Namespace, folder: Path) -> BlockForm | None:

@@ -6,6 +6,7 @@ not set up, or tracerisk is not at hand, git merges the lines, as it would witho
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME
@@ -15,6 +16,7 @@ from tracerisk.errors import readable
 from tracerisk.pipeline.history.repository import Repository
 
 DRIVER = "tracerisk-lock"
+_FILE = ".gitattributes"
 _ATTRIBUTE = f"{LOCK_NAME} merge={DRIVER}"
 # Without tracerisk, or for a lock that it cannot read, the lines are merged after all.
 _COMMAND = "tracerisk lock-merge %O %A %B 2>/dev/null || git merge-file -q %A %O %B"
@@ -31,13 +33,36 @@ def install_merge_driver(folder: Path) -> tuple[str, ...]:
         top = repository.top
         for key, value in (("name", f"merge of {LOCK_NAME}"), ("driver", _COMMAND)):
             repository.output("config", "--local", f"merge.{DRIVER}.{key}", value)
-    path = top / ".gitattributes"
+    driver = f"git merges {LOCK_NAME} with tracerisk in this clone"
+    attributes = _attributes(top)
+    if attributes is None:
+        return (driver,)
+    write_all([attributes])
+    return (driver, f"{_FILE}: `{_ATTRIBUTE}`; commit it, so that each clone can do so")
+
+
+def merge_driver_changes(folder: Path) -> dict[str, str]:
+    """Return what `install_merge_driver` would write, by path from the folder, with its purpose.
+
+    Raises InputError where there is no repository, or its attributes cannot be read.
+    """
+    with Repository.opened(folder) as repository:
+        top = repository.top
+    at_top = Path(os.path.relpath(top.resolve(), folder.resolve()))
+    changes = {}
+    if _attributes(top) is not None:
+        changes[(at_top / _FILE).as_posix()] = f"by which git merges {LOCK_NAME} by controllers"
+    changes[(at_top / ".git/config").as_posix()] = "the command for that, in this clone alone"
+    return changes
+
+
+def _attributes(top: Path) -> FileWrite | None:
+    """Return how the attributes of a repository are to be written; `None` where they are right."""
+    path = top / _FILE
     with readable(path):
         before = file_bytes(path) if path.exists() else b""
-    driver = f"git merges {LOCK_NAME} with tracerisk in this clone"
     if _ATTRIBUTE.encode() in (line.strip() for line in before.splitlines()):
-        return (driver,)
+        return None
     end = b"" if not before or before.endswith(b"\n") else b"\n"
     after = before + end + _ATTRIBUTE.encode() + b"\n"
-    write_all([FileWrite(path, after, expected=before if path.exists() else None)])
-    return (driver, f"{path.name}: `{_ATTRIBUTE}`; commit it, so that each clone can do so")
+    return FileWrite(path, after, expected=before if path.exists() else None)
