@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key
 from tracerisk.common.evidence import EVIDENCE_NAME
-from tracerisk.common.hardware.source_files import source_files
 from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.check.remedies import as_typed
 from tracerisk.pipeline.freshness.freshness import RunInputs
-from tracerisk.pipeline.history.git import git
 from tracerisk.pipeline.workspace.project import Project, Projects
 
 _MOST_NAMED = 3
@@ -96,6 +93,8 @@ def _inputs(project: Project, entry: ControllerLock) -> Iterator[Path]:
     files = [Path(os.path.normpath(root / name)) for name in named]
     hardware = inputs.settings.get("hardware")
     if isinstance(hardware, str):
+        from tracerisk.common.hardware.source_files import source_files
+
         files += source_files(Path(os.path.normpath(root / hardware)))
     settings = root / "pyproject.toml"
     if settings.is_file() and b"[tool.tracerisk" in file_bytes(settings):
@@ -137,6 +136,9 @@ def _not_ignored(top: Path, names: Iterable[str]) -> set[str]:
 
 
 def _ask(top: Path, *arguments: str) -> list[str]:
+    # Blocks are checked without git where there is no repository.
+    from tracerisk.pipeline.history.git import git
+
     answer = git(top, "ls-files", "-z", *arguments)
     if answer.returncode:
         raise InputError("git cannot read the repository", Location(str(top)))
@@ -151,6 +153,8 @@ def _is_kept(path: Path, top: Path, blobs: Mapping[str, str]) -> bool:
     blob = blobs.get(_from_top(path, top) or "")
     if blob is None:
         return False
+    import hashlib
+
     data = file_bytes(path, MOST_OF_A_RUN)
     kind = "sha1" if len(blob) == 40 else "sha256"
     return any(
