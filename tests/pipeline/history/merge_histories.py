@@ -47,6 +47,8 @@ def leave(arm):
 HARDWARE = (
     "  {0}: {{probability: {{value: {1}, per: visit}}, quantity: {2}, twin: {{joints: '*'}}}}\n"
 )
+# A formatter breaks a line that is too long, and the text in it.
+CALLS = re.compile(r'(CALLS =\s*\(?\s*)("[^"]*"(?:\s*"[^"]*")*)')
 _VALUE = re.compile(r"^( *# \|   (?:probability|quantity|redundancy) )(= )(.*)$", re.MULTILINE)
 _SECTION = re.compile(r"^ *# \| @Component \{\n(?: *# \|   .*\n)* *# \| \}\n", re.MULTILINE)
 
@@ -174,7 +176,7 @@ class History:
         kind = self.chance.choice(("calls", "component", "component", "new", "delete"))
         if kind == "calls":
             calls = [self.chance.choice(names) for _ in range(self.chance.randint(2, 5))]
-            source = re.sub(r"CALLS = .*", f'CALLS = "{" ".join(calls)}"', source)
+            source = with_calls(source, calls)
         elif kind == "component":
             line = f"    {self.chance.choice(COMPONENTS)}(arm)\n"
             source = source.rstrip("\n") + f"\n{line}"
@@ -343,8 +345,7 @@ class History:
         self.git("checkout", "--quiet", one)
         names = self.names()
         self.chance.shuffle(names)
-        calls = f'CALLS = "{" ".join([*names, names[0]])}"'
-        self.write(self.main, re.sub(r'CALLS = ".*"', calls, self.read()))
+        self.write(self.main, with_calls(self.read(), [*names, names[0]]))
         self.refresh()
         self.commit()
         return other
@@ -406,10 +407,8 @@ class History:
         assert self._is_sound()
         source = self.read()
         names = functions(source)
-        calls = re.search(r'CALLS = "(.*)"', source)
-        assert calls is not None
-        left = [name for name in calls[1].split() if name in names] or names[:1]
-        self.write(self.main, source.replace(calls[0], f'CALLS = "{" ".join(left)}"'))
+        left = [name for name in calls_of(source) if name in names] or names[:1]
+        self.write(self.main, with_calls(source, left))
 
     def _takes_sound(self, branch: str) -> bool:
         self.git("checkout", branch, "--", "c.py", fails=True)
@@ -441,9 +440,7 @@ class History:
             for node in ast.parse(source).body
             if isinstance(node, ast.FunctionDef)
         }
-        found = re.search(r'CALLS = "(.*)"', source)
-        assert found is not None
-        calls = [name for name in found[1].split() if name in active] or [next(iter(active))]
+        calls = [name for name in calls_of(source) if name in active] or [next(iter(active))]
         rows = [
             f"Function:{name}()\nActiveComponents:{','.join(active[name])}"
             for name in dict.fromkeys(calls)
@@ -569,12 +566,10 @@ class History:
 
     def is_in_live_block(self, text: str, figure: str) -> bool:
         """Return whether a value stands in the block of a function that is called."""
-        calls = re.search(r'CALLS = "(.*)"', text)
-        assert calls is not None
         for part in re.split(r"^(?=def )", text, flags=re.MULTILINE):
             name = re.match(r"def (\w+)", part)
             if figure in part and name is not None:
-                return name[1] in calls[1].split()
+                return name[1] in calls_of(text)
         return False
 
     def check(self) -> None:
@@ -592,6 +587,18 @@ class History:
             done = self.annotated(MergePolicy("discard"))
             for file, content in done.sources.items():
                 assert values(content, file) == values(done.before[file], file), self.notes
+
+
+def calls_of(source: str) -> list[str]:
+    """Return the functions that a script calls, in their order."""
+    found = CALLS.search(source)
+    assert found is not None
+    return found[2].replace('"', " ").split()
+
+
+def with_calls(source: str, names: Sequence[str]) -> str:
+    """Return the script with calls of these functions instead of its own."""
+    return CALLS.sub(rf'\1"{" ".join(names)}"', source)
 
 
 def functions(source: str) -> list[str]:

@@ -13,7 +13,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from tests.pipeline.history.merge_histories import COMPONENTS, History, live
+from tests.pipeline.history.merge_histories import (
+    CALLS,
+    COMPONENTS,
+    History,
+    calls_of,
+    live,
+    with_calls,
+)
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.c_source import parse_c
 from tracerisk.adder.sources.renames import follow_renames
@@ -65,7 +72,6 @@ void leave(Arm& arm) {
   camera(arm);
 }
 """
-_CALLS = re.compile(r'CALLS = "(.*)"')
 
 
 class Part(NamedTuple):
@@ -99,7 +105,7 @@ class RenamingHistory(History):
 
     @property
     def script(self) -> str:
-        return next(file for file in self.files() if _CALLS.search(self.read(file)))
+        return next(file for file in self.files() if CALLS.search(self.read(file)))
 
     def files(self) -> list[str]:
         suffix = Path(self.first_file).suffix
@@ -160,14 +166,11 @@ class RenamingHistory(History):
             self.call([name for name in self.calls() if name != part.name])
 
     def calls(self) -> list[str]:
-        found = _CALLS.search(self.read(self.script))
-        assert found is not None
-        return found[1].split()
+        return calls_of(self.read(self.script))
 
     def call(self, names: Sequence[str]) -> None:
         script = self.script
-        calls = " ".join(names or [self.parts()[0].name])
-        self.write(script, _CALLS.sub(f'CALLS = "{calls}"', self.read(script)))
+        self.write(script, with_calls(self.read(script), names or [self.parts()[0].name]))
 
     def put(self, part: Part, lines: Sequence[str]) -> None:
         whole = self.read(part.file).splitlines(keepends=True)
@@ -279,7 +282,7 @@ class RenamingHistory(History):
                 follow_renames(text.encode(), file, ())
         except (SyntaxError, TraceRiskError):
             return False
-        is_one = sum(len(_CALLS.findall(text)) for text in texts.values()) == 1
+        is_one = sum(len(CALLS.findall(text)) for text in texts.values()) == 1
         return is_one and len(set(names)) == len(names) > 0
 
     # What the tool does, and what it must not.

@@ -2,8 +2,22 @@
 
 import pytest
 
-from tests.pipeline.history.merge_histories import run_history
+from tests.pipeline.history.merge_histories import calls_of, run_history, with_calls
 from tests.pipeline.history.renaming_histories import run_renaming_history
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        'const char* CALLS =\n    "home "\n    "leave home";\n',
+        'CALLS = (\n    "home leave home"\n)\n',
+    ],
+    ids=["clang-format", "black"],
+)
+def test_calls_are_found_where_a_formatter_broke_their_line(source: str) -> None:
+    assert calls_of(source) == ["home", "leave", "home"]
+    ends = source[source.rindex('"') + 1 :]
+    assert with_calls(source, ["leave"]) == source[: source.index('"')] + '"leave"' + ends
 
 
 def test_a_history(tmp_path) -> None:
