@@ -103,7 +103,7 @@ class Annotated:
     def _as_things_stand(self, change: Changed) -> Changed:
         """Put the change on top of what the lock and the source hold by now."""
         key = lock_key(self.controller.path, self.controller.root)
-        lock = Project(self.lock_path.parent).lock
+        lock = with_moved(Project(self.lock_path.parent).lock, self.controller)
         # A second run of the same controller may have written the very same.
         left = tuple(
             source

@@ -188,6 +188,22 @@ def test_a_renamed_controller_keeps_its_pins_and_the_options_of_its_run(project)
     assert check(project)[:2] == (0, [])
 
 
+def test_a_renamed_controller_that_cannot_run_is_not_forgotten(project):
+    text = project.read("c.py").decode()
+    (project.folder / "c.py").unlink()
+    project.write("d.py", text + "reach(\n")
+    outcome = project.run("refresh", "d.py")
+    assert outcome.code == 2
+    assert "c.py: not forgotten (d.py may be its new name)" in outcome.err
+    assert list(json.loads(project.read("tracerisk.lock"))["controllers"]) == ["c.py"]
+    project.write("d.py", text)
+    outcome = project.run("refresh", "--json", "d.py")
+    assert outcome.code == 0
+    assert json.loads(outcome.out)["forgotten"] == [str(project.folder / "c.py")]
+    assert list(json.loads(project.read("tracerisk.lock"))["controllers"]) == ["d.py"]
+    assert check(project)[:2] == (0, [])
+
+
 def test_a_component_omitted_by_its_name_stays_when_its_function_becomes_a_helper(project):
     text = project.read("c.py").decode()
     section = re.search(

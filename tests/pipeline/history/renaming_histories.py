@@ -21,13 +21,10 @@ from tests.pipeline.history.merge_histories import (
     live,
     with_calls,
 )
-from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.sources.c_source import parse_c
 from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.common.trace_log import read_log
 from tracerisk.errors import TraceRiskError
-from tracerisk.pipeline.annotate import Annotated
-from tracerisk.pipeline.freshness.known_controllers import forget_gone
 from tracerisk.trace import Trace
 
 PYTHON = """\
@@ -309,11 +306,6 @@ class RenamingHistory(History):
             ),
             files=tuple(file for file in self.files() if file != self.script),
         )
-
-    def annotated(self, policy: MergePolicy) -> Annotated:
-        done = super().annotated(policy)
-        forget_gone(self.folder)
-        return done
 
     def is_in_live_block(self, text: str, figure: str) -> bool:
         live_names = self.calls()

@@ -125,8 +125,8 @@ def test_function_and_file_are_renamed_together(cell, capsys):
     assert cell.annotate("home place home leave") == 0
     # In the code alone: the blocks have the old names.
     code = re.sub(r"^( *(?:def|void) )home\b", r"\1rest", cell.read(), flags=re.MULTILINE)
-    new = f"cell{Path(cell.file).suffix}"
-    Path(cell.file).rename(new)
+    was, new = cell.file, f"cell{Path(cell.file).suffix}"
+    Path(was).rename(new)
     cell.file = new
     cell.write(code)
     kinds = {text.split()[0] for text in cell.findings()}
@@ -134,6 +134,9 @@ def test_function_and_file_are_renamed_together(cell, capsys):
     assert cell.annotate("rest place rest leave", active=renamed(home="rest")) == 0
     assert pinned in cell.read()
     assert cell.findings() == []
+    # The lock has one entry, under the new name.
+    assert list(load_controller(Path(new)).project.lock.controllers) == [new]
+    assert main(["check"]) == 0
 
 
 @pytest.fixture(params=["python", "cpp"])

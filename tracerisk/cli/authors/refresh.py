@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.adder.lock.lock import lock_key
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
@@ -23,7 +24,7 @@ from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
 from tracerisk.pipeline.check.refresh import refresh_controller
 from tracerisk.pipeline.freshness.known_controllers import forget_gone, named_or_all
-from tracerisk.pipeline.workspace.project import Projects
+from tracerisk.pipeline.workspace.project import Project, Projects
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.check.refresh import Refreshed
@@ -52,6 +53,9 @@ def run(options: argparse.Namespace) -> int:
     policy = shared.merge_policy(options)
     outcomes: list[dict[str, Any]] = []
     code = ExitCode.FINE
+    # A controller that has another name now takes its entry along when it is written.
+    roots = dict.fromkeys(map(controller_root, paths))
+    gone = {root: forget_gone(root, write=False) for root in roots}
     for path in paths:
         if not path.is_file():
             continue
@@ -88,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
                 note(f"  {line}", quiet=options.quiet)
         note(f"{path}: {_state(done, path)}", quiet=options.quiet)
     note_unread_hardware(paths, projects, quiet=options.quiet)
-    forgotten = _forget_gone(paths, options)
+    forgotten = _forget(gone, paths, options)
     if forgotten and options.check:
         code = max(code, ExitCode.WOULD_CHANGE)
     if options.json:
@@ -106,13 +110,27 @@ def _state(done: Refreshed, path: Path) -> str:
     )
 
 
-def _forget_gone(paths: Sequence[Path], options: argparse.Namespace) -> list[str]:
-    """Take controllers that are gone out of the locks of the others; return their paths."""
+def _forget(
+    gone: Mapping[Path, Sequence[str]], paths: Sequence[Path], options: argparse.Namespace
+) -> list[str]:
+    """Take controllers that are gone out of the locks of the others; return their paths.
 
+    One that a lock knows stays where another could not be refreshed for the first time: that may
+    be the same under its new name.
+    """
     forgotten = []
     is_written = not (options.check or options.diff)
-    for root in dict.fromkeys(map(controller_root, paths)):
-        for name in forget_gone(root, write=is_written):
+    for root, names in gone.items():
+        known = Project(root).lock.controllers
+        here = [path for path in paths if path.is_file() and controller_root(path) == root]
+        new = [str(path) for path in here if lock_key(path, root) not in known]
+        if names and is_written and not new:
+            forget_gone(root)
+        for name in names:
+            if is_written and new and name in known:
+                state = f"not forgotten ({' or '.join(new)} may be its new name)"
+                note(f"{name}: {state}", quiet=options.quiet)
+                continue
             forgotten.append(str(root / name))
             state = "forgotten" if is_written else "to forget"
             note(f"{name}: {state} (there is no such file any more)", quiet=options.quiet)
