@@ -253,19 +253,24 @@ def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[
             for file, held in other.blocks.items()
             if held
         }
-        moved_to = set(trace.files) - files - of_others
-        files |= {file for file in moved_to if _has_block_of(entry, controller.source_of(file))}
+        gone = _digests_gone(entry, [controller.source_of(file) for file in files])
+        for file in set(trace.files) - files - of_others:
+            source = controller.source_of(file)
+            # As of a function that moved there.
+            if any(digest in source for digest in gone):
+                files.add(file)
     return (controller.file, *sorted(files - {controller.file}))
 
 
-def _has_block_of(entry: ControllerLock, source: bytes) -> bool:
-    """Return whether a source has a block of this controller, as of a function that moved there."""
-    return b"RiskAnnotation" in source and any(
-        digest_of(block).encode() in source
+def _digests_gone(entry: ControllerLock, sources: Sequence[bytes]) -> list[bytes]:
+    """Return the digests of the blocks of a controller that stand in none of its sources."""
+    digests = {
+        digest_of(block).encode()
         for blocks in entry.all_blocks
         for written in blocks.values()
         for block in written.values()
-    )
+    }
+    return sorted(digest for digest in digests if not any(digest in source for source in sources))
 
 
 def _source_blocks(

@@ -199,6 +199,16 @@ def test_a_file_whose_functions_all_moved_away_is_not_missed(history):
     assert [finding for finding in found if finding.kind == "missing"] == []
 
 
+def test_a_copy_of_a_function_in_another_file_is_none_that_moved(history):
+    """Its block is of nobody whose functions are all where they were."""
+    part = next(part for part in history.parts() if part.name == "leave")
+    copy = "".join(history.lines_of(part)).replace("leave", "rest")
+    file = f"arm{Path(part.file).suffix}"
+    history.write(file, copy)
+    history.refresh()
+    assert history.read(file) == copy
+
+
 def test_where_another_branch_may_have_renamed_what_follows_nobody_is_named(history):
     """The lock and the digests are lost: git alone knows the earlier names."""
     history.commit()
