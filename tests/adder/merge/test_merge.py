@@ -12,6 +12,7 @@ from tracerisk.adder.blocks.lines import BlockLine
 from tracerisk.adder.blocks.values import profile_next
 from tracerisk.adder.lock.digest import with_digest
 from tracerisk.adder.lock.lock import WrittenBlock, as_written, written_block
+from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.merge import MergePolicy, edits_error, in_the_way, merge
 from tracerisk.errors import EditInTheWayError
 
@@ -349,3 +350,35 @@ def test_the_error_names_every_field_with_file_and_line(make_block, read_block) 
         "--accept-edits to keep them all, "
         "--discard-edits to drop them all."
     )
+
+
+# What a merge brings into a block where it takes lines of another function for its own.
+CAMERA_MOVED = MOTOR.replace("motor", "camera").replace("= 9.5e-08", ":= 1e-05  ! computed 8e-08")
+MOTOR_MOVED = MOTOR.replace("= 9.5e-08", ":= 1e-05  ! why")
+
+
+@pytest.mark.parametrize(
+    ("last", "found", "now", "edit"),
+    [
+        (MOTOR, CAMERA_MOVED, MOTOR, "place.motor"),
+        ("", MOTOR_MOVED, MOTOR.replace("= 7", "= 8"), "place.motor.quantity"),
+    ],
+    ids=["removed", "changed"],
+)
+def test_lines_of_another_function_in_a_block_are_no_persons(
+    last: str, found: str, now: str, edit: str, read_block
+) -> None:
+    written = with_digest(read_block(block(TOOL, last)))
+    current = replace(read_block(block(TOOL, found)), digest=written.digest)
+    base, elsewhere = written_block(written), written_block(read_block(block(TOOL, MOTOR)))
+    assert base is not None
+    assert elsewhere is not None
+    kept = {"place": [base], "home": [elsewhere]}
+    evidence = Evidence(
+        is_complete=True, written=kept, standing={}, versions=[frozenset({"place", "home"})]
+    )
+    computed = read_block(block(TOOL, now))
+    merged = merge(base, current, computed, policy=STOP, evidence=lambda: evidence)
+    assert [(one.field, one.is_certain) for one in merged.edits if one.field == edit] == [
+        (edit, False)
+    ]

@@ -133,7 +133,8 @@ class KnownBlock:
             return "tool" if kind is PROBABILITY else "unknown"
         # The same figure in another function is no coincidence either: a merge may have moved its
         # lines here.
-        names = self._all_names() if kind is PROBABILITY else self._possible_names()
+        is_moved = kind is PROBABILITY or (component is not None and not self.knows(component))
+        names = self._all_names() if is_moved else self._possible_names()
         if any(
             is_it(_value(written_component, component, kind))
             for written_component in self._written(names)
@@ -241,9 +242,24 @@ class KnownBlock:
         Even committed text may come from a merge whose other branch is gone.
         """
         evidence = self._evidence()
+        if self._is_mixed():
+            return "unknown"
         if evidence.is_complete and not stood_before and self._written():
             return "user"
         return "user" if evidence.is_fresh and self._lock_matches_block() else "unknown"
+
+    def _is_mixed(self) -> bool:
+        """Return whether the tool wrote a component of the block elsewhere: a merge moved it here.
+
+        The tool's own value stands beside one that is pinned.
+        """
+        nothing = (None, NOTHING_COMPUTED)
+        return self.is_known and any(
+            not entry.added
+            and not self.knows(entry.name)
+            and any(value.computed not in nothing for _, value in component_fields(entry))
+            for entry in self._current.components
+        )
 
     def _lock_matches_block(self) -> bool:
         if self._current.digest is None:
