@@ -352,9 +352,10 @@ def test_the_error_names_every_field_with_file_and_line(make_block, read_block) 
     )
 
 
-# What a merge brings into a block where it takes lines of another function for its own.
+# What a merge brings into a block from another function, or from a branch whose digest is lost.
 CAMERA_MOVED = MOTOR.replace("motor", "camera").replace("= 9.5e-08", ":= 1e-05  ! computed 8e-08")
 MOTOR_MOVED = MOTOR.replace("= 9.5e-08", ":= 1e-05  ! why")
+MOTOR_OF_BRANCH = MOTOR.replace("= 9.5e-08", ":= 1e-05  ! computed 8e-08").replace("= 7", "= 8")
 
 
 @pytest.mark.parametrize(
@@ -362,10 +363,11 @@ MOTOR_MOVED = MOTOR.replace("= 9.5e-08", ":= 1e-05  ! why")
     [
         (MOTOR, CAMERA_MOVED, MOTOR, "place.motor"),
         ("", MOTOR_MOVED, MOTOR.replace("= 7", "= 8"), "place.motor.quantity"),
+        (MOTOR, MOTOR_OF_BRANCH, MOTOR, "place.motor.quantity"),
     ],
-    ids=["removed", "changed"],
+    ids=["removed", "changed", "of a branch"],
 )
-def test_lines_of_another_function_in_a_block_are_no_persons(
+def test_lines_that_a_merge_moved_into_a_block_are_no_persons(
     last: str, found: str, now: str, edit: str, read_block
 ) -> None:
     written = with_digest(read_block(block(TOOL, last)))

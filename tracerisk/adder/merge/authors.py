@@ -249,16 +249,16 @@ class KnownBlock:
         return "user" if evidence.is_fresh and self._lock_matches_block() else "unknown"
 
     def _is_mixed(self) -> bool:
-        """Return whether the tool wrote a component of the block elsewhere: a merge moved it here.
+        """Return whether a merge moved lines here that the tool wrote into another version.
 
-        The tool's own value stands beside one that is pinned.
+        The tool's own value stands beside one that is pinned, and it never wrote that one here.
         """
         nothing = (None, NOTHING_COMPUTED)
         return self.is_known and any(
-            not entry.added
-            and not self.knows(entry.name)
-            and any(value.computed not in nothing for _, value in component_fields(entry))
+            value.computed not in nothing and not self.last(entry.name, kind, value)[1]
             for entry in self._current.components
+            if not entry.added
+            for kind, value in component_fields(entry)
         )
 
     def _lock_matches_block(self) -> bool:
