@@ -224,7 +224,7 @@ def _rise(diff: RiskDiff, most: float | None) -> list[str]:
     # Of two runs of unknown verdict, and of two missions, the figures are all there is.
     unknown = verdicts is not None and verdicts == RunVerdicts(None, None)
     is_other = diff.is_other_mission
-    is_measured = diff.is_comparable or unknown or is_other
+    is_measured = diff.are_runs_comparable or unknown or is_other
     if diff.before is None or diff.is_same_figure or diff.is_credited or not is_measured:
         return []
     before, risk = diff.before.failure_probability, diff.after.failure_probability
@@ -236,6 +236,8 @@ def _rise(diff: RiskDiff, most: float | None) -> list[str]:
         verb = "is more"
         why = "different missions" if is_other else "runs of unknown verdict"
         apart = f", though the figures are not comparable, of {why}"
+    elif diff.evidence_change:
+        verb, apart = "is more", f", though the figures are not comparable: {diff.evidence_change}"
     return [f"{diff.name}: mission failure {verb} by {rise}, over --max-increase {most:g}{apart}"]
 
 

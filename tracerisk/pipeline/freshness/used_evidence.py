@@ -92,9 +92,11 @@ def evidence_gap(controller: Controller, settings: Settings, fingerprint: str) -
 
     Raises as `kept_evidence`.
     """
-    if not settings.evidence:
-        return ""
-    evidence = kept_evidence(controller)
+    return unfit(kept_evidence(controller), fingerprint) if settings.evidence else ""
+
+
+def unfit(evidence: Evidence | None, fingerprint: str) -> str:
+    """Return why the evidence kept of a controller is not that of a run; empty for no reason."""
     if evidence is None:
         return "there is none"
     if evidence.edited is not None:

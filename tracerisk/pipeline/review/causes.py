@@ -6,12 +6,14 @@ import os
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, get_args
 
-from tracerisk.adder.blocks.values import FieldKind, block_fields
+from tracerisk.adder.blocks.values import FAILURES, PROBABILITY, FieldKind, block_fields
 from tracerisk.adder.lock.digest import DigestReading
 from tracerisk.adder.lock.lock import WrittenBlock
+from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c, is_c_like
 from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.freshness.used_evidence import unfit
 from tracerisk.pipeline.review.changed_inputs import changed_inputs
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.review.renamed_functions import FunctionSource
@@ -30,13 +32,17 @@ def cause_finder(
     what the run depended on that differs: the controller's code, the hardware description,
     settings, other files. Where a version has no lock, its code decides. A component whose own
     entry in the hardware description is the same did not change because of another one's.
+    Evidence is a cause of what follows failures, and of their probabilities, where only one
+    version takes it, or where nothing else differs.
     `functions` are those of the later version by their names in the model.
     """
     of_any = _run_causes(before, after)
     of_same_entry = _run_causes(before, after, is_described_alike=True) or of_any
+    by_evidence = _evidence_causes(before, after, of_any)
 
     def cause_of(field: ChangedField) -> tuple[Cause, ...]:
         of_run = of_same_entry if _is_same_entry(before, after, field.component) else of_any
+        of_run = by_evidence.get(field.key or "", of_run)
         values = [
             _BlockValue(functions[function], field.component, key)
             for function, key in field.stated
@@ -99,7 +105,7 @@ class _BlockValue(NamedTuple):
             return True
         if self.key not in values:
             # An earlier version of the tool wrote no `next`.
-            return self.component is None
+            return self.component is None or self.stated is None
         if self.stated is None:
             return False
         kind, value = self.stated
@@ -114,7 +120,40 @@ def input_changes(before: ControllerVersion, after: ControllerVersion) -> tuple[
     if before.entry is None or after.entry is None:
         return ()
     old, new = RunInputs.from_data(before.entry.inputs), RunInputs.from_data(after.entry.inputs)
-    return tuple(changed_inputs(old, new))
+    texts = list(changed_inputs(old, new))
+    if old.evidence != new.evidence:
+        verb = "has changed" if new.evidence else "is no longer taken"
+        texts.append(f"{EVIDENCE_NAME} {verb if old.evidence else 'is taken now'}")
+    return tuple(texts)
+
+
+def evidence_change(before: ControllerVersion, after: ControllerVersion) -> str:
+    """Return that the values of only one version take evidence, and why; empty where they do alike.
+
+    By the locks: a version without one takes none that is known.
+    """
+    if before.entry is None or after.entry is None:
+        return ""
+    old, new = RunInputs.from_data(before.entry.inputs), RunInputs.from_data(after.entry.inputs)
+    if bool(old.evidence) == bool(new.evidence):
+        return ""
+    if new.evidence:
+        return "evidence is taken now and was not before"
+    why = unfit(after.evidence, new.fingerprint) or "the settings ask for none"
+    return f"evidence is no longer taken: {why}"
+
+
+def _evidence_causes(
+    before: ControllerVersion, after: ControllerVersion, others: tuple[Cause, ...]
+) -> dict[str, tuple[Cause, ...]]:
+    """Return the causes of the values that evidence weighs, by key; empty where it is no cause."""
+    if before.entry is None or after.entry is None:
+        return {}
+    old, new = (RunInputs.from_data(entry.inputs).evidence for entry in (before.entry, after.entry))
+    # Evidence of both that differs beside something else is another for that reason.
+    if old == new or (old and new and others):
+        return {}
+    return {FAILURES.key: ("evidence",), PROBABILITY.key: (*others, "evidence")}
 
 
 def _is_same_entry(

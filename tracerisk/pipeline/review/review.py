@@ -20,7 +20,7 @@ from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.review.annotated_files import annotated_files
-from tracerisk.pipeline.review.causes import cause_finder, input_changes
+from tracerisk.pipeline.review.causes import cause_finder, evidence_change, input_changes
 from tracerisk.pipeline.review.controllers import (
     NOT_RUN,
     ControllerVersion,
@@ -227,6 +227,11 @@ def difference(
         hardware_file=controller.after.hardware.file if controller.after.hardware else "",
         stale=_stale(controller, diff),
         outcome=_outcome_changes(controller, before is not None and after is not None),
+        evidence_change=(
+            ""
+            if before is None or after is None
+            else evidence_change(controller.before, controller.after)
+        ),
     )
     # Where a run went wrong, no cause of a difference is one.
     return diff if diff.is_comparable else replace(diff, causes=())

@@ -28,10 +28,10 @@ ChangeKind = Literal[
 """What changed: states and their `next`; a figure of a component, or what follows its failures;
 whether it counts at all."""
 
-Cause = Literal["pin", "edit", "code", "hardware", "settings", "files"]
+Cause = Literal["pin", "edit", "code", "hardware", "settings", "files", "evidence"]
 """Why a value changed: a user's `:=`; a user's change of a `=` value; the controller's own
 sources; the hardware description; settings or the version of tracerisk; other files of the run
-(a robot, a scene, parameters)."""
+(a robot, a scene, parameters); other evidence, or evidence in one version alone."""
 
 Mark = Literal["new_state", "lost_state", "new_next", "lost_redundancy", "single_point_of_failure"]
 """What a reviewer should see of a change, whatever it does to the figure."""
@@ -101,7 +101,7 @@ class RiskChange:
         return tuple(sorted({cause for field in self.fields for cause in field.causes}))
 
 
-CauseKind = Literal["code", "hardware data", "pin", "edited by hand", "run"]
+CauseKind = Literal["code", "hardware data", "pin", "edited by hand", "run", "evidence"]
 """The kind of cause named in the summary sentence; "run" stands for the settings and other files of
 the run."""
 
@@ -112,6 +112,7 @@ KIND_OF_CAUSE: Mapping[Cause, CauseKind] = {
     "hardware": "hardware data",
     "settings": "run",
     "files": "run",
+    "evidence": "evidence",
 }
 
 
@@ -351,9 +352,21 @@ class RiskDiff:
     known; one sentence each."""
     outcome: OutcomeChanges | None = None
     """How the later run's outcome differs from the earlier run's; `None` if either is unknown."""
+    evidence_change: str = ""
+    """That the values of only one version take evidence, and why; empty where both or neither do.
+    """
 
     @property
     def is_comparable(self) -> bool:
+        """Whether the figures of the two versions can be compared.
+
+        A figure without evidence counts every failure, one with evidence only those that end the
+        mission.
+        """
+        return self.are_runs_comparable and not self.evidence_change
+
+    @property
+    def are_runs_comparable(self) -> bool:
         """Whether the runs behind the two versions can be compared; models alone always can.
 
         A run that broke does less, so that a figure which falls with it says nothing.
@@ -449,7 +462,8 @@ class RiskDiff:
         runs = self.verdicts
         if runs is not None and (runs.new_acceptances or runs.does_less or _is_news(runs)):
             return True
-        if self.stale or (self.outcome is not None and self.outcome.of_mission):
+        is_apart = bool(self.stale or self.evidence_change)
+        if is_apart or (self.outcome is not None and self.outcome.of_mission):
             return True
         marks = {mark for change in self.changes for mark in change.marks}
         if marks & {"lost_redundancy", "single_point_of_failure"}:

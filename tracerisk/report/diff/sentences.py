@@ -49,6 +49,7 @@ _CAUSES = {
     "hardware": "hardware",
     "settings": "settings",
     "files": "files of the run",
+    "evidence": "evidence",
 }
 
 
@@ -251,8 +252,9 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
     """Return what a change did to one controller's risk, without the full stop."""
     missions = "" if diff.after is None or not one_in_n else _missions(diff.after)
     if diff.outcome is not None and diff.is_other_mission:
-        return _other_mission(diff, diff.outcome) + _stale(diff)
-    if diff.verdicts is not None and not diff.is_comparable:
+        evidence = f"; {diff.evidence_change}" if diff.evidence_change else ""
+        return _other_mission(diff, diff.outcome) + evidence + _stale(diff)
+    if diff.verdicts is not None and not diff.are_runs_comparable:
         return _incomparable(diff, diff.verdicts, below_verdict=below_verdict)
     if diff.before is None:
         assert diff.after is not None, "one version at least has blocks"
@@ -267,6 +269,8 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         figure = probability(diff.before.failure_probability)
         return f"{diff.name} has no risk blocks any more; its mission failed with {figure}"
     old, new = diff.before.failure_probability, diff.after.failure_probability
+    if diff.evidence_change:
+        return _by_evidence(diff, old, new) + _stale(diff)
     if diff.is_unchanged and diff.stale and not _structural(diff):
         return (
             f"{diff.name} {not_assessed(diff)}; its blocks give {probability(new)}; {_remedy(diff)}"
@@ -307,6 +311,22 @@ def _main_cause(diff: RiskDiff) -> str:
     if len(parts) == 1 and round(100.0 * share) == 100:
         return text
     return f"{text}, {100.0 * share:.0f} % of the {'rise' if diff.increase > 0.0 else 'fall'}"
+
+
+def _by_evidence(diff: RiskDiff, old: float, new: float) -> str:
+    """Return two figures of which only one takes evidence, side by side."""
+    assert diff.before is not None
+    assert diff.after is not None
+    text = (
+        f"{diff.name}: {diff.evidence_change}; mission failure is {probability(new)} now and was "
+        f"{probability(old)}, not comparable with and without evidence"
+    )
+    if diff.after.undetected_probability is not None:
+        return f"{text}; undetected is {probability(diff.after.undetected_probability)}"
+    if diff.before.undetected_probability is not None:
+        undetected = probability(diff.before.undetected_probability)
+        text += f"; what is undetected is no longer known, it was {undetected}"
+    return f"{text}; `tracerisk evidence {diff.name}` tries the failures again"
 
 
 def _of_which(diff: RiskDiff) -> str:
