@@ -108,3 +108,32 @@ def test_other_evidence_is_a_cause_where_nothing_else_is(both, code, cause):
     said = " ".join(repository.run("diff").out.split())
     assert "mission failure rises from 2.000e-07 to 3.000e-07 (x1.5), of which undetected" in said
     assert "tracerisk.evidence has changed" in said
+
+
+def test_what_nobody_notices_stands_in_the_table_of_every_output(both):
+    repository = both(("2e-07", TRIED, "d", "a"), ("3e-07", MORE, "e", "b"))
+    rows = [" ".join(line.split()) for line in repository.run("diff").out.splitlines()]
+    assert "undetected 1.000e-07 7.500e-08 x0.75" in rows
+    assert "stopped safely 1.000e-07 2.250e-07 x2.25" in rows
+    comment = repository.run("diff", "--format", "markdown").out
+    assert "| undetected | stopped safely |" in comment
+    assert "| 1.000e-07 → 7.500e-08 (x0.75) | 1.000e-07 → 2.250e-07 (x2.25) |" in comment
+    assert repository.run("report", "pick.py", "--against", "HEAD", "-o", "r.html").code == 0
+    page = repository.read("r.html").decode()
+    section = page[page.index('id="difference-1-mission-table"') :]
+    section = section[: section.index("</table>")]
+    for shown in ("undetected", "7.500e-08", "x0.75", "stopped safely", "2.250e-07"):
+        assert shown in section
+
+
+def test_what_is_not_known_of_one_version_is_said_so_in_the_table(both):
+    repository = both(("2e-07", TRIED, "d", "a"), ("3e-07", "", "", "b"))
+    rows = [" ".join(line.split()) for line in repository.run("diff").out.splitlines()]
+    assert "undetected 1.000e-07 -" in rows
+    assert "| 1.000e-07 → not known |" in repository.run("diff", "--format", "markdown").out
+
+
+def test_no_row_stands_for_what_neither_version_knows(both):
+    repository = both(("2e-07", "", "", "a"), ("3e-07", "", "", "b"))
+    for form in ("text", "markdown"):
+        assert "undetected" not in repository.run("diff", "--format", form).out

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
-from tracerisk.adder.blocks.failures import are_close
+from tracerisk.adder.blocks.failures import are_close, read_failures
 from tracerisk.adder.blocks.values import (
     FAILURES,
     PROBABILITY,
@@ -19,6 +19,9 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.prm.review.change_records import NOISE, ChangedField, ChangeKind, is_noise, ratio_of
 from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, counted_components
+
+_ORDER = {"unaware": -2, "stopped late": -1, "stopped safely": 1}
+"""Kinds of outcomes in the order in which they are told, the gravest first."""
 
 
 class ComponentItem(NamedTuple):
@@ -59,16 +62,50 @@ def alike(items: Sequence[ComponentItem]) -> list[list[ComponentItem]]:
     """Return the items in groups that are one change made in several functions.
 
     They are of one component, kind and cause; probabilities by one ratio, noise left aside,
-    other fields from one value to one other.
+    other fields from one value to one other; what follows failures by what is said of it.
     """
     groups: dict[tuple[object, ...], list[ComponentItem]] = {}
     for item in items:
         causes = tuple(field.causes for field in item.fields)
         key: tuple[object, ...] = (item.kind, item.field.component, causes)
-        if item.kind in ("quantity", "redundancy", "failures"):
+        if item.kind == "failures":
+            key = (*key, failure_words(item.field))
+        if item.kind in ("quantity", "redundancy"):
             key = (*key, *((field.key, field.before, field.after) for field in item.fields))
         groups.setdefault(key, []).append(item)
     return [part for group in groups.values() for part in _by_ratio(group)]
+
+
+def failure_words(field: ChangedField) -> str:
+    """Return how what follows a component's failures changed, by the share of each kind."""
+    before, after = (_shares(text) for text in (field.before, field.after))
+    if not after:
+        return "what follows its failures is no longer known"
+    if not before:
+        shares = ", ".join(f"{kind} {_percent(share)}" for kind, share in after.items())
+        return f"what follows its failures is known now: {shares}"
+    changes = []
+    for kind in dict.fromkeys([*before, *after]):
+        old, new = (_percent(shares.get(kind, 0.0)) for shares in (before, after))
+        if old != new:
+            changes.append(f"{kind} {old} -> {new}")
+    if changes:
+        return f"of its failures {', '.join(changes)}"
+    return "the same follows its failures, of other modes or in other functions"
+
+
+def _shares(text: str | None) -> dict[str, float]:
+    """Return the share of a component's failures that each kind of outcome has."""
+    shares: dict[str, float] = {}
+    for mode in () if text is None else read_failures(text):
+        for outcome in mode.outcomes:
+            kind = f"back to {outcome.target}" if outcome.target else outcome.kind
+            shares[kind] = shares.get(kind, 0.0) + float(mode.share * outcome.share)
+    return dict(sorted(shares.items(), key=lambda entry: (_ORDER.get(entry[0], 0), entry[0])))
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"
 
 
 def _by_ratio(group: Sequence[ComponentItem]) -> Iterator[list[ComponentItem]]:

@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.failures import read_failures
 from tracerisk.adder.blocks.values import NEXT, block_fields
 from tracerisk.prm.review.change_records import (
     ENTRY,
@@ -24,7 +23,12 @@ from tracerisk.prm.review.change_records import (
     RiskDiff,
     SinglePoint,
 )
-from tracerisk.prm.review.component_changes import ComponentItem, alike, component_items
+from tracerisk.prm.review.component_changes import (
+    ComponentItem,
+    alike,
+    component_items,
+    failure_words,
+)
 from tracerisk.prm.review.contributions import contribution
 from tracerisk.prm.review.flow_changes import Edit, FlowItem, flow_items, joined
 from tracerisk.prm.review.model_parts import (
@@ -211,7 +215,7 @@ def _component_summary(group: Sequence[ComponentItem], moved: Mapping[str, Seque
         case "component_restored":
             return f"{lead}: no longer left out"
     if first.kind == "failures":
-        return f"{lead}: of its failures {_unseen(one.before)} -> {_unseen(one.after)} undetected"
+        return f"{lead}: {failure_words(one)}"
     text = f"{lead}: {', '.join(map(_values, first.fields))}"
     if first.kind != "probability":
         return text
@@ -220,18 +224,6 @@ def _component_summary(group: Sequence[ComponentItem], moved: Mapping[str, Seque
     if len(group) == 1:
         return f"{text} (x{first.ratio:.4g})"
     return f"{lead}: {one.key} x{first.ratio:.4g}"
-
-
-def _unseen(text: str | None) -> str:
-    """Return which share of a component's failures nobody notices, by what follows them."""
-    modes = () if text is None else read_failures(text)
-    noticed = sum(
-        float(mode.share * outcome.share)
-        for mode in modes
-        for outcome in mode.outcomes
-        if outcome.kind in ("stopped safely", "back")
-    )
-    return f"{100.0 * (1.0 - noticed):.3g} %"
 
 
 def _values(field: ChangedField) -> str:

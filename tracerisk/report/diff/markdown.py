@@ -22,6 +22,7 @@ MOST_CHARACTERS = 65_000
 """The length of a comment; GitHub takes 65,536 characters."""
 
 _NONE = "none"
+_NOT_KNOWN = "not known"
 
 
 def render_diff_markdown(review: Review, *, link_base: str | None = None) -> str:
@@ -96,6 +97,8 @@ def _summary(review: Review, shown: Sequence[RiskDiff], links: Links) -> Iterato
     heads = ["controller", escaped(review.before), escaped(review.after), "ratio"]
     rows = [list(_figures(risk_diff, links)) for risk_diff in shown]
     more = {
+        "undetected": [_of_failure(risk_diff, "undetected") for risk_diff in shown],
+        "stopped safely": [_of_failure(risk_diff, "stopped safely") for risk_diff in shown],
         "per cycle": [_cycles(risk_diff) for risk_diff in shown],
         "run": [sentences.later_run(risk_diff) for risk_diff in shown],
     }
@@ -113,6 +116,16 @@ def _cycles(diff: RiskDiff) -> str:
         return ""
     figures = [mission.cycle_failure_probability for mission in (diff.before, diff.after)]
     return " → ".join("none" if p is None else sentences.probability(p) for p in figures)
+
+
+def _of_failure(diff: RiskDiff, name: str) -> str:
+    """Return what of a mission's failure is undetected, or stops safely; nothing if not known."""
+    both = sentences.mission_figures(diff).get(name)
+    if both is None:
+        return ""
+    before, after = (_NOT_KNOWN if it is None else sentences.probability(it) for it in both)
+    ratio = sentences.compared(diff, *both)
+    return f"{before} → {after}" + (f" ({ratio})" if ratio else "")
 
 
 def _figures(diff: RiskDiff, links: Links) -> tuple[str, ...]:

@@ -413,6 +413,27 @@ def _per_cycle(diff: RiskDiff) -> str:
     return f"; the first cycle alone: {ratio(*cycles)}, for {why}"
 
 
+def mission_figures(diff: RiskDiff) -> dict[str, tuple[float | None, float | None]]:
+    """Return the figures of the mission before and after, by name; `None` for what is not known.
+
+    What nobody notices, and what stops safely, only where a version knows it.
+    """
+    kinds = {
+        "mission failure": "failure_probability",
+        "undetected": "undetected_probability",
+        "stopped safely": "stopped_safely_probability",
+    }
+    figures: dict[str, tuple[float | None, float | None]] = {}
+    for name, kind in kinds.items():
+        before, after = (
+            None if version is None else getattr(version, kind)
+            for version in (diff.before, diff.after)
+        )
+        if name == "mission failure" or before is not None or after is not None:
+            figures[name] = before, after
+    return figures
+
+
 def has_cycles(diff: RiskDiff) -> bool:
     """Return whether a version has cycles, whose figure is another one than the mission's."""
     missions = [mission for mission in (diff.before, diff.after) if mission is not None]

@@ -69,11 +69,10 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
 
 def _missions(diff: RiskDiff, room: int) -> Iterator[str]:
     missions = diff.before, diff.after
-    whole = [None if mission is None else mission.failure_probability for mission in missions]
     cycle = [None if mission is None else mission.cycle_failure_probability for mission in missions]
-    figures = {"  mission failure": whole}
+    figures = {f"  {name}": both for name, both in sentences.mission_figures(diff).items()}
     if sentences.has_cycles(diff):
-        figures["  per cycle"] = cycle
+        figures["  per cycle"] = (cycle[0], cycle[1])
     rows = [
         (label, (*map(_cell, both), sentences.compared(diff, *both)))
         for label, both in figures.items()

@@ -15,6 +15,7 @@ from tracerisk.report.html.section import Data, Section
 from tracerisk.report.html.tables import Cell, Column, Table, numbers, row_of, texts
 
 _NONE = "none"
+_NOT_KNOWN = "not known"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +87,21 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
 
 def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
     old, new = diff.before, diff.after
-    kinds = {"mission failure": "failure_probability"}
+    kinds: dict[str, str] = {}
     if sentences.has_cycles(diff):
         kinds["failure per cycle"] = "cycle_failure_probability"
         kinds["expected cycles"] = "expected_cycles"
-    rows = []
+    rows = [
+        row_of(
+            name,
+            *(
+                _figure_of(mission, figure)
+                for mission, figure in zip((old, new), both, strict=True)
+            ),
+            sentences.compared(diff, *both),
+        )
+        for name, both in sentences.mission_figures(diff).items()
+    ]
     for label, kind in kinds.items():
         figures = (None if figure is None else getattr(figure, kind) for figure in (old, new))
         ratio = sentences.compared(diff, *figures)
@@ -139,6 +150,12 @@ def _functions(name: str, diff: RiskDiff) -> Table:
         Column("visits", "after", is_number=True),
     )
     return Table(f"{name}-functions", "Functions", columns, rows)
+
+
+def _figure_of(mission: MissionFigures | None, figure: float | None) -> str:
+    if figure is None:
+        return _NONE if mission is None else _NOT_KNOWN
+    return sentences.probability(figure)
 
 
 def _figure(mission: MissionFigures | None, kind: str) -> str:
