@@ -386,6 +386,7 @@ def test_diff_says_what_a_change_did_to_failures(repository, quick):
     said = " ".join(outcome.out.split())
     assert "a failure of motor (jam) is now reported after 0.4 s, before: never" in said
     assert "now ends the mission in 20 of 20 tries, before: 0 of 20" in said
+    assert "the run showed" not in said
     text = repository.read("tracerisk.evidence").decode()
     repository.write("tracerisk.evidence", text.replace('"fails": true, ', "", 1))
     said = " ".join(repository.run("diff").out.split())

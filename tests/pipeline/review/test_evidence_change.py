@@ -9,6 +9,8 @@ from tests.pipeline.review.test_review import lock_of, only, write
 from tracerisk.adder.lock.digest import with_digest
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.common.evidence.cells import Cell, Evidence
+from tracerisk.common.evidence.file import dump_evidence
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.review.review import review
 
@@ -131,6 +133,40 @@ def test_what_is_not_known_of_one_version_is_said_so_in_the_table(both):
     rows = [" ".join(line.split()) for line in repository.run("diff").out.splitlines()]
     assert "undetected 1.000e-07 -" in rows
     assert "| 1.000e-07 → not known |" in repository.run("diff", "--format", "markdown").out
+
+
+def test_a_check_is_credited_beside_the_missions_that_it_ends(both):
+    def tried(*outcomes):
+        cells = (
+            Cell(
+                *("gripper", "hand", "dead", float(at), "moving", "place", True, float(at)),
+                (float(at), 0.0, 0.0),
+                fails=fate != "carried_out",
+                fate=fate,
+                noticed_by=noticed,
+            )
+            for at, (fate, noticed) in enumerate(outcomes)
+        )
+        kept = Evidence("f", "panda", 0, len(outcomes), ("done",), tuple(cells))
+        return dump_evidence({"pick.py": kept})
+
+    repository = both(("2e-07", TRIED, "d", "a"), ("3e-07", MORE, "e", "b"))
+    later = {name: repository.read(name).decode() for name in ("pick.py", "tracerisk.lock")}
+    repository.git("checkout", "-q", "--", ".")
+    unchecked = [("unaware", None)] * 12 + [("carried_out", None)] * 8
+    repository.write("tracerisk.evidence", tried(*unchecked))
+    repository.commit()
+    checked = [("stopped_safely", "code")] * 18 + [("carried_out", None)] * 2
+    for name, text in {**later, "tracerisk.evidence": tried(*checked)}.items():
+        repository.write(name, text)
+    for form in ("text", "markdown"):
+        said = " ".join(repository.run("diff", "--format", form).out.split())
+        assert (
+            "a failure of gripper (dead) now is undetected in 0 of 20 tries, before: 12 of 20; is "
+            "noticed by the controller in 18 of 20 tries, before: 0 of 20; ends the mission in 18 "
+            "of 20 tries, before: 12 of 20; is stopped safely in 18 of 20 tries, before: 0 of 20"
+        ) in said
+        assert "What failures on the twin do now that they did not before" in said
 
 
 def test_no_row_stands_for_what_neither_version_knows(both):

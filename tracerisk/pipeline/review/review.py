@@ -35,7 +35,7 @@ from tracerisk.pipeline.review.renamed_functions import (
     renamed_functions,
     renamed_without_block,
 )
-from tracerisk.pipeline.review.run_changes import run_changes
+from tracerisk.pipeline.review.run_changes import evidence_changes, run_changes
 from tracerisk.pipeline.review.run_verdicts import version_verdict
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.trace.last_run import kept_uncovered
@@ -222,6 +222,7 @@ def difference(
     diff = replace(
         diff,
         of_run=(*changes_of_run, *(_of_outcomes(controller) if old and new else ())),
+        of_evidence=evidence_changes(controller.before, controller.after),
         verdicts=verdicts,
         hardware=_hardware_changes(controller),
         hardware_file=controller.after.hardware.file if controller.after.hardware else "",

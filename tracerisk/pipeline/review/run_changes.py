@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -17,12 +17,19 @@ if TYPE_CHECKING:
 _OTHER_DELAY, _OTHER_DELAY_S = 1.5, 0.2
 """A delay is another one that is longer by this share and by so many seconds [s]."""
 _QUANTILE = 1.645
+_COUNTED: Mapping[str, Callable[[Cell], bool]] = {
+    "is undetected": lambda cell: cell.is_undetected,
+    "is noticed by the controller": lambda cell: cell.noticed_by is not None,
+    "ends the mission": lambda cell: cell.fails,
+    "is stopped safely": lambda cell: cell.fate == "stopped_safely",
+}
+"""What a failure does, and whether a cell did it."""
 
 
 def run_changes(
     before: ControllerVersion, after: ControllerVersion, renamed: Mapping[str, str]
 ) -> tuple[str, ...]:
-    """Return in words which contacts and motions without risk data are new, and what failures do.
+    """Return in words which contacts and motions without risk data are new.
 
     `renamed` gives the later name of functions by their earlier one. Nothing is returned where the
     later version has no lock; without an earlier lock all of the later one is new.
@@ -30,17 +37,28 @@ def run_changes(
     if after.entry is None:
         return ()
     old = {} if before.entry is None else before.entry.trace
-    texts = list(_new(old, after.entry.trace, renamed))
+    return tuple(_new(old, after.entry.trace, renamed))
+
+
+def evidence_changes(before: ControllerVersion, after: ControllerVersion) -> tuple[str, ...]:
+    """Return in words what failures do otherwise by the evidence of both, and whose was edited."""
+    if after.entry is None:
+        return ()
+    texts = []
     for name, evidence in (("before", before.evidence), ("now", after.evidence)):
         if evidence is not None and evidence.edited is not None:
             texts.append(f"the evidence was edited ({name}): {evidence.edited.words}")
     if before.evidence is not None and after.evidence is not None:
-        texts += _evidence_changes(before.evidence, after.evidence)
+        texts += _of_modes(before.evidence, after.evidence)
     return tuple(texts)
 
 
-def _evidence_changes(before: Evidence, after: Evidence) -> Iterator[str]:
-    """Yield the failures that are now reported sooner or later, or that end more missions."""
+def _of_modes(before: Evidence, after: Evidence) -> Iterator[str]:
+    """Yield the failures that are now reported sooner or later, or that end otherwise."""
+    counted = dict(_COUNTED)
+    if not (before.has_fates and after.has_fates):
+        # Of an earlier version's cells nobody knows what the controller did.
+        counted = {"ends the mission": counted["ends the mission"]}
     old, new = _by_mode(before), _by_mode(after)
     for key in sorted(old.keys() & new.keys()):
         was, now = old[key], new[key]
@@ -52,11 +70,14 @@ def _evidence_changes(before: Evidence, after: Evidence) -> Iterator[str]:
                 for cells, after_s in ((now, notified[1]), (was, notified[0]))
             )
             yield f"{what} is now reported {verb}, before: {earlier}"
-        if _differ(was, now):
-            yield (
-                f"{what} now ends the mission in {_failed(now)} of {len(now)} tries, "
-                f"before: {_failed(was)} of {len(was)}"
-            )
+        counts = [
+            f"{verb} in {_count(now, is_so)} of {len(now)} tries, "
+            f"before: {_count(was, is_so)} of {len(was)}"
+            for verb, is_so in counted.items()
+            if _differ(was, now, is_so)
+        ]
+        if counts:
+            yield f"{what} now {'; '.join(counts)}"
 
 
 def _by_mode(found: Evidence) -> dict[tuple[str, str], list[Cell]]:
@@ -66,8 +87,8 @@ def _by_mode(found: Evidence) -> dict[tuple[str, str], list[Cell]]:
     return cells
 
 
-def _failed(cells: Sequence[Cell]) -> int:
-    return sum(1 for cell in cells if cell.fails)
+def _count(cells: Sequence[Cell], is_so: Callable[[Cell], bool]) -> int:
+    return sum(1 for cell in cells if is_so(cell))
 
 
 def _notified_after(cells: Sequence[Cell]) -> float | None:
@@ -94,12 +115,13 @@ def _is_other_delay(before: float | None, after: float | None) -> bool:
     return max(before, after) > _OTHER_DELAY * min(before, after) + _OTHER_DELAY_S
 
 
-def _differ(before: Sequence[Cell], after: Sequence[Cell]) -> bool:
+def _differ(before: Sequence[Cell], after: Sequence[Cell], is_so: Callable[[Cell], bool]) -> bool:
     """Return whether two shares differ by more than chance, at the 10 % level of the z test."""
     n, m = len(before), len(after)
-    share = (_failed(before) + _failed(after)) / (n + m)
+    counts = _count(before, is_so), _count(after, is_so)
+    share = sum(counts) / (n + m)
     spread = math.sqrt(share * (1.0 - share) * (1.0 / n + 1.0 / m))
-    return abs(_failed(before) / n - _failed(after) / m) > _QUANTILE * spread > 0.0
+    return abs(counts[0] / n - counts[1] / m) > _QUANTILE * spread > 0.0
 
 
 def _new(

@@ -343,6 +343,8 @@ class RiskDiff:
     of_run: tuple[str, ...] = ()
     """What only the later run showed, such as unexpected contacts and motions without risk
     data; one sentence each."""
+    of_evidence: tuple[str, ...] = ()
+    """What failures do otherwise, by the evidence of both versions; one sentence each."""
     verdicts: RunVerdicts | None = None
     """Verdicts of both runs; `None` where neither version has a run in its lock."""
     causes: tuple[CauseShare, ...] = ()
@@ -457,7 +459,9 @@ class RiskDiff:
 
     def is_worth_telling(self, threshold: float) -> bool:
         """Return what `Review.is_worth_telling` says, for one controller."""
-        if self.before is None or self.after is None or self.pins or self.of_run:
+        if self.before is None or self.after is None or self.pins:
+            return True
+        if self.of_run or self.of_evidence:
             return True
         runs = self.verdicts
         if runs is not None and (runs.new_acceptances or runs.does_less or _is_news(runs)):

@@ -89,6 +89,8 @@ def _open_lists(diff: RiskDiff) -> Iterator[tuple[str, Sequence[str]]]:
     yield from sentences.of_missions(diff)
     if diff.of_run:
         yield sentences.OF_RUN, diff.of_run
+    if diff.of_evidence:
+        yield sentences.OF_EVIDENCE, diff.of_evidence
     if diff.hardware:
         yield sentences.OF_HARDWARE, sentences.of_hardware(diff)
 

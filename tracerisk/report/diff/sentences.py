@@ -25,6 +25,7 @@ from tracerisk.prm.review.change_records import (
 )
 
 OF_RUN = "What the run showed that it did not before"
+OF_EVIDENCE = "What failures on the twin do now that they did not before"
 OF_OUTCOME = "What changed in what the mission does"
 MOST_OF_KIND = 6
 """How many sentences on the outcome of one kind are shown; --json has all."""
@@ -173,6 +174,7 @@ def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
         ("Pins", pins(review, diff)),
         (OF_PACE, list(of_pace(diff))),
         (OF_RUN, list(diff.of_run)),
+        (OF_EVIDENCE, list(diff.of_evidence)),
         (OF_INPUTS, list(diff.inputs)),
     ]
     return [(title, lines) for title, lines in pairs if lines]
