@@ -21,6 +21,7 @@ ARM = Arm(
 HOME = rest_of(ARM, (0.0,), took_s=1.0)
 PLACE = rest_of(ARM, (0.2,), took_s=1.0, order=1)
 DETOUR = rest_of(ARM, (0.1,), took_s=1.0, order=1)
+HIGHER = rest_of(ARM, (0.15,), took_s=1.0, order=1)
 CUP = ObjectOutcome("cup", (0.3, 0.0, 0.1), (0.3, 0.2, 0.1), 0.0, None, "table", "")
 WHOLE = Outcome(arms=(ARM,), objects=(CUP,), rests=(HOME, PLACE))
 HALF = replace(WHOLE, objects=(replace(CUP, end_m=CUP.begin_m),), rests=(HOME,))
@@ -67,6 +68,35 @@ def test_a_shorter_way_to_the_same_result_is_not_called_safer(both):
     out = " ".join(repository.run("diff", "HEAD", "pick.py").out.split())
     assert "does less: rest 2 of 3 at (0.300, 0.100, 0.500) m is no longer reached" in out
     assert "falls" not in out
+
+
+def test_rests_elsewhere_on_the_way_to_the_same_result_are_another_way_whatever_it_costs(both):
+    elsewhere = replace(LONGER, rests=(HOME, HIGHER, replace(PLACE, order=2)))
+    repository = both(LONGER, elsewhere)
+    assert only(review([], repository.folder)).goes_another_way
+    out = " ".join(repository.run("diff", "HEAD", "pick.py").out.split())
+    assert (
+        "pick.py goes another way, same result: rest 2 of 3 at (0.300, 0.100, 0.500) m is now 50 "
+        "mm from there; mission failure is 2.000e-07 now and was 4.000e-07, by different ways."
+    ) in out
+    for wrong in ("does less", "different missions", "falls"):
+        assert wrong not in out
+    repository.commit()
+    repository = both(LONGER, elsewhere, figures=("1e-07", "4e-07"))
+    out = " ".join(repository.run("diff", "HEAD", "pick.py").out.split())
+    assert "mission failure rises from" in out
+    assert "; it goes another way, same result." in out
+
+
+def test_a_rest_that_is_gone_beside_one_elsewhere_does_less(both):
+    twice = replace(LONGER, rests=(HOME, DETOUR, replace(HIGHER, order=2), replace(PLACE, order=3)))
+    further = rest_of(ARM, (0.05,), took_s=1.0, order=1)
+    repository = both(twice, replace(LONGER, rests=(HOME, further, replace(PLACE, order=2))))
+    diff = only(review([], repository.folder))
+    assert diff.outcome is not None
+    assert len(diff.outcome.lost) == 2
+    assert not diff.goes_another_way
+    assert "does less: rest 2 of 4" in " ".join(repository.run("diff").out.split())
 
 
 @pytest.mark.parametrize(

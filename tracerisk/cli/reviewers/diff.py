@@ -235,6 +235,7 @@ def _rise(diff: RiskDiff, most: float | None) -> list[str]:
     if unknown or is_other:
         verb = "is more"
         why = "different missions" if is_other else "runs of unknown verdict"
+        why = "different ways" if is_other and diff.goes_another_way else why
         apart = f", though the figures are not comparable, of {why}"
     elif diff.evidence_change:
         verb, apart = "is more", f", though the figures are not comparable: {diff.evidence_change}"

@@ -45,6 +45,8 @@ class OutcomeChanges:
     """What the later way has beside all of the earlier one."""
     pace: tuple[str, ...] = ()
     """Which rests and ways take another time."""
+    is_other_way: bool = False
+    """Whether `lost` is only rests that are elsewhere now, and other ways between rests."""
 
     def __bool__(self) -> bool:
         return bool(self.result or self.lost or self.added or self.pace)
@@ -78,7 +80,9 @@ def outcome_changes(
     lost, added = comparison.way()
     result = (*objects, *cell, *comparison.last_rest())
     kinds = (result, lost, added, comparison.pace())
-    return OutcomeChanges(*(tuple(dict.fromkeys(sentences)) for sentences in kinds))
+    told = [tuple(dict.fromkeys(sentences)) for sentences in kinds]
+    is_other_way = bool(lost) and set(lost) <= comparison.other_places()
+    return OutcomeChanges(told[0], told[1], told[2], told[3], is_other_way)
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,11 +173,24 @@ class _Comparison:
         """Add what is lost and what is added between two steps that are the same."""
         rests = [step for step in gone if isinstance(step, Rest)]
         others = [step for step in come if isinstance(step, Rest)]
-        for old, new in zip(rests, others, strict=False):
-            lost.append(f"{self._rest_name(old)} is now {self._apart(old, new)} there")
+        lost += self._moved_rests(rests, others)
         lost += self._lost_rests(rests[len(others) :])
         added += _new_rests(others[len(rests) :])
         lost += self._grip_changes(gone, come, added)
+
+    def _moved_rests(self, rests: Sequence[Rest], others: Sequence[Rest]) -> Iterator[str]:
+        for old, new in zip(rests, others, strict=False):
+            yield f"{self._rest_name(old)} is now {self._apart(old, new)} there"
+
+    def other_places(self) -> set[str]:
+        """Return which rests are elsewhere now, and are reached by another way."""
+        lines = set(self._other_ways.values())
+        for gone, come in self._gaps():
+            rests = [step for step in gone if isinstance(step, Rest)]
+            lines.update(
+                self._moved_rests(rests, [step for step in come if isinstance(step, Rest)])
+            )
+        return lines
 
     def in_step(self) -> Iterator[AlignedSteps]:
         """Yield the steps that are the same, and those between them, in order."""

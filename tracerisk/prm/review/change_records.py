@@ -407,6 +407,11 @@ class RiskDiff:
         return tuple(function for function in self.functions if function.status != "unchanged")
 
     @property
+    def goes_another_way(self) -> bool:
+        """Whether the result is the same, and only rests on the way are elsewhere."""
+        return self.outcome is not None and self.outcome.is_other_way and not self.outcome.result
+
+    @property
     def _falls(self) -> bool:
         return (self.increase < 0.0 and not self.is_same_figure) or self.undetected_increase < 0.0
 

@@ -35,6 +35,8 @@ OF_HARDWARE = "What changed in the hardware description"
 BROKE, REPAIRED = "What broke", "What was repaired"
 OF_INPUTS = "What the runs behind the blocks depended on"
 
+_ANOTHER_WAY = "goes another way, same result"
+
 _MARKS: dict[Mark, str] = {
     "new_state": "new state",
     "lost_state": "lost state",
@@ -220,9 +222,12 @@ def _other_mission(diff: RiskDiff, outcome: OutcomeChanges) -> str:
     rest = f" (and {len(more)} more)" if more else ""
     old, new = figures[0].failure_probability, figures[-1].failure_probability
     what = "does something else" if outcome.result else "does less"
-    failure = f"{probability(new)} now and was {probability(old)}, of different missions"
+    if diff.goes_another_way:
+        what = _ANOTHER_WAY
+    apart = "by different ways" if diff.goes_another_way else "of different missions"
+    failure = f"{probability(new)} now and was {probability(old)}, {apart}"
     if diff.is_unchanged:
-        failure = f"{probability(new)} for both missions"
+        failure = f"{probability(new)} for both {'ways' if diff.goes_another_way else 'missions'}"
     return f"{diff.name} {what}: {first}{rest}; mission failure is {failure}"
 
 
@@ -288,7 +293,8 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
         f"({ratio(old, new)}{missions}){_of_which(diff)}"
     )
-    return text + _main_cause(diff) + _per_cycle(diff) + _stale(diff)
+    another_way = f"; it {_ANOTHER_WAY}" if diff.goes_another_way else ""
+    return text + _main_cause(diff) + another_way + _per_cycle(diff) + _stale(diff)
 
 
 def _main_cause(diff: RiskDiff) -> str:
