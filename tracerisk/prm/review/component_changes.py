@@ -21,7 +21,7 @@ from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, counted_components
 
 _ORDER = {"unaware": -2, "stopped late": -1, "stopped safely": 1}
-"""Kinds of outcomes in the order in which they are told, the gravest first."""
+"""Kinds of outcomes in the order in which they are listed, the gravest first."""
 
 
 class ComponentItem(NamedTuple):
