@@ -14,8 +14,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, get_args
 
-from tracerisk.common.hardware.source_files import is_folder
-from tracerisk.common.text.bounded import file_bytes
+from tracerisk.common.text.bounded import file_bytes, is_folder
 from tracerisk.common.verdict import Acceptance
 from tracerisk.errors import InputError, Location, SettingsError, one_of
 

@@ -7,9 +7,10 @@ from typing import Literal
 
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.hardware.shipped import hardware_of
-from tracerisk.common.hardware.source_files import is_folder, is_sysml
+from tracerisk.common.hardware.source_files import is_sysml
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.common.hardware.yaml.writer import write_hardware
+from tracerisk.common.text.bounded import is_folder
 from tracerisk.config import Settings
 from tracerisk.errors import HardwareError, Location, one_of
 

@@ -6,7 +6,7 @@ import os
 import re
 from pathlib import Path, PurePath
 
-from tracerisk.common.text.bounded import file_bytes
+from tracerisk.common.text.bounded import file_bytes, is_folder
 from tracerisk.errors import HardwareError, Location
 
 _PACKAGE = re.compile(rb"\bpackage\s+(?:<[^>]*>\s*)?(?:'((?:[^'\\\n]|\\.)+)'|(\w+))")
@@ -24,14 +24,6 @@ def is_sysml(path: Path) -> bool:
 def has_sysml_name(name: str) -> bool:
     """Whether a file of this name or path holds SysML v2; capitals or not make no difference."""
     return PurePath(name).suffix.lower() == ".sysml"
-
-
-def is_folder(path: Path) -> bool:
-    """Whether a description is a folder; a name that is too long for a path is none."""
-    try:
-        return path.is_dir()
-    except OSError:
-        return False
 
 
 def sysml_files(path: Path) -> tuple[Path, ...]:

@@ -160,3 +160,11 @@ def named_file(path: str) -> BinaryIO:
     if path.startswith("/dev/"):
         return open(path, "rb")  # noqa: PTH123 - no start needs pathlib; who asks closes it
     return regular_file(path)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a path is a folder; a name that is too long for a path is none."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False

@@ -353,7 +353,7 @@ def names_file(name: str, value: object, base: Path) -> bool:
     """Whether a setting is the path of a file, or of a folder of hardware, seen from `base`."""
     if name not in _NAMES_OF_FILES or not isinstance(value, str):
         return False
-    from tracerisk.common.hardware.source_files import is_folder
+    from tracerisk.common.text.bounded import is_folder
 
     return bool(Path(value).suffix) or (name == "hardware" and is_folder(base / value))
 
