@@ -34,3 +34,10 @@ def test_a_loop_that_is_left_in_its_middle_is_read_as_random(annotated_source):
     # Four visits and three visits, each of which fails with 0.1.
     assert reported.visits_as_run == pytest.approx(1 - 0.9**7, rel=1e-12)
     assert reported.failure_probability == pytest.approx(0.51967, abs=1e-5)
+
+
+def test_a_file_that_is_only_looked_for_is_no_input(example, quick):
+    example.write("c.py", quick("if os.path.exists('again'): arm.go(joints, wait=True)"))
+    example.run("run", "c.py")
+    example.write("again", "")
+    assert example.run("check", "c.py").code == 0

@@ -57,7 +57,7 @@ class ControllerFinder(MetaPathFinder):
         self._elsewhere = elsewhere
         self._is_library = is_library
         self._replaced = replaced
-        self._foreign = _foreign_folders()
+        self._foreign = foreign_folders()
 
     def find_spec(
         self,
@@ -177,7 +177,7 @@ def _is_beside_script(spec: ModuleSpec | None) -> bool:
     return _is_package(spec) and not Path(str(spec and spec.origin)).is_relative_to(installed)
 
 
-def _foreign_folders() -> tuple[Path, ...]:
+def foreign_folders() -> tuple[Path, ...]:
     """Return tracerisk's own folder and those of the standard library and of what is installed."""
     names = ("stdlib", "platstdlib", "purelib", "platlib")
     installed = {Path(sysconfig.get_path(name)).resolve() for name in names}

@@ -2,34 +2,72 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
 _WRITES = os.O_WRONLY | os.O_RDWR
 _MOST_NOTED = 1000
+_DATABASE = "sqlite3.connect"
+_CACHES = frozenset({"__pycache__", "node_modules", "site-packages", "dist-packages"})
+# They say what a project is: whoever runs its programs looks into them.
+_OF_PROJECTS = frozenset(
+    {
+        *("package.xml", "CMakeLists.txt", "pyproject.toml", "setup.cfg"),
+        *("tracerisk.lock", "tracerisk.evidence"),
+    }
+)
+_CODE = (".py", ".pyc", ".pyi", ".so")
+
+_is_apart: ContextVar[bool] = ContextVar("is_apart", default=False)
+
+
+@contextlib.contextmanager
+def unnoted() -> Iterator[None]:
+    """Note nothing that is read within: on it depends nothing that the process does."""
+    token = _is_apart.set(True)
+    try:
+        yield
+    finally:
+        _is_apart.reset(token)
 
 
 class NotedReads:
     """The files below `folders` that this process reads, from when it is watched.
 
-    Those with one of the `endings` are noted by who reads them alone, with `add`.
+    Those with one of the `endings` are noted by who reads them alone, with `add`. Below `data`,
+    files count that are neither code nor hidden, describe no project, and are in no cache and below
+    none of the folders `apart`.
+    What the process has written itself counts nowhere.
     """
 
-    def __init__(self, folders: Iterable[Path], endings: tuple[str, ...] = ()) -> None:
-        self._folders = tuple(f"{folder}{os.sep}" for folder in folders)
+    def __init__(
+        self,
+        folders: Iterable[Path],
+        endings: tuple[str, ...] = (),
+        *,
+        data: Iterable[Path] = (),
+        apart: Iterable[Path] = (),
+    ) -> None:
+        self._folders = _beginnings(folders)
         self._endings = endings
+        self._data = _beginnings(name for path in data for name in (path, path.resolve()))
+        self._apart = _beginnings(apart)
         self._noted: dict[str, None] = {}
+        self._written: set[str] = set()
 
     def add(self, path: Path) -> None:
         """Note a file, if it lies below the folders."""
-        self._note(str(path))
+        if str(path).startswith(self._folders):
+            self._note(str(path))
 
     def watch(self) -> None:
         """Note each file that is opened from now on, until the process ends."""
-        if self._folders:
+        if self._folders or self._data:
             sys.addaudithook(self._opened)
 
     def files(self) -> list[str]:
@@ -37,13 +75,41 @@ class NotedReads:
         return sorted(path for path in self._noted if Path(path).is_file())
 
     def _opened(self, event: str, arguments: tuple[Any, ...]) -> None:
-        if event != "open" or not isinstance(arguments[0], str):
+        if event not in ("open", _DATABASE) or not isinstance(arguments[0], str | bytes):
             return
-        path, _, flags = arguments
-        is_written = isinstance(flags, int) and flags & _WRITES
-        if not is_written and not path.endswith(self._endings):
+        if not (path := _full(arguments[0])).startswith((*self._folders, *self._data)):
+            return
+        flags = arguments[2] if event == "open" else 0
+        if isinstance(flags, int) and flags & _WRITES:
+            self._written.add(path)
+            self._noted.pop(path, None)
+        elif path not in self._written and not path.endswith(self._endings) and self._counts(path):
             self._note(path)
 
+    def _counts(self, path: str) -> bool:
+        return path.startswith(self._folders) or self._is_data(path)
+
+    def _is_data(self, path: str) -> bool:
+        if path.startswith(self._apart) or path.endswith(_CODE) or _is_apart.get():
+            return False
+        if path.rpartition(os.sep)[2] in _OF_PROJECTS:
+            return False
+        folder = max((name for name in self._data if path.startswith(name)), key=len)
+        parts = Path(path.removeprefix(folder)).parts
+        return not any(part.startswith(".") or part in _CACHES for part in parts)
+
     def _note(self, path: str) -> None:
-        if path.startswith(self._folders) and len(self._noted) < _MOST_NOTED:
+        if len(self._noted) < _MOST_NOTED:
             self._noted.setdefault(path)
+
+
+def _beginnings(folders: Iterable[Path]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(f"{folder}{os.sep}" for folder in folders))
+
+
+def _full(path: str | bytes) -> str:
+    text = os.fsdecode(path)
+    try:
+        return os.path.abspath(text)  # noqa: PTH100 - links are not followed
+    except OSError:  # the current folder is gone
+        return text

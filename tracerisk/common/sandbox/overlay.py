@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from tracerisk.common.sandbox.held_files import has_opener
+from tracerisk.common.sandbox.noted_reads import unnoted
 from tracerisk.common.sandbox.replaced_names import replaced
 
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
@@ -189,6 +190,11 @@ class Overlay:
         for name in reversed(missing):
             self._real["mkdir"](name)
 
+    def _appended(self, full: str) -> str:
+        """Return where to write behind what a file holds, as a log does, which nobody reads."""
+        with unnoted():
+            return self._copied(full)
+
     def _copied(self, full: str) -> str:
         """Return where to change a file: a copy of it, if there is one."""
         over = self._target(full)
@@ -206,7 +212,9 @@ class Overlay:
         if isinstance(mode, str) and any(name in mode for name in "wax+"):
             if "x" in mode and self._exists(self._seen(full)):
                 raise FileExistsError(17, "File exists", os.fsdecode(file))
-            place = self._target(full) if "w" in mode or "x" in mode else self._copied(full)
+            is_new, is_behind = "w" in mode or "x" in mode, "a" in mode and "+" not in mode
+            make = self._target if is_new else self._appended if is_behind else self._copied
+            place = make(full)
             self._refuse_folder(full, place)
             return self._open(place, mode, *args, **more)
         place = self._seen(full)
@@ -227,7 +235,9 @@ class Overlay:
                 raise FileExistsError(17, "File exists", os.fsdecode(path))
             if not flags & os.O_CREAT and not self._exists(place):
                 raise FileNotFoundError(2, "No such file or directory", os.fsdecode(path))
-            place = self._target(full) if flags & os.O_TRUNC else self._copied(full)
+            is_behind = flags & os.O_APPEND and not flags & os.O_RDWR
+            make = self._appended if is_behind else self._copied
+            place = self._target(full) if flags & os.O_TRUNC else make(full)
             return int(self._real["open"](place, flags, *args, **more))
         with self._noting(full):
             return int(self._real["open"](path if place == full else place, flags, *args, **more))

@@ -28,11 +28,11 @@ from tracerisk.pipeline.trace.run_files import (
     DRAFTS,
     EVENTS,
     IDLE_S,
-    INSTALLED,
     JOINTS_ASKED,
     LAUNCH,
     MISSION_END,
     NEEDS,
+    READ,
     SCENARIO,
     STARTED,
     DraftsNoted,
@@ -257,20 +257,23 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
             )
             lines += [] if line in lines else [line]
             files_read += given
-    used, of_prefixes = _installed(recording, request, within)
+    used, opened = _read_files(recording, request, within)
     lines += used
-    files_read += of_prefixes
+    files_read += opened
     if (lines or files_read) and recording.note(STARTED) is not None:
         inputs = tuple(dict.fromkeys(files_read))
         notes += (Note(LAUNCH, {"notes": tuple(lines), "inputs": inputs}),)
     return replace(recording, notes=notes)
 
 
-def _installed(
+def _read_files(
     recording: Recording, request: RunRequest, within: Sequence[Path]
 ) -> tuple[list[str], tuple[str, ...]]:
-    """Return what a run read of an installed ROS: a line for each prefix, and the files."""
-    note = recording.note(INSTALLED) or {"files": ()}
+    """Return a line for each prefix of which a run read files, and all files that it read.
+
+    Those of the workspace are among them.
+    """
+    note = recording.note(READ) or {"files": ()}
     read = regular_within(map(str, note["files"]), within)
     lines = []
     for prefix in request.prefixes:

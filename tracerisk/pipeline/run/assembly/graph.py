@@ -9,6 +9,7 @@ from pathlib import Path
 from tracerisk.common.sandbox.noted_reads import NotedReads
 from tracerisk.common.worlds.world import NOMINAL, world_named
 from tracerisk.errors import Location
+from tracerisk.instrument.import_finder import foreign_folders
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.launch.left_open import filled
@@ -55,7 +56,7 @@ class ServedGraph:
     interfaces: Interfaces | Interfaces2
     """The messages, services and actions that are defined."""
     reads: NotedReads
-    """Which files of installed packages were read."""
+    """Which files of installed packages, and which data of the workspace, were read."""
     state_reads: StateReads | None
     """Where joint states are read by index; `None` where the world sends them in order."""
     scenario: ScenarioWorld
@@ -78,7 +79,7 @@ def build_graph(request: RunRequest, project: Project, world: SimulatedWorld) ->
     _note_given(recorder, scenario)
     ros = project.ros_version(Path(request.controller))
     drivers, more = _drivers_of(request, scenario)
-    reads = NotedReads(readable_of(workspace.prefixes), ENDINGS)
+    reads = _reads_of(request, project, workspace)
     own, installed = workspace.interfaces, with_interfaces(runtime.installed)
     interfaces = (
         Interfaces2(own, more, runtime.distro, installed, reads.add)
@@ -94,6 +95,18 @@ def build_graph(request: RunRequest, project: Project, world: SimulatedWorld) ->
     served = ScenarioWorld(runtime, interfaces, scenario)
     return ServedGraph(
         ros, workspace, runtime, interfaces, reads, state_reads, served, companions, cell
+    )
+
+
+def _reads_of(request: RunRequest, project: Project, workspace: Workspace) -> NotedReads:
+    """Return what notes the files of installed packages, and the data of the workspace."""
+    own = (Path(request.root), project.top, Path(request.controller).parent)
+    left = [name for name in (request.folder, request.written) if name is not None]
+    return NotedReads(
+        readable_of(workspace.prefixes),
+        ENDINGS,
+        data=(*own, *workspace.packages.values()),
+        apart=(*foreign_folders(), *map(Path, left)),
     )
 
 

@@ -14,7 +14,7 @@ from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.run.stall_watch import StallWatch
 from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
-from tracerisk.pipeline.trace.run_files import INSTALLED, LOST_ON_THE_WAY, RunRequest
+from tracerisk.pipeline.trace.run_files import LOST_ON_THE_WAY, READ, RunRequest
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.ros.drafts.usable_values import UsableValues
@@ -100,7 +100,7 @@ def note_run_over(
     runtime.client(TwinCommands).finish(cause)
     runtime.client(SensorReading).finish()
     recorder.note(CELL, **graph.cell.note())
-    recorder.note(INSTALLED, files=graph.reads.files())
+    recorder.note(READ, files=graph.reads.files())
     carrier = runtime.graph.carrier
     for early in carrier.lost:
         recorder.finding(

@@ -1,0 +1,65 @@
+"""Files of the workspace that a controller opens itself: they are inputs of its run."""
+
+import json
+import zipfile
+
+import pytest
+
+from tests.conftest import quick_controller
+
+_HERE = "here = os.path.dirname(os.path.abspath(__file__))"
+_TURNS = "for _ in range(turns): arm.go(joints, wait=True)"
+_READS = {
+    "open": ("plan.json", "import json; turns = json.load(open(os.path.join(here, 'plan.json')))"),
+    "os.open": ("plan.json", "turns = int(os.read(os.open(b'plan.json', os.O_RDONLY), 9))"),
+    "numpy": ("plan.txt", "import numpy; turns = int(numpy.loadtxt(here + '/plan.txt'))"),
+    "pathlib": ("data/plan", "import pathlib; turns = int(pathlib.Path('data/plan').read_text())"),
+    "update": ("plan.txt", "stream = open('plan.txt', 'r+'); turns = int(stream.read())"),
+    "rospkg": (
+        "config/plan.yaml",
+        "import rospkg, yaml; own = rospkg.RosPack().get_path('cell'); "
+        "turns = yaml.safe_load(open(own + '/config/plan.yaml'))",
+    ),
+}
+_PACKAGE = "<package><name>cell</name><buildtool_depend>catkin</buildtool_depend></package>"
+
+
+def _files(example) -> dict[str, str]:
+    lock = json.loads(example.read("tracerisk.lock"))
+    (entry,) = lock["controllers"].values()
+    return entry["inputs"]["files"]
+
+
+@pytest.mark.parametrize("how", _READS)
+def test_a_file_that_the_controller_reads_is_an_input(example, how):
+    name, read = _READS[how]
+    example.write(name, "2\n")
+    example.write("package.xml", _PACKAGE)
+    example.write("c.py", quick_controller(_HERE, read, _TURNS))
+    example.run("run", "c.py")
+    assert list(_files(example)) == [name]
+    assert example.run("check", "c.py").code == 0
+    assert example.run("report", "c.py", "--dossier", "d").code == 0
+    with zipfile.ZipFile(example.folder / "d") as archive:
+        assert archive.read(f"files/{name}") == b"2\n"
+        assert f'"{name}"' in archive.read("record.json").decode()
+    example.write(name, "5\n")
+    outcome = example.run("check", "c.py")
+    assert outcome.code == 1
+    assert f"{name} has changed" in outcome.out + outcome.err
+
+
+def test_what_the_run_wrote_itself_and_a_log_are_none(example):
+    example.write("c.log", "earlier\n")
+    example.write(
+        "c.py",
+        quick_controller(
+            "open('c.log', 'a').write('now')",
+            "open('own.txt', 'w').write('1'); assert open('own.txt').read() == '1'",
+            "os.close(os.open('c.log', os.O_WRONLY | os.O_APPEND))",
+            "open(__file__).read(); os.path.exists('absent')",
+        ),
+    )
+    for options in ((), ("--fresh", "--sandbox", "off")):
+        example.run("run", "c.py", *options)
+        assert _files(example) == {}
