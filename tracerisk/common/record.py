@@ -71,10 +71,14 @@ class Record:
     """Digest of all that the run depended on, as the lock has it; "" where no run is known."""
     outcome: Mapping[str, Any] = field(default_factory=dict)
     """What the run brought about, as the lock keeps it; empty where that is not known."""
+    variables: Mapping[str, str] = field(default_factory=dict)
+    """The digest of each environment variable that the settings name, by its name."""
 
 
 def record_data(record: Record) -> dict[str, Any]:
     """Return the record as JSON has it."""
     data = asdict(record)
     data["tracerisk"] = data.pop("version")
+    if not record.variables:
+        del data["variables"]
     return data

@@ -209,6 +209,7 @@ def _behind(
         functions.setdefault(ref.file, set()).add(ref.name)
     sources = {file: controller.source_of(file) for file in inputs.sources}
     run = [inputs.settings, inputs.files, inputs.libraries, inputs.evidence]
+    run += [inputs.variables] if inputs.variables else []
     return Behind(
         short_digest(json.dumps([*run, trace.robot, trace.scene], sort_keys=True)),
         digests_behind(sources, functions),

@@ -1,5 +1,6 @@
 """Files of the workspace that a controller opens itself: they are inputs of its run."""
 
+import hashlib
 import json
 import zipfile
 
@@ -63,3 +64,27 @@ def test_what_the_run_wrote_itself_and_a_log_are_none(example):
     for options in ((), ("--fresh", "--sandbox", "off")):
         example.run("run", "c.py", *options)
         assert _files(example) == {}
+
+
+def test_a_variable_that_the_settings_name_is_an_input(example, monkeypatch):
+    example.write("pyproject.toml", '[tool.tracerisk]\nenv = ["TURNS", "OTHER"]\n')
+    example.write("c.py", quick_controller("turns = int(os.environ['TURNS'])", _TURNS))
+    monkeypatch.setenv("TURNS", "2")
+    example.run("run", "c.py")
+    digest = hashlib.sha256(b"TURNS=2").hexdigest()
+    (entry,) = json.loads(example.read("tracerisk.lock"))["controllers"].values()
+    assert entry["inputs"]["variables"] == {"OTHER": "unset", "TURNS": digest}
+    assert example.run("check", "c.py").code == 0
+    assert example.run("report", "c.py", "--dossier", "d").code == 0
+    with zipfile.ZipFile(example.folder / "d") as archive:
+        guide = archive.read("README.md").decode()
+    assert f"`OTHER` (not set), `TURNS` (set, {digest[:12]})" in guide
+    assert "Set the environment variables `OTHER`, `TURNS` as they were" in guide
+    for value, words in (("6", "has another value"), (None, "is not set any more")):
+        monkeypatch.delenv("TURNS") if value is None else monkeypatch.setenv("TURNS", value)
+        outcome = example.run("check", "c.py")
+        assert outcome.code == 1
+        assert f"environment variable TURNS {words}" in outcome.out + outcome.err
+    monkeypatch.setenv("TURNS", "2")
+    monkeypatch.setenv("OTHER", "")
+    assert "environment variable OTHER is set now" in example.run("check", "c.py").out

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.adder.quantify.component_activity import mission_duration_s
 from tracerisk.common.verdict import UNKNOWN_VERDICT
+from tracerisk.pipeline.freshness.freshness import UNSET
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.report.explain.words import number
 
@@ -134,6 +135,14 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
     yield "verdict of the run", "; ".join(report.verdict) or "not known"
     if report.no_trace:
         yield "run", f"not in this dossier: {report.no_trace}"
+    if report.record.variables:
+        named = (
+            f"`{name}` ({'not set' if digest == UNSET else f'set, {digest[:12]}'})"
+            for name, digest in report.record.variables.items()
+        )
+        listed = ", ".join(named)
+        what = "the first digits of the SHA-256 digest of NAME=VALUE, without a line end"
+        yield "environment variables", f"{listed}: {what}"
     yield "tracerisk", report.record.version
     yield "made with", environment.words
     yield "commit", _commit(report.record)
@@ -205,6 +214,9 @@ def _again(record: Record, controller: str) -> str:
     why = ""
     if copied:
         why = "What the commit lacks or has otherwise: these files are copied from here first. "
+    if record.variables:
+        names = ", ".join(f"`{name}`" for name in record.variables)
+        why += f"Set the environment variables {names} as they were: see the digests above. "
     return (
         "In the folder of the controller's project, with `DOSSIER` for the folder of this file:\n\n"
         f"```sh\n{commands}\n```\n\n{why}Give `run` again what `tracerisk.lock` has under "

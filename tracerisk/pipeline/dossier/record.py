@@ -27,6 +27,7 @@ from tracerisk.common.version import __version__
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import readable
 from tracerisk.pipeline.dossier.commit import checked_out
+from tracerisk.pipeline.freshness.freshness import variable_digests
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.trace import Trace
 from tracerisk.twin.robots.robot import robot_names
@@ -79,6 +80,7 @@ def make_record(
         robot=None if trace is None or not trace.robot else _robot(trace, settings),
         fingerprint=fingerprint,
         outcome={} if trace is None else _outcome(trace, settings),
+        variables=variable_digests(settings),
     )
 
 

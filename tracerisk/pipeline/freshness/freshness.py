@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 GONE = "gone"
 """What stands for the digest of a file that was looked for and is not there."""
+UNSET = "unset"
+"""What stands for the digest of an environment variable that is not set."""
 _LOOKED_AT = 8000  # bytes of which git too takes a NUL as a sign that a file is no text
 
 # Settings that change neither a run nor its values: how long it may take, what is demanded of it.
@@ -50,7 +52,7 @@ _LIMITS = frozenset(
         *("evidence", "evidence_cells"),
     }
 )
-_LEFT_OUT_EMPTY = ("libraries", "evidence", "prefixes")
+_LEFT_OUT_EMPTY = ("libraries", "evidence", "prefixes", "variables")
 _MEASURED = "measured"
 _OF_VALUES = frozenset({"hardware", "system", "active"})
 _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
@@ -77,6 +79,8 @@ class RunInputs:
     """A digest of the evidence that the values took; empty for none."""
     prefixes: tuple[str, ...] = ()
     """The folders of an installed ROS and of overlays in which some of the files are, sorted."""
+    variables: Mapping[str, str] = field(default_factory=dict)
+    """The digest of each environment variable that the settings name, by its name."""
 
     @property
     def fingerprint(self) -> str:
@@ -85,6 +89,8 @@ class RunInputs:
         parts: list[Any] = [run, dict(self.sources), dict(self.files)]
         if self.libraries:
             parts.append(list(self.libraries))
+        if self.variables:
+            parts.append(dict(self.variables))
         return sha256(json.dumps(parts, sort_keys=True).encode())
 
     def data(self) -> dict[str, Any]:
@@ -110,6 +116,7 @@ class RunInputs:
             tuple(map(str, data.get("libraries", ()))),
             str(data.get("evidence", "")),
             tuple(map(str, data.get("prefixes", ()))),
+            table("variables"),
         )
 
 
@@ -136,6 +143,7 @@ def run_inputs(
         hardware=hardware_digest(settings),
         libraries=_libraries(controller, settings, sources),
         prefixes=_prefixes_of(listed, controller, settings),
+        variables=variable_digests(settings),
     )
     if trace.is_measured:
         # No run of the twin gives this trace again: blocks that are made of it are never fresh.
@@ -188,6 +196,30 @@ def hardware_digest(settings: Settings) -> str:
     return sha256("\n".join((own, *others)).encode())
 
 
+def variable_digests(settings: Settings) -> dict[str, str]:
+    """Return a digest of each environment variable that the settings name, or that it is unset.
+
+    No value stands anywhere: it may be a secret.
+    """
+    values = ((name, os.environ.get(name)) for name in sorted(settings.env))
+    return {
+        name: UNSET if value is None else sha256(f"{name}={value}".encode(errors="surrogateescape"))
+        for name, value in values
+    }
+
+
+def variable_changes(before: Mapping[str, str], now: Mapping[str, str]) -> Iterable[str]:
+    """Yield in words which environment variables differ that both versions name.
+
+    That one is named no more, or newly, is a change of the settings.
+    """
+    for name in sorted({*now} & {*before}):
+        if before[name] != now[name]:
+            verb = "is not set any more" if now[name] == UNSET else "has another value"
+            verb = "is set now" if before[name] == UNSET else verb
+            yield f"environment variable {name} {verb}"
+
+
 def content_digest(data: bytes) -> str:
     """Return a digest of what a file holds.
 
@@ -220,6 +252,7 @@ def stale_reasons(
         *_changed(recorded.sources, lambda file: _code_now(controller, file)),
         *_changed(_comparable(recorded, root), lambda file: file_digest(root / file)),
         *_library_reasons(recorded, _libraries(controller, settings, recorded.sources)),
+        *variable_changes(recorded.variables, variable_digests(settings)),
     )
 
 

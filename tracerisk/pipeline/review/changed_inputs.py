@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from tracerisk.pipeline.freshness.freshness import GONE, RunInputs, value_changes
+from tracerisk.pipeline.freshness.freshness import (
+    GONE,
+    RunInputs,
+    value_changes,
+    variable_changes,
+)
 
 
 def changed_inputs(
@@ -22,6 +27,7 @@ def changed_inputs(
         if values[0] != values[1]:
             what = "the version of tracerisk" if name == "tracerisk" else f"setting {name}"
             yield from value_changes(what, *values)
+    yield from variable_changes(old.variables, new.variables)
 
 
 def _changed_files(
