@@ -8,21 +8,23 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextvars import ContextVar
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 _WRITES = os.O_WRONLY | os.O_RDWR
 _MOST_NOTED = 1000
 _DATABASE = "sqlite3.connect"
 _CACHES = frozenset({"__pycache__", "node_modules", "site-packages", "dist-packages"})
-# They say what a project is: whoever runs its programs looks into them.
-_OF_PROJECTS = frozenset(
-    {
-        *("package.xml", "CMakeLists.txt", "pyproject.toml", "setup.cfg"),
-        *("tracerisk.lock", "tracerisk.evidence"),
-    }
-)
 _CODE = (".py", ".pyc", ".pyi", ".so")
 
+_TOOL = f"{Path(__file__).parents[2]}{os.sep}"
+_BETWEEN = tuple(f"{_TOOL}common{os.sep}{name}{os.sep}" for name in ("sandbox", "text"))
+_FOR_CONTROLLERS = tuple(
+    f"{_TOOL}ros{os.sep}{name}" for name in ("stand_ins", f"graph{os.sep}parameter_files.py")
+)
+
+_frame_of = sys._getframe
+"""Returns a frame; the controller gets another in its place, which hides those of the tool."""
 _is_apart: ContextVar[bool] = ContextVar("is_apart", default=False)
 
 
@@ -40,8 +42,8 @@ class NotedReads:
     """The files below `folders` that this process reads, from when it is watched.
 
     Those with one of the `endings` are noted by who reads them alone, with `add`. Below `data`,
-    files count that are neither code nor hidden, describe no project, and are in no cache and below
-    none of the folders `apart`.
+    files count that are neither code nor hidden, in no cache and below none of the folders `apart`,
+    and that a controller reads: what the tool looks through on its own does not decide the run.
     What the process has written itself counts nowhere.
     """
 
@@ -92,11 +94,24 @@ class NotedReads:
     def _is_data(self, path: str) -> bool:
         if path.startswith(self._apart) or path.endswith(_CODE) or _is_apart.get():
             return False
-        if path.rpartition(os.sep)[2] in _OF_PROJECTS:
+        if self._is_of_tool():
             return False
         folder = max((name for name in self._data if path.startswith(name)), key=len)
         parts = Path(path.removeprefix(folder)).parts
         return not any(part.startswith(".") or part in _CACHES for part in parts)
+
+    def _is_of_tool(self) -> bool:
+        """Return whether the tool opens a file by itself, and no controller or stand-in."""
+        frame: FrameType | None = _frame_of(1)
+        while frame is not None:
+            name = frame.f_code.co_filename
+            if name.startswith(_TOOL):
+                if not name.startswith(_BETWEEN):
+                    return not name.startswith(_FOR_CONTROLLERS)
+            elif name.startswith(self._data) and _CACHES.isdisjoint(Path(name).parts):
+                return False
+            frame = frame.f_back
+        return False
 
     def _note(self, path: str) -> None:
         if len(self._noted) < _MOST_NOTED:

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.sandbox.noted_reads import unnoted
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.launch.find import is_test, launch_texts
 from tracerisk.pipeline.launch.parameter_files import parameter_files
@@ -50,27 +49,22 @@ class ParametersAround:
     def __call__(self, name: str) -> Any:
         """Return the value of a global name, or the dictionary of a namespace; `None` for none."""
         if self._trees is None:
-            # Most of what is looked through gives nothing.
-            with unnoted():
-                self._trees = self._read()
+            own = {
+                self._root,
+                *(package.resolve() for package in self._workspace.packages.values()),
+            }
+            installed = self._workspace.installed
+            needs = (installed[name] for name in declared_needs(self._root) if name in installed)
+            self._trees = [
+                *self._launched(),
+                *_loaded(own, self._rank),
+                *_loaded(needs, self._rank),
+            ]
         for tree, files in self._trees:
             if tree.has(name):
                 self._on_given(name, files)
                 return tree.get(name)
         return None
-
-    def _read(self) -> list[tuple[ParameterTree, tuple[Path, ...]]]:
-        own = {
-            self._root,
-            *(package.resolve() for package in self._workspace.packages.values()),
-        }
-        installed = self._workspace.installed
-        needs = (installed[name] for name in declared_needs(self._root) if name in installed)
-        return [
-            *self._launched(),
-            *_loaded(own, self._rank),
-            *_loaded(needs, self._rank),
-        ]
 
     def _launched(self) -> Iterator[tuple[ParameterTree, tuple[Path, ...]]]:
         texts = launch_texts(self._root, self._workspace, 1)

@@ -16,7 +16,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tracerisk.common.sandbox.limited_process import lower_limit, mark_start
-from tracerisk.common.sandbox.noted_reads import unnoted
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.launch.bringup_parameters import ParametersAround
@@ -91,7 +90,7 @@ def _run(request: RunRequest, samples: SampleWriter, recorder: Recorder) -> None
         project.root,
         request.memory_limit_mb,
         lambda cause: note_run_over(cause, request, world, graph, watches),
-        unnoted()(watches.needs.judge),
+        watches.needs.judge,
         imports.missing,
         scheduler.outlast,
         on_missing=watches.needs.modules_missing,
