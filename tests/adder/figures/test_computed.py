@@ -248,6 +248,35 @@ def test_failures_that_no_mode_has_are_reported_as_harmless(compute):
     assert compute(MOVE, RATE, modes % "0.6", JOINTS).assumptions == ()
 
 
+@pytest.mark.parametrize(
+    ("figure", "is_said"),
+    [
+        ("mttfd: {value: 150, unit: year}", True),
+        ("b10d: {value: 2e7, cycles: {value: 25, per: hour}}", True),
+        ("mttfd: {value: 150, unit: year, dangerous: 0.5}", False),
+        ("b10: {value: 2e7, cycles: {value: 25, per: hour}}", False),
+        ("mtbf: {value: 886000, unit: hour}", False),
+    ],
+)
+def test_figures_of_dangerous_failures_alone_say_so(compute, figure, is_said):
+    lines = compute(MOVE, figure, JOINTS).assumptions
+    assert [line for line in lines if "count dangerous failures alone" in line] == list(lines)
+    assert len(lines) == is_said
+    assert all(line.startswith("part: MTTFd and B10d") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("rated", "working", "is_said"), [(40, 328.15, True), (85, 0, True), (40, 85, False)]
+)
+def test_a_temperature_that_changes_a_rate_beyond_belief_is_said(compute, rated, working, is_said):
+    at = f"temperature: {{rated: {rated}, working: {working}, activation_energy: 0.7}}"
+    lines = compute(MOVE, f"mtbf: {{value: 886000, unit: hour, {at}}}", JOINTS).assumptions
+    assert len(lines) == is_said
+    for line in lines:
+        assert line.startswith("part: the temperature multiplies the rate by ")
+        assert f"are {rated} and {working} in degC" in line
+
+
 def test_figures_with_an_error_factor_are_reported_as_medians(compute):
     rate = "failure_rate: {value: 570, unit: FIT, error_factor: 3%s}"
     (line,) = compute(MOVE, rate % "", JOINTS).assumptions

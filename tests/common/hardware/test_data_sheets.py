@@ -3,7 +3,7 @@
 import mpmath
 import pytest
 
-from tracerisk.common.hardware.formats import read_description
+from tracerisk.common.hardware.formats import read_description, write_description
 from tracerisk.common.hardware.model import Basis
 from tracerisk.errors import InputError
 from tracerisk.pipeline.failure_data.field_failures import read_failures, updated_yaml, updates
@@ -169,3 +169,23 @@ def test_failures_in_the_field_replace_a_mean_time_by_its_rate(tmp_path):
         (component,) = read_description(path).components
         assert component.figures == (changes[0].after,)
         assert component.figures[0].value == pytest.approx(4.5e-6, rel=1e-3)
+
+
+def test_a_temperature_in_kelvin_is_a_warning_in_either_format(tmp_path):
+    at = "rated: 40, working: 328.15, activation_energy: 0.7"
+    yaml = tmp_path / "h.yaml"
+    yaml.write_text(
+        "components:\n  a:\n    twin: {gripper: true}\n"
+        f"    mtbf: {{value: 1e6, unit: hour, temperature: {{{at}}}}}\n"
+    )
+    (warning,) = read_description(yaml).warnings
+    assert warning.startswith(f"{yaml}:2:")
+    assert "a: the temperature multiplies the rate by" in warning
+    assert "between 0.01 and 100: are 40 and 328.15 in degC" in warning
+    sysml = tmp_path / "h.sysml"
+    sysml.write_text(write_description(read_description(yaml), "sysml"))
+    (again,) = read_description(sysml).warnings
+    assert again.partition("a: ")[2] == warning.partition("a: ")[2]
+    usual = yaml.read_text().replace("328.15", "55")
+    yaml.write_text(usual)
+    assert read_description(yaml).warnings == ()

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from tracerisk.adder.quantify.component_activity import ComponentUse
 from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.hardware.model import Basis, Component
+from tracerisk.common.hardware.units import DANGEROUS_KINDS
 
 
 def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
@@ -30,6 +31,19 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
             "the figures are taken to hold at the mean speed of the mission itself, since the "
             "load law states no reference_speed, so a component that always moves faster does not "
             "count as wearing more",
+        ),
+        *_at_temperatures(bound),
+        *_named(
+            bound,
+            lambda component: any(
+                figure.sheet is not None
+                and figure.sheet.kind in DANGEROUS_KINDS
+                and figure.sheet.dangerous is None
+                for figure in component.figures
+            ),
+            "MTTFd and B10d count dangerous failures alone, and `dangerous` does not give their "
+            "share, so failures that end a mission safely are not in the figure; with half of "
+            "them dangerous it is twice as high (ISO 13849-1, C.5)",
         ),
         *_ageing(bound),
         *_harmless(bound),
@@ -55,6 +69,15 @@ def _named(
         if is_so(bound_component.component)
     )
     return (f"{', '.join(names)}: {words}",) if names else ()
+
+
+def _at_temperatures(bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    """Return a line for each rate that its temperature changes by more than is usual."""
+    components = (bound_component.component for bound_component in bound)
+    lines = (
+        f"{component.name}: {words}" for component in components for words in component.unlikely
+    )
+    return tuple(sorted(lines))
 
 
 def _tested(used: Sequence[ComponentUse]) -> tuple[str, ...]:

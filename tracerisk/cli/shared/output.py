@@ -146,7 +146,7 @@ def undetected_exit(mission: MissionFigures, limit: float | None) -> ExitCode:
 
 
 def note_warnings(hardware: Hardware, *, quiet: bool = False) -> None:
-    """Print what was left out of a hardware description, on standard error."""
+    """Print what was left out of a hardware description or is doubtful, on standard error."""
     for warning in hardware.warnings:
         note(f"warning: {warning}", quiet=quiet)
 

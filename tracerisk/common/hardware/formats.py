@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Literal
 
@@ -43,6 +44,11 @@ def read_description(
     `system` names the part of a description in SysML that is the system.
     Raises HardwareError with file, line and column where it is malformed.
     """
+    hardware = _read(path, shown, system)
+    return replace(hardware, warnings=(*hardware.warnings, *hardware.unlikely))
+
+
+def _read(path: Path, shown: str | None, system: str | None) -> Hardware:
     if is_sysml(path):
         # Imported here: YAML is read without the parser of SysML.
         from tracerisk.common.hardware.sysml.sysml_reader import read_sysml

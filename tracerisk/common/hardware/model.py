@@ -257,6 +257,12 @@ class Component:
         return any(map(is_assumed, self.sources()))
 
     @property
+    def unlikely(self) -> list[str]:
+        """What makes the temperatures of its figures doubtful, in words; empty where usual."""
+        at = [figure.sheet.temperature for figure in self.figures if figure.sheet is not None]
+        return [one.unlikely for one in at if one is not None and one.unlikely]
+
+    @property
     def law_sources(self) -> list[str | None]:
         """The sources of its load law and of the failure modes that count for uses of their own."""
         law = [] if self.load_law is None else [self.load_law.source]
@@ -314,4 +320,13 @@ class Hardware:
     source: str | None = None
     """The source of figures that name none; `None` where there is none."""
     warnings: tuple[str, ...] = field(default=(), compare=False)
-    """What of the file was left out, with its places."""
+    """What of the file was left out or is doubtful, with its places."""
+
+    @property
+    def unlikely(self) -> tuple[str, ...]:
+        """The rates that a temperature changes by more than is usual, each with its place."""
+        return tuple(
+            f"{component.location}: {component.name}: {words}"
+            for component in self.components
+            for words in component.unlikely
+        )

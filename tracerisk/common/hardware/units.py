@@ -27,6 +27,8 @@ _BOLTZMANN_EV = 8.617333262e-5  # [eV/K], CODATA 2018
 _ZERO_CELSIUS_K = 273.15
 COLDEST_C, HOTTEST_C = -100.0, 400.0
 """The temperatures that are allowed [degC]."""
+USUAL_FACTORS = (0.01, 100.0)
+"""Between what a temperature usually changes a rate: 0.7 eV from 40 to 105 degC make it 86."""
 _B10_SHARE = 0.1  # of units that have failed after B10 cycles
 
 
@@ -49,6 +51,18 @@ class Temperature:
         """
         rated, working = (value + _ZERO_CELSIUS_K for value in (self.rated, self.working))
         return math.exp(self.activation_energy / _BOLTZMANN_EV * (1.0 / rated - 1.0 / working))
+
+    @property
+    def unlikely(self) -> str:
+        """What makes the factor doubtful, in words; empty where it is a usual one."""
+        least, most = USUAL_FACTORS
+        if least <= self.factor <= most:
+            return ""
+        return (
+            f"the temperature multiplies the rate by {self.factor:.6g}, which is not between "
+            f"{least:g} and {most:g}: are {self.rated:g} and {self.working:g} in degC, of the same "
+            f"place (ambient or junction), and is {self.activation_energy:g} in eV?"
+        )
 
 
 @dataclass(frozen=True, slots=True)
