@@ -163,6 +163,16 @@ def test_a_branch_may_leave_at_the_first_step_and_at_the_last(plain, tmp_path):
     check_equal(controller, settings, nominal, wanted, tmp_path)
 
 
+def test_a_branch_has_read_the_files_of_its_run(tmp_path):
+    (tmp_path / "plan.txt").write_text("1")
+    read = "open(os.path.join(os.path.dirname(os.path.abspath(__file__)), 'plan.txt')).read()"
+    controller, settings, nominal = odd(tmp_path, read, sandbox="off")
+    assert nominal.trace.inputs == ("plan.txt",)
+    for result in run_branches(controller, settings, nominal, [Branch(0), jam(5)]):
+        assert result.reason == ""
+        assert result.done.trace.inputs == ("plan.txt",)
+
+
 def test_a_run_that_claims_branches_without_end_ends_all_the_same(tmp_path):
     claims = (
         'import json; plan = json.load(open(sys.orig_argv[-1]))["plan"];'
