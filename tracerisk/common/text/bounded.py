@@ -11,6 +11,7 @@ import errno
 import math
 import os
 import stat
+from pathlib import Path
 
 from tracerisk.errors import InputError, Location
 

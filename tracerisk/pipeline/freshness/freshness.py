@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.evidence import EVIDENCE_NAME
-from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
+from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes, is_folder
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.version import __version__
 from tracerisk.config import Settings
@@ -386,7 +386,6 @@ def names_file(name: str, value: object, base: Path) -> bool:
     """Whether a setting is the path of a file, or of a folder of hardware, seen from `base`."""
     if name not in _NAMES_OF_FILES or not isinstance(value, str):
         return False
-    from tracerisk.common.text.bounded import is_folder
 
     return bool(Path(value).suffix) or (name == "hardware" and is_folder(base / value))
 
