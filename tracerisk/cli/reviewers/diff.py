@@ -23,7 +23,7 @@ from tracerisk.pipeline.review.textconv import textconv
 from tracerisk.prm.review.change_records import RunVerdicts
 from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
 from tracerisk.report.diff.markdown import render_diff_markdown
-from tracerisk.report.diff.sentences import headline, not_assessed
+from tracerisk.report.diff.sentences import must_do_less, not_assessed, whole_headline
 from tracerisk.report.diff.text import render_diff
 
 if TYPE_CHECKING:
@@ -67,8 +67,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-outcome-change",
         action="store_true",
-        help="exit 1 if the mission brings about something else: objects, rests, grips, uses of "
-        "the cell",
+        help="exit 1 if the mission brings about something else (objects, rests, grips, uses of "
+        "the cell), or if `success` asks less",
     )
     parser.add_argument(
         "--silent-below",
@@ -141,7 +141,7 @@ def _print_json(review: Review, code: ExitCode, exceeded: list[str]) -> None:
     print_json(
         "diff",
         exit_code=int(code),
-        headline=headline(review),
+        headline=whole_headline(review),
         exceeded=exceeded,
         **review_to_json(review),
     )
@@ -176,7 +176,7 @@ def _new_accepts(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
 def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
     if not options.no_outcome_change:
         return []
-    texts = []
+    texts = [f"{must_do_less(diff)}; --no-outcome-change"] if diff.asked_less else []
     if diff.outcome is not None:
         first, *more = diff.outcome.of_mission or ("",)
         rest = f" (and {len(more)} more)" if more else ""

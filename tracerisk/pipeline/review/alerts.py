@@ -114,12 +114,13 @@ def review_alerts(review: Review) -> tuple[Alert, ...]:
     alerts: list[Alert] = []
     for diff in review.controllers:
         alerts += _faults(diff)
-        if diff.outcome is not None:
-            first_line = Location(diff.name, 1)
-            alerts += [
-                _alert("changed-outcome", line, first_line, subject=_FIGURE.sub("#", line))
-                for line in diff.outcome.of_mission
-            ]
+        first_line = Location(diff.name, 1)
+        lines = [f"`success` no longer asks {asked}" for asked in diff.asked_less]
+        lines += () if diff.outcome is None else diff.outcome.of_mission
+        alerts += [
+            _alert("changed-outcome", line, first_line, subject=_FIGURE.sub("#", line))
+            for line in lines
+        ]
         for change in diff.changes:
             field = next(
                 (changed_field for changed_field in change.fields if not changed_field.is_gone),

@@ -23,12 +23,15 @@ from tracerisk.pipeline.review.version_inputs import (
     depends_on,
     description_of,
     inputs_now,
+    scenario_of,
+    success_of,
 )
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 
 if TYPE_CHECKING:
     from tracerisk.common.evidence.cells import Evidence
     from tracerisk.common.hardware.model import Hardware
+    from tracerisk.ros.scenario.success import Condition
 
 NOT_RUN = f"{LOCK_NAME} knows no run of it"
 """Why the blocks of a controller that no lock knows are stale."""
@@ -49,6 +52,9 @@ class ControllerVersion(NamedTuple):
     """What has changed since the run behind the blocks, or that there was none, in words."""
     hardware: Hardware | None = None
     """The hardware description; `None` unless the two versions differ in it."""
+    success: tuple[Condition, ...] | None = ()
+    """What `success` of its scenario declares; empty unless the two versions differ in the
+    scenario, `None` where that cannot be read."""
 
 
 class ReviewedController(NamedTuple):
@@ -224,6 +230,16 @@ def _of_other_run(
             is_lost = kept_outcome(before.trace) is not None and changes is None
             if is_lost or (changes is not None and changes.of_mission):
                 yield name
+                continue
+        if _has_other_scenario(locks, name):
+            yield name
+
+
+def _has_other_scenario(locks: tuple[Locks, Locks], name: str) -> bool:
+    before, after = (one.run_of(name) for one in locks)
+    if before is None or after is None:
+        return False
+    return scenario_of(before, locks[0].changed) != scenario_of(after, locks[1].changed)
 
 
 def _made_stale(
@@ -259,7 +275,27 @@ def _reviewed(
             version._replace(hardware=_description(one, path, version))
             for one, path, version in zip(locks, names, (before, after), strict=True)
         )
+    if known[0] and known[1]:
+        before, after = _with_success(locks, names, (before, after))
     return ReviewedController(name, was, before, after)
+
+
+def _with_success(
+    locks: tuple[Locks, Locks],
+    names: tuple[str, str],
+    versions: tuple[ControllerVersion, ControllerVersion],
+) -> tuple[ControllerVersion, ControllerVersion]:
+    """Return the versions of a controller with their `success`, if their scenarios differ."""
+    before, after = (one.run_of(path) for one, path in zip(locks, names, strict=True))
+    if before is None or after is None:
+        return versions
+    old, new = scenario_of(before, locks[0].changed), scenario_of(after, locks[1].changed)
+    if old == new:
+        return versions
+    return (
+        versions[0]._replace(success=success_of(before, old)),
+        versions[1]._replace(success=success_of(after, new)),
+    )
 
 
 def _hardware(version: ControllerVersion) -> tuple[str, object]:

@@ -218,6 +218,7 @@ def difference(
             after is not None,
             names,
         )
+    asked = _asked(controller)
     changes_of_run = run_changes(controller.before, controller.after, names)
     diff = replace(
         diff,
@@ -233,6 +234,8 @@ def difference(
             if before is None or after is None
             else evidence_change(controller.before, controller.after)
         ),
+        asked_less=asked[0],
+        asked_newly=asked[1],
     )
     # Where a run went wrong, no cause of a difference is one.
     return diff if diff.is_comparable else replace(diff, causes=())
@@ -289,6 +292,20 @@ def _outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeCh
     if not in_both or before is None or after is None:
         return None
     return kept_changes(before.trace, after.trace)
+
+
+def _asked(controller: ReviewedController) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return what `success` of the later version asks less, and what it newly asks."""
+    old, new = controller.before.success, controller.after.success
+    if old is None or new is None:
+        which = "earlier" if old is None else "later"
+        why = f"the scenario of the {which} version cannot be read"
+        return (f"what it asked, as far as is known: {why}",), ()
+    if old == new:
+        return (), ()
+    from tracerisk.pipeline.mission.asked import asked_less, asked_newly  # few changes touch it
+
+    return asked_less(old, new), asked_newly(old, new)
 
 
 def _of_outcomes(controller: ReviewedController) -> Iterator[str]:

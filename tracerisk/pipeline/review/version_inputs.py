@@ -31,6 +31,7 @@ from tracerisk.pipeline.workspace.project import Project
 
 if TYPE_CHECKING:
     from tracerisk.common.hardware.model import Hardware
+    from tracerisk.ros.scenario.success import Condition
 
 PROJECT_FILE = "pyproject.toml"
 
@@ -123,6 +124,48 @@ def description_of(run: RunOfVersion, inputs: RunInputs) -> Hardware | None:
         with _as_files(run.version, _described_by(run.version, path)) as top:
             system = inputs.settings.get("system")
             return read_description(top / path, shown=path, system=system)
+    except TraceRiskError:
+        return None
+
+
+class ScenarioOfVersion(NamedTuple):
+    """The scenario of a version; two are equal where the versions have the same."""
+
+    name: str
+    """Its path from the lock's folder; empty for no scenario."""
+    digest: str
+    """Of what is in it; by the lock where git does not track it."""
+
+
+def scenario_of(run: RunOfVersion, changed: Collection[str]) -> ScenarioOfVersion:
+    """Return which scenario a version has, by its settings."""
+    recorded = run.recorded
+    settings = _settings_now(run, changed) or recorded.settings
+    name = str(settings.get("scenario") or "")
+    path = run.path_of(name) if name else None
+    if path is None:
+        return ScenarioOfVersion(name, recorded.files.get(name, ""))
+    content = run.version.file(path)
+    if content is not None:
+        return ScenarioOfVersion(name, content_digest(content))
+    return ScenarioOfVersion(name, GONE if path in changed else recorded.files.get(name, GONE))
+
+
+def success_of(run: RunOfVersion, scenario: ScenarioOfVersion) -> tuple[Condition, ...] | None:
+    """Return what a scenario declares under `success`; nothing without a scenario.
+
+    `None` for one that the version does not have, or that cannot be read.
+    """
+    from tracerisk.ros.scenario.file.scenario_reader import read_scenario  # few changes touch it
+
+    if not scenario.name:
+        return ()
+    path = run.path_of(scenario.name)
+    if path is None or run.version.file(path) is None:
+        return None
+    try:
+        with _as_files(run.version, [path]) as top:
+            return read_scenario(top / path).success
     except TraceRiskError:
         return None
 

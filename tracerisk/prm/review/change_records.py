@@ -357,6 +357,10 @@ class RiskDiff:
     evidence_change: str = ""
     """That the values of only one version take evidence, and why; empty where both or neither do.
     """
+    asked_less: tuple[str, ...] = ()
+    """What `success` of the scenario asked and does not ask any more, one sentence each."""
+    asked_newly: tuple[str, ...] = ()
+    """What `success` of the scenario newly asks, one sentence each."""
 
     @property
     def is_comparable(self) -> bool:
@@ -383,8 +387,10 @@ class RiskDiff:
         """Whether the later figure may be said to rise or fall, by what the runs brought about.
 
         A run with a different result is a different mission. A run that left out part of the way
-        does less, so it must not count as safer.
+        does less, so it must not count as safer; nor must one of which `success` asks less.
         """
+        if self._falls and self.asked_less:
+            return False
         if self.outcome is None:
             return True
         return not self.outcome.result and not (self._falls and self.outcome.lost)
@@ -467,6 +473,8 @@ class RiskDiff:
         if self.before is None or self.after is None or self.pins:
             return True
         if self.of_run or self.of_evidence:
+            return True
+        if self.asked_less or self.asked_newly:
             return True
         runs = self.verdicts
         if runs is not None and (runs.new_acceptances or runs.does_less or _is_news(runs)):

@@ -38,6 +38,8 @@ def render_diff_markdown(review: Review, *, link_base: str | None = None) -> str
     shown = review.controllers[:MOST_CONTROLLERS]
     head = [TAG]
     verdicts = sentences.verdict_lines(review, only_wrong=True)[:MOST_CONTROLLERS]
+    less = [f"**{links.text(line)}**" for line in sentences.asked_less(shown)]
+    head += [line for text in less for line in (text, "")]
     for line in (*sentences.acceptances(shown), *verdicts):
         head += [links.text(line), ""]
     headline = sentences.headline(review, below_verdicts=bool(verdicts), one_in_n=True)

@@ -29,6 +29,8 @@ OF_EVIDENCE = "What failures on the twin do now that they did not before"
 OF_OUTCOME = "What changed in what the mission does"
 MOST_OF_KIND = 6
 """How many sentences on the outcome of one kind are shown; --json has all."""
+ASKED_LESS = "What `success` no longer asks"
+ASKED_NEWLY = "What `success` newly asks"
 OF_VISITS = "Functions that run more or less often"
 OF_PACE = "What takes another time"
 OF_HARDWARE = "What changed in the hardware description"
@@ -82,6 +84,11 @@ def headline(review: Review, *, below_verdicts: bool = False, one_in_n: bool = F
         return f"The risk of {len(review.controllers)} controllers is unchanged."
     lead = f"The risk of {len(changed)} of {len(review.controllers)} controllers changed"
     return f"{lead}. The greatest change: {said(changed[0])}."
+
+
+def whole_headline(review: Review) -> str:
+    """Return the headline, behind which controllers must do less."""
+    return " ".join((*(f"{line}." for line in asked_less(review.controllers)), headline(review)))
 
 
 def verdict_lines(review: Review, *, only_wrong: bool = False) -> list[str]:
@@ -145,12 +152,27 @@ def acceptances(diffs: Sequence[RiskDiff]) -> list[str]:
     return lines
 
 
+def asked_less(diffs: Sequence[RiskDiff]) -> list[str]:
+    """Return of which controllers `success` asks less, a line each: this stands before all else."""
+    return [f"{diff.name} {must_do_less(diff)}" for diff in diffs if diff.asked_less]
+
+
+def must_do_less(diff: RiskDiff) -> str:
+    """Return that `success` asks less, and the first that it does not ask any more."""
+    first, *more = diff.asked_less
+    rest = f" (and {len(more)} more)" if more else ""
+    return f"must do less: `success` no longer asks {first}{rest}"
+
+
 def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     """Return what the later run brought about otherwise, and what broke and was repaired.
 
     Each comes with its title, before any figure is shown.
     """
-    pairs: list[tuple[str, list[str]]] = []
+    pairs = [
+        (ASKED_LESS, list(_at_most(diff.asked_less if len(diff.asked_less) > 1 else ()))),
+        (ASKED_NEWLY, list(_at_most(diff.asked_newly))),
+    ]
     if diff.outcome is not None:
         kinds = (diff.outcome.result, diff.outcome.lost, diff.outcome.added)
         pairs.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
@@ -215,20 +237,24 @@ def _at_most(lines: tuple[str, ...]) -> tuple[str, ...]:
     return (*lines[:MOST_OF_KIND], f"and {len(lines) - MOST_OF_KIND} more; --json lists them")
 
 
-def _other_mission(diff: RiskDiff, outcome: OutcomeChanges) -> str:
+def _other_mission(diff: RiskDiff) -> str:
     """Return what another mission does otherwise, and both figures side by side."""
     figures = [version for version in (diff.before, diff.after) if version is not None]
-    first, *more = (*outcome.result, *outcome.lost)
-    rest = f" (and {len(more)} more)" if more else ""
+    outcome = OutcomeChanges() if diff.outcome is None else diff.outcome
     old, new = figures[0].failure_probability, figures[-1].failure_probability
-    what = "does something else" if outcome.result else "does less"
-    if diff.goes_another_way:
-        what = _ANOTHER_WAY
-    apart = "by different ways" if diff.goes_another_way else "of different missions"
+    # What it must not do any more stands before all else.
+    said, apart = "must do less", "of different missions"
+    if diff.goes_another_way or outcome.does_something_else:
+        first, *more = (*outcome.result, *outcome.lost)
+        rest = f" (and {len(more)} more)" if more else ""
+        what = "does something else" if outcome.result else "does less"
+        if diff.goes_another_way:
+            what, apart = _ANOTHER_WAY, "by different ways"
+        said = f"{what}: {first}{rest}"
     failure = f"{probability(new)} now and was {probability(old)}, {apart}"
     if diff.is_unchanged:
         failure = f"{probability(new)} for both {'ways' if diff.goes_another_way else 'missions'}"
-    return f"{diff.name} {what}: {first}{rest}; mission failure is {failure}"
+    return f"{diff.name} {said}; mission failure is {failure}"
 
 
 def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool) -> str:
@@ -258,9 +284,9 @@ def _incomparable(diff: RiskDiff, verdicts: RunVerdicts, *, below_verdict: bool)
 def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = False) -> str:
     """Return what a change did to one controller's risk, without the full stop."""
     missions = "" if diff.after is None or not one_in_n else _missions(diff.after)
-    if diff.outcome is not None and diff.is_other_mission:
+    if diff.is_other_mission:
         evidence = f"; {diff.evidence_change}" if diff.evidence_change else ""
-        return _other_mission(diff, diff.outcome) + evidence + _stale(diff)
+        return _other_mission(diff) + evidence + _stale(diff)
     if diff.verdicts is not None and not diff.are_runs_comparable:
         return _incomparable(diff, diff.verdicts, below_verdict=below_verdict)
     if diff.before is None:

@@ -25,7 +25,11 @@ def render_diff(review: Review, *, width: int = 80) -> str:
     """
     room = max(width, 60)
     lines = []
-    for line in (*sentences.acceptances(review.controllers), *sentences.verdict_lines(review)):
+    for line in (
+        *sentences.asked_less(review.controllers),
+        *sentences.acceptances(review.controllers),
+        *sentences.verdict_lines(review),
+    ):
         lines += _wrapped(line, room, hanging=2)
     lines += [*_wrapped(sentences.headline(review, below_verdicts=True), room), ""]
     if review.controllers:

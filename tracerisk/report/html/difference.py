@@ -40,7 +40,7 @@ def difference_section(report: ReportInput) -> Section | None:
     runs, data = _both_runs(report, review)
     html = rendered(
         "difference.html.j2",
-        headline=sentences.headline(review),
+        headline=sentences.whole_headline(review),
         before=review.before,
         after=review.after,
         controllers=[

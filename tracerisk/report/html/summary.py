@@ -33,7 +33,7 @@ def lead(report: ReportInput) -> Markup:
         agreement=agreement,
         counts=_counts(report),
         end=_end(report),
-        since=sentences.headline(report.review) if report.review is not None else "",
+        since=sentences.whole_headline(report.review) if report.review is not None else "",
         outcome=report.outcome,
         no_trace=report.no_trace,
         # What stands beside the headline is the replay, which colours the arm by its risk.

@@ -1,0 +1,80 @@
+"""What a later `success` asks less than an earlier one, condition by condition."""
+
+import pytest
+
+from tracerisk.pipeline.mission.asked import asked_less, asked_newly
+from tracerisk.ros.scenario.file.scenario_reader import read_scenario
+
+# Each second condition asks more than the first, or the same in other words.
+STRICTER = (
+    ("{object: cup, at: tray, within: 0.05}", "{object: cup, at: tray}"),
+    ("{object: cup, at: tray}", "{object: cup, at: tray, tilt: 0.1}"),
+    ("{object: cup, tilt: 0.2}", "{object: cup, tilt: 0.1}"),
+    ("{object: cup, moved: true}", "{object: cup, moved: true, within: 0.2}"),
+    ("{object: cup, moved: false, within: 0.2}", "{object: cup, moved: false}"),
+    ("{object: cup, at: tray}", "{object: cup, at: tray, rests_on: tray}"),
+    ("{object: cup}", "{object: cup, within: 0.001}"),
+    ("{joints: {a: 1.0}}", "{joints: {a: 1.0, b: 2.0}}"),
+    ("{reached: {a: 1.0}, within: 0.1}", "{reached: {a: 1.0}}"),
+    ("{link: tool, at: [1, 2, 3], within: 0.1}", "{link: tool, at: [1, 2, 3]}"),
+    ("{called: weld}", "{called: weld, times: 2}"),
+    ("{called: weld}", "{called: weld, exactly: 1}"),
+    ("{called: weld}", "{called: weld, with: {seam: 3}}"),
+    ("{within_s: 30}", "{within_s: 20}"),
+    (
+        "{steps: [{called: weld}, {object: cup, at: tray}]}",
+        "{steps: [{called: weld, times: 2}, {object: cup, at: tray}]}",
+    ),
+)
+# Neither of the two asks all that the other asks.
+OTHER = (
+    ("{object: cup, at: tray}", "{object: cup, at: shelf}"),
+    ("{object: cup, at: tray}", "{object: can, at: tray}"),
+    ("{object: cup, moved: true}", "{object: cup, moved: false}"),
+    ("{object: cup, held_by: hand}", "{object: cup, held_by: claw}"),
+    ("{called: weld, exactly: 1}", "{called: weld, exactly: 2}"),
+    ("{joints: {a: 1.0}}", "{joints: {a: 2.0}}"),
+    ("{joints: {a: 1.0}}", "{reached: {a: 1.0}}"),
+)
+
+
+@pytest.fixture
+def success(tmp_path):
+    def read(*lines):
+        file = tmp_path / "cell.yaml"
+        file.write_text("success:\n" + "".join(f"- {line}\n" for line in lines))
+        return read_scenario(file).success
+
+    return read
+
+
+@pytest.mark.parametrize(("loose", "strict"), STRICTER)
+def test_what_asks_more_asks_nothing_less(success, loose, strict):
+    old, new = success(loose), success(strict)
+    assert asked_less(old, new) == ()
+    assert asked_newly(old, new) == (new[0].words,)
+    (less,) = asked_less(new, old)
+    assert less == f"{new[0].words}; now: {old[0].words}"
+    assert asked_newly(new, old) == ()
+
+
+@pytest.mark.parametrize(("one", "other"), OTHER)
+def test_what_asks_something_else_asks_less(success, one, other):
+    for old, new in ((success(one), success(other)), (success(other), success(one))):
+        (less,) = asked_less(old, new)
+        assert less.startswith(old[0].words)
+
+
+def test_a_line_that_nobody_confirms_any_more_asks_less(success):
+    line = "{object: cup, at: tray}"
+    confirmed, assumed = success(line), success(f"{line} # assumed")
+    assert assumed[0].is_assumed
+    (less,) = asked_less(confirmed, assumed)
+    assert "assumed: nobody has confirmed it" in less
+    assert asked_less(assumed, confirmed) == ()
+
+
+def test_the_order_of_lines_is_no_change(success):
+    lines = ("{object: cup, at: tray}", "{called: weld}")
+    old, new = success(*lines), success(*reversed(lines))
+    assert asked_less(old, new) == asked_newly(old, new) == ()

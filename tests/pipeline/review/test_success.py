@@ -1,0 +1,107 @@
+"""A change of what `success` asks: what it asks less is said first, and is stopped by a gate."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from tests.pipeline.review.test_review import lock_of, only, write
+from tracerisk.common.text.digests import sha256
+from tracerisk.common.text.plain_data import plain_data
+from tracerisk.common.verdict import Coverage, Verdict
+from tracerisk.pipeline.review.review import review
+
+COMPLETE = plain_data(Verdict("complete", (), Coverage(1, 1)))
+STRICT = "success:\n- {object: cup, at: tray}\n- {called: weld, times: 2}\n"
+LOOSE = STRICT.replace("at: tray", "at: tray, within: 0.05")
+SETTINGS = '[tool.tracerisk]\nscenario = "cell.yaml"\n'
+SAID = (
+    "pick.py must do less: `success` no longer asks cup at tray within 0.01 m; now: cup at tray "
+    "within 0.05 m"
+)
+
+
+@pytest.fixture
+def cell(repository, annotated_source):
+    """Two versions of a controller, each with its scenario (`None`: no scenario) and its run."""
+
+    def make(before, after, *, figures=("2e-07", "2e-07"), is_run=True):
+        for index, (scenario, figure) in enumerate(zip((before, after), figures, strict=True)):
+            source = {"pick.py": annotated_source(place=("done 1", f"gripper = {figure}"))}
+            inputs = {}
+            if scenario is not None:
+                inputs = {
+                    "files": {"cell.yaml": sha256(scenario.encode())},
+                    "settings": {"scenario": "cell.yaml"},
+                }
+                repository.write("cell.yaml", scenario)
+            else:
+                (repository.folder / "cell.yaml").unlink()
+            repository.write("pyproject.toml", SETTINGS if scenario is not None else "")
+            if index == 0 or is_run:
+                entry = replace(lock_of(source, "pick.py", **inputs), trace={"verdict": COMPLETE})
+                write(repository, source, ("pick.py", entry))
+            if index == 0:
+                repository.commit()
+        return repository
+
+    return make
+
+
+@pytest.mark.parametrize("is_run", [True, False])
+def test_a_looser_success_is_the_first_thing_said_in_every_output(cell, is_run):
+    repository = cell(STRICT, LOOSE, is_run=is_run)
+    assert " ".join(repository.run("diff", "HEAD").out.split()).startswith(f"{SAID} ")
+    comment = repository.run("diff", "HEAD", "--format", "markdown", "--silent-below", "0.01").out
+    first = next(line for line in comment.splitlines() if line and not line.startswith("<!--"))
+    assert "must do less" in first
+    assert "within 0.05 m" in first
+    assert repository.run("diff", "HEAD", "--json").json["headline"].startswith(f"{SAID}. ")
+    assert repository.run("report", "pick.py", "--against", "HEAD", "-o", "r.html").code == 0
+    page = repository.read("r.html").decode()
+    assert page.count("pick.py must do less: ") == 2
+    repository.run("diff", "HEAD", "--sarif", "alerts.sarif")
+    results = json.loads(repository.read("alerts.sarif"))["runs"][0]["results"]
+    assert any("no longer asks cup" in result["message"]["text"] for result in results)
+
+
+def test_a_gate_stops_it(cell):
+    repository = cell(STRICT, LOOSE)
+    assert repository.run("diff", "HEAD").code == 0
+    done = repository.run("diff", "HEAD", "--no-outcome-change")
+    assert done.code == 1
+    assert f"{SAID.replace('pick.py must', 'pick.py: must')}; --no-outcome-change" in done.err
+
+
+def test_a_scenario_that_is_gone_asks_nothing(cell):
+    diff = only(review(["HEAD"], cell(STRICT, None).folder))
+    assert diff.asked_less == ("cup at tray within 0.01 m", "called /weld 2 times")
+
+
+def test_a_robot_that_must_do_less_never_looks_safer(cell):
+    repository = cell(STRICT, LOOSE, figures=("4e-07", "2e-07"))
+    diff = only(review(["HEAD"], repository.folder))
+    assert not diff.is_comparable
+    out = " ".join(repository.run("diff", "HEAD").out.split())
+    assert "falls" not in out
+    assert "not comparable" in out
+    assert "pick.py must do less; mission failure is 2.000e-07 now and was 4.000e-07" in out
+
+
+def test_a_stricter_success_is_told_and_stopped_by_no_gate(cell):
+    repository = cell(LOOSE, STRICT + "- within_s: 30\n")
+    diff = only(review(["HEAD"], repository.folder))
+    assert diff.asked_less == ()
+    assert diff.asked_newly == ("cup at tray within 0.01 m", "over within 30 s")
+    assert "What `success` newly asks" in repository.run("diff", "HEAD").out
+    assert "--no-outcome-change" in repository.run("diff", "HEAD", "--no-outcome-change").err
+
+
+def test_a_scenario_that_asks_the_same_says_nothing(cell):
+    diff = only(review(["HEAD"], cell(STRICT, f"# Two welds.\n{STRICT}").folder))
+    assert diff.asked_less == diff.asked_newly == ()
+
+
+def test_a_scenario_that_cannot_be_read_is_no_success(cell):
+    (said,) = only(review(["HEAD"], cell(STRICT, "success: 3\n").folder)).asked_less
+    assert "the scenario of the later version cannot be read" in said
