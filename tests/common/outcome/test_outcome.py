@@ -396,11 +396,14 @@ def test_grippers_are_compared_each_with_itself():
     assert changes.added == ("left_hand newly closes on nothing",)
 
 
+MOVED = "cup_2 is new in the scene and is moved by 300 mm to (0.400, -0.200, 0.050) m"
+
+
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ({}, "cup_2 is new in the scene and is moved by 300 mm, ends on table"),
-        ({"rests_on": ""}, "cup_2 is new in the scene and is moved by 300 mm, ends on nothing"),
+        ({}, f"{MOVED}, ends on table"),
+        ({"rests_on": ""}, f"{MOVED}, ends on nothing"),
         ({"held_in": "hand"}, "cup_2 is new in the scene and ends held in hand"),
         ({"end": (0.4, 0.1, 0.05)}, "cup_2 is new in the scene and is not moved"),
     ],
@@ -425,3 +428,14 @@ def test_a_use_of_a_gripper_that_both_runs_have_comes_more_or_less_often():
     less = outcome_changes(after, WHOLE).lost
     assert f"hand opens one time less, {place}" in less
     assert "hand no longer grips cup_2" in less
+
+
+def test_of_an_object_that_was_not_moved_before_it_is_said_where_it_ends():
+    still = replace(WHOLE, objects=(thing(), thing("cup_2", end=(0.4, 0.1, 0.05))))
+    moved = replace(WHOLE, objects=(thing(), thing("cup_2")))
+    changes = outcome_changes(still, moved)
+    assert changes.result[0] == (
+        "cup_2 is moved by 300 mm to (0.400, -0.200, 0.050) m, before: not moved"
+    )
+    assert changes.newly_moved == ("cup_2",)
+    assert outcome_changes(moved, still).newly_moved == ()

@@ -359,7 +359,8 @@ def test_of_another_mission_it_is_said_how_often_functions_run(repository, annot
     for form in ("text", "markdown"):
         out = repository.run("diff", "HEAD", "pick.py", "--format", form).out
         plain = " ".join(out.replace("\\", "").split())
-        assert "second_cup is new in the scene and is moved by 200 mm, ends on table" in plain
+        moved = "is moved by 200 mm to (0.300, 0.200, 0.100) m, ends on table"
+        assert f"second_cup is new in the scene and {moved}" in plain
         assert "place: 2 visits, before: 1" in plain
 
 

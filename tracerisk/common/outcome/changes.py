@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from tracerisk.common.outcome.alignment import aligned
-from tracerisk.common.outcome.arm import Position, angle_between
+from tracerisk.common.outcome.arm import angle_between
 from tracerisk.common.outcome.outcome import (
     CellUse,
     GripperUse,
@@ -22,7 +22,14 @@ from tracerisk.common.outcome.outcome import (
     Rest,
     Step,
 )
-from tracerisk.common.outcome.result_changes import VERBS, cell_changes, millimetres, object_changes
+from tracerisk.common.outcome.result_changes import (
+    VERBS,
+    cell_changes,
+    millimetres,
+    newly_moved,
+    object_changes,
+    position_words,
+)
 from tracerisk.common.outcome.tolerances import OPENING, ROUNDING, TOLERANCES, Tolerances
 from tracerisk.common.outcome.ways import ways_apart
 
@@ -47,6 +54,8 @@ class OutcomeChanges:
     """Which rests and ways take another time."""
     is_other_way: bool = False
     """Whether `lost` is only rests that are elsewhere now, and other ways between rests."""
+    newly_moved: tuple[str, ...] = ()
+    """The names of objects that only the later run moves."""
 
     def __bool__(self) -> bool:
         return bool(self.result or self.lost or self.added or self.pace)
@@ -73,16 +82,19 @@ def outcome_changes(
     """Return how what a later run brought about differs from that of an earlier one."""
     comparison = _Comparison(old, new, tolerances)
     objects, cell = object_changes(old, new, tolerances), cell_changes(old, new)
+    moved = newly_moved(old, new, tolerances)
     joints = [tuple(arm.joints for arm in outcome.arms) for outcome in (old, new)]
     if joints[0] != joints[1] and all(joints):
         other = comparison.other_joints()
-        return OutcomeChanges(result=(*objects, *other, *cell))
+        return OutcomeChanges(result=(*objects, *other, *cell), newly_moved=moved)
     lost, added = comparison.way()
     result = (*objects, *cell, *comparison.last_rest())
     kinds = (result, lost, added, comparison.pace())
     told = [tuple(dict.fromkeys(sentences)) for sentences in kinds]
     is_other_way = bool(lost) and set(lost) <= comparison.other_places()
-    return OutcomeChanges(told[0], told[1], told[2], told[3], is_other_way)
+    return OutcomeChanges(
+        told[0], told[1], told[2], told[3], is_other_way=is_other_way, newly_moved=moved
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -345,7 +357,7 @@ class _Comparison:
     def _rest_name(self, rest: Rest) -> str:
         total = sum(result.arm == rest.arm for result in self._old.rests)
         of = "" if self._old.left_out else f" of {total}"
-        return f"rest {self._number(rest)}{of} at {_place(rest.tool_m)}"
+        return f"rest {self._number(rest)}{of} at {position_words(rest.tool_m)}"
 
     def _grip_changes(
         self, gone: Sequence[Step], come: Sequence[Step], added: list[str]
@@ -379,7 +391,7 @@ def _oftener(use: GripperUse, here: Outcome, other: Outcome, word: str) -> str:
     if all((known.gripper, _grip(known)) != what for known in other.grips):
         return ""
     rests = [rest for rest in here.rests if rest.order < use.order]
-    place = f", at {_place(rests[-1].tool_m)}" if rests and len(here.arms) == 1 else ""
+    place = f", at {position_words(rests[-1].tool_m)}" if rests and len(here.arms) == 1 else ""
     return f"{use.gripper} {_grip(use)} one time {word}{place}"
 
 
@@ -410,7 +422,7 @@ def _rests_before(outcome: Outcome) -> dict[int, Rest | None]:
 
 def _new_rests(rests: Sequence[Rest]) -> Iterator[str]:
     """Yield rests in a row that are new, many of them in one sentence."""
-    places = [_place(rest.tool_m) for rest in rests]
+    places = [position_words(rest.tool_m) for rest in rests]
     if len(places) < _IN_A_ROW:
         yield from (f"a rest at {place} is new" for place in places)
         return
@@ -427,7 +439,3 @@ def _after_rest(number: int) -> str:
 
 def _is_other_time(one: float, other: float) -> bool:
     return abs(one - other) > _PACE_S and max(one, other) > _PACE_RATIO * min(one, other)
-
-
-def _place(place: Position) -> str:
-    return f"({', '.join(f'{value:.3f}' for value in place)}) m"

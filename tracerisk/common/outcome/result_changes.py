@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from tracerisk.common.outcome.arm import Position
 from tracerisk.common.outcome.outcome import CellCount, ObjectOutcome, Outcome
 from tracerisk.common.outcome.tolerances import ROUNDING, Tolerances, is_same_content
 
@@ -40,7 +41,8 @@ def _is_moved(found: ObjectOutcome, limits: Tolerances) -> str:
         return f" and ends held in {found.held_in}"
     if not off:
         return " and is not moved"
-    return f" and is moved by {millimetres(off)}, ends on {found.rests_on or 'nothing'}"
+    to = position_words(found.end_m)
+    return f" and is moved by {millimetres(off)} to {to}, ends on {found.rests_on or 'nothing'}"
 
 
 def _was_moved(found: ObjectOutcome, limits: Tolerances) -> str:
@@ -64,7 +66,8 @@ def _object(old: ObjectOutcome, new: ObjectOutcome, limits: Tolerances) -> Itera
             yield f"{name} is no longer moved"
             return
         elif is_moved and not was_moved:
-            yield f"{name} is moved by {millimetres(is_moved)}, before: not moved"
+            to = position_words(new.end_m)
+            yield f"{name} is moved by {millimetres(is_moved)} to {to}, before: not moved"
         else:
             yield f"{name} ends {millimetres(off)} from where it ended"
     if tipped > limits.angle_deg * ROUNDING:
@@ -129,6 +132,18 @@ def _held(found: ObjectOutcome) -> str:
 
 def _times(number: int) -> str:
     return {0: "never", 1: "once", 2: "twice"}.get(number, f"{number} times")
+
+
+def newly_moved(old: Outcome, new: Outcome, limits: Tolerances) -> tuple[str, ...]:
+    """Return the names of objects that only the later run moves, or has and moves."""
+    before = {found.name for found in old.objects if _moved_m(found, limits)}
+    moved = (found.name for found in new.objects if _moved_m(found, limits))
+    return tuple(sorted(name for name in moved if name not in before))
+
+
+def position_words(place: Position) -> str:
+    """Return a position [m] in words."""
+    return f"({', '.join(f'{value:.3f}' for value in place)}) m"
 
 
 def millimetres(length: float) -> str:

@@ -54,7 +54,7 @@ class ControllerVersion(NamedTuple):
     """The hardware description; `None` unless the two versions differ in it."""
     success: tuple[Condition, ...] | None = ()
     """What `success` of its scenario declares; empty unless the two versions differ in the
-    scenario, `None` where that cannot be read."""
+    scenario or the outcome, `None` where that cannot be read."""
 
 
 class ReviewedController(NamedTuple):
@@ -285,13 +285,16 @@ def _with_success(
     names: tuple[str, str],
     versions: tuple[ControllerVersion, ControllerVersion],
 ) -> tuple[ControllerVersion, ControllerVersion]:
-    """Return the versions of a controller with their `success`, if their scenarios differ."""
+    """Return the versions with their `success`, if their scenarios or outcomes differ."""
     before, after = (one.run_of(path) for one, path in zip(locks, names, strict=True))
     if before is None or after is None:
         return versions
     old, new = scenario_of(before, locks[0].changed), scenario_of(after, locks[1].changed)
-    if old == new:
+    if old == new and before.entry.trace.get(OUTCOME) == after.entry.trace.get(OUTCOME):
         return versions
+    if old == new:
+        success = success_of(after, new) or ()
+        return versions[0]._replace(success=success), versions[1]._replace(success=success)
     return (
         versions[0]._replace(success=success_of(before, old)),
         versions[1]._replace(success=success_of(after, new)),

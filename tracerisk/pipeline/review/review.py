@@ -219,6 +219,7 @@ def difference(
             names,
         )
     asked = _asked(controller)
+    outcome = _outcome_changes(controller, before is not None and after is not None)
     changes_of_run = run_changes(controller.before, controller.after, names)
     diff = replace(
         diff,
@@ -228,7 +229,8 @@ def difference(
         hardware=_hardware_changes(controller),
         hardware_file=controller.after.hardware.file if controller.after.hardware else "",
         stale=_stale(controller, diff),
-        outcome=_outcome_changes(controller, before is not None and after is not None),
+        outcome=outcome,
+        not_asked=_not_asked(controller, outcome),
         evidence_change=(
             ""
             if before is None or after is None
@@ -306,6 +308,16 @@ def _asked(controller: ReviewedController) -> tuple[tuple[str, ...], tuple[str, 
     from tracerisk.pipeline.mission.asked import asked_less, asked_newly  # few changes touch it
 
     return asked_less(old, new), asked_newly(old, new)
+
+
+def _not_asked(controller: ReviewedController, outcome: OutcomeChanges | None) -> tuple[str, ...]:
+    """Return which objects the mission newly moves and a declared `success` does not name."""
+    success = controller.after.success
+    if not success or outcome is None:
+        return ()
+    parts = [part for condition in success for part in (condition, *condition.steps)]
+    named = {part.name for part in parts if part.kind == "object"}
+    return tuple(name for name in outcome.newly_moved if name not in named)
 
 
 def _of_outcomes(controller: ReviewedController) -> Iterator[str]:

@@ -359,6 +359,8 @@ class RiskDiff:
     """
     asked_less: tuple[str, ...] = ()
     """What `success` of the scenario asked and does not ask any more, one sentence each."""
+    not_asked: tuple[str, ...] = ()
+    """Objects that the mission newly moves and of which `success` asks nothing, by name."""
     asked_newly: tuple[str, ...] = ()
     """What `success` of the scenario newly asks, one sentence each."""
 

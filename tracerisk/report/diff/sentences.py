@@ -31,6 +31,7 @@ MOST_OF_KIND = 6
 """How many sentences on the outcome of one kind are shown; --json has all."""
 ASKED_LESS = "What `success` no longer asks"
 ASKED_NEWLY = "What `success` newly asks"
+NOT_ASKED = "What the mission newly moves and `success` does not name"
 OF_VISITS = "Functions that run more or less often"
 OF_PACE = "What takes another time"
 OF_HARDWARE = "What changed in the hardware description"
@@ -176,6 +177,7 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     if diff.outcome is not None:
         kinds = (diff.outcome.result, diff.outcome.lost, diff.outcome.added)
         pairs.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
+        pairs.append((NOT_ASKED, list(_at_most(diff.not_asked))))
         if diff.is_other_mission:
             pairs.append((OF_VISITS, list(_at_most(tuple(_visits(diff))))))
     if diff.verdicts is not None:
