@@ -1,5 +1,6 @@
 import hashlib
 import json
+import re
 import subprocess
 import sys
 
@@ -179,6 +180,35 @@ def test_the_difference_to_a_revision_stands_behind_the_replay(kept):
 def test_against_takes_one_revision(kept, capsys):
     assert main(["report", "controller.py", "-o", "out.html", "--against", "A..B"]) == 2
     assert "--against takes one revision" in capsys.readouterr().err
+
+
+def test_against_takes_the_merge_base_of_a_branch(kept, capsys):
+    git(kept, "init", "-q", "-b", "main")
+    git(kept, "add", "controller.py", "tracerisk.lock")
+    git(kept, "commit", "-qm", "before")
+    git(kept, "branch", "branch")
+    source = kept.read("controller.py").decode()
+    old = next(line for line in source.splitlines() if "probability = " in line)
+    figure = old.rpartition(" ")[2]
+    pinned = old.replace(f"= {figure}", f":= 0.5  ! computed {figure}; of main alone")
+    # Another change comes to main; the branch has nothing of it, and did not take it back.
+    kept.write("controller.py", source.replace(old, pinned, 1))
+    git(kept, "commit", "-qam", "main moves on")
+    git(kept, "checkout", "-q", "branch")
+    kept.write("note.txt", "")
+    git(kept, "add", "note.txt")
+    git(kept, "commit", "-qm", "the branch")
+    report = ["report", "controller.py", "-o", "out.html", "-q", "--against"]
+    assert main([*report, "main"]) == 0
+    assert "0.5 is gone" in reported(parsed(kept), "difference")
+    for revision in ("main...HEAD", "main...branch", "main..."):
+        assert main([*report, revision]) == 0
+        document = parsed(kept)
+        assert "0.5" not in reported(document, "difference")
+        title = document.xpath("//section[@id='difference']/h2")[0].text_content()
+        assert re.fullmatch("Since [0-9a-f]{10}", title)
+    assert main([*report, "branch...main"]) == 2
+    assert "write branch...HEAD" in capsys.readouterr().err
 
 
 def test_a_runs_report_says_the_difference_to_a_revision(annotated):

@@ -25,7 +25,7 @@ def add_against(parser: argparse.ArgumentParser) -> None:
         "--against",
         metavar="REV",
         help="show the difference to this git revision in the report, with both runs side by side "
-        "where their recordings are kept",
+        "where their recordings are kept; A...HEAD is the merge base of both",
     )
 
 
@@ -83,7 +83,7 @@ def both_runs(
     with progress_bar(controller.settings.run_duration_s, quiet=options.quiet or not runs) as bar:
         found = earlier_run(
             controller,
-            options.against,
+            _one_revision(options.against),
             was=was,
             fingerprint=fingerprint,
             recording=None if given is None else Path(given),
@@ -116,7 +116,7 @@ def check_against(options: argparse.Namespace) -> None:
         raise InputError(
             f"--against compares with the sources as the run writes them, and {given} writes none"
         )
-    _forbid_two_revisions(revision)
+    revision = _one_revision(revision)
 
     with Repository.opened(Path.cwd()) as repository:
         if compared(repository, Path.cwd(), [revision]).paths is not None:
@@ -130,15 +130,28 @@ def review_against(revision: str | None, files: Iterable[str]) -> Review | None:
     """
     if revision is None:
         return None
-    _forbid_two_revisions(revision)
     from tracerisk.pipeline.review.review import review
 
-    return review([revision, *(str(Path(file)) for file in files)])
+    return review([_one_revision(revision), *(str(Path(file)) for file in files)])
 
 
-def _forbid_two_revisions(revision: str) -> None:
-    if ".." in revision:
-        raise InputError(
-            f"--against takes one revision, which the sources as they are now are compared with; "
-            f"'{revision}' names two"
-        )
+def _one_revision(revision: str) -> str:
+    """Return the revision that the sources as they are now are compared with.
+
+    Of A...HEAD it is the merge base, as git has it: what A gained since is no change of a branch.
+    Raises InputError for two revisions.
+    """
+    one, dots, _ = revision.partition("...")
+    if dots:
+        with Repository.opened(Path.cwd()) as repository:
+            what = compared(repository, Path.cwd(), [revision])
+            head = compared(repository, Path.cwd(), ["HEAD"]).before
+        if what.after.commit == head.commit:
+            return str(what.before.commit)
+    elif ".." not in revision:
+        return revision
+    raise InputError(
+        f"--against takes one revision, which the sources as they are now are compared with; "
+        f"'{revision}' names two; write {one.partition('..')[0] or 'main'}...HEAD for what a "
+        "branch changed since it left another"
+    )
