@@ -123,3 +123,32 @@ def test_an_object_that_is_newly_moved_and_not_named_by_success_is_told(cell, su
     title = "What the mission newly moves and `success` does not name - can"
     assert (title in out) is bool(said)
     assert "can is new in the scene and is moved by 200 mm to (0.300, 0.200, 0.100) m" in out
+
+
+def test_a_check_of_a_result_without_evidence_is_named_as_not_credited(
+    repository, annotated_source
+):
+    text = annotated_source(place=("done 1", "gripper = 2e-07"))
+    bare = f"{text}\narm.go(wait=True)\nlog(1)\n"
+    checked = f"{text}\nif not arm.go(wait=True):\n    raise SystemExit\nlog(2)\n"
+    for before, after, said in (
+        (bare, checked, "the result of arm.go() is used in 1 of 2 calls (pick.py:"),
+        (
+            checked,
+            bare,
+            "the result of arm.go() is used in 0 of 2 calls (pick.py), before: in 1 of 2",
+        ),
+    ):
+        for source in (before, after):
+            write(
+                repository,
+                {"pick.py": source},
+                ("pick.py", lock_of({"pick.py": source}, "pick.py")),
+            )
+            if source is before:
+                repository.commit()
+        (line,) = only(review(["HEAD"], repository.folder)).uncredited
+        assert line.startswith(said)
+        for form in ("text", "markdown"):
+            out = repository.run("diff", "HEAD", "--format", form, "--silent-below", "0.01").out
+            assert "No evidence: checks of results are not credited" in out

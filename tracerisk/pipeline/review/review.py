@@ -230,6 +230,7 @@ def difference(
         hardware_file=controller.after.hardware.file if controller.after.hardware else "",
         stale=_stale(controller, diff),
         outcome=outcome,
+        uncredited=_uncredited(controller),
         not_asked=_not_asked(controller, outcome),
         evidence_change=(
             ""
@@ -308,6 +309,18 @@ def _asked(controller: ReviewedController) -> tuple[tuple[str, ...], tuple[str, 
     from tracerisk.pipeline.mission.asked import asked_less, asked_newly  # few changes touch it
 
     return asked_less(old, new), asked_newly(old, new)
+
+
+def _uncredited(controller: ReviewedController) -> tuple[str, ...]:
+    """Return what no figure credits for want of evidence: results that are newly looked at."""
+    before, after = controller.before, controller.after
+    if before.evidence is not None or after.evidence is not None or is_c(controller.name):
+        return ()
+    if controller.before.sources == controller.after.sources:
+        return ()
+    from tracerisk.instrument.source.used_results import changed_uses  # no other verb needs it
+
+    return changed_uses(before.sources, after.sources)
 
 
 def _not_asked(controller: ReviewedController, outcome: OutcomeChanges | None) -> tuple[str, ...]:

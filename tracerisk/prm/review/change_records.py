@@ -361,6 +361,8 @@ class RiskDiff:
     """What `success` of the scenario asked and does not ask any more, one sentence each."""
     not_asked: tuple[str, ...] = ()
     """Objects that the mission newly moves and of which `success` asks nothing, by name."""
+    uncredited: tuple[str, ...] = ()
+    """Of which calls the result is newly or no longer used, where no version has evidence."""
     asked_newly: tuple[str, ...] = ()
     """What `success` of the scenario newly asks, one sentence each."""
 
@@ -476,7 +478,7 @@ class RiskDiff:
             return True
         if self.of_run or self.of_evidence:
             return True
-        if self.asked_less or self.asked_newly:
+        if self.asked_less or self.asked_newly or self.uncredited:
             return True
         runs = self.verdicts
         if runs is not None and (runs.new_acceptances or runs.does_less or _is_news(runs)):

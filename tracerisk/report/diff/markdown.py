@@ -93,6 +93,8 @@ def _open_lists(diff: RiskDiff) -> Iterator[tuple[str, Sequence[str]]]:
         yield sentences.OF_RUN, diff.of_run
     if diff.of_evidence:
         yield sentences.OF_EVIDENCE, diff.of_evidence
+    if diff.uncredited:
+        yield sentences.UNCREDITED, diff.uncredited
     if diff.hardware:
         yield sentences.OF_HARDWARE, sentences.of_hardware(diff)
 

@@ -32,6 +32,7 @@ MOST_OF_KIND = 6
 ASKED_LESS = "What `success` no longer asks"
 ASKED_NEWLY = "What `success` newly asks"
 NOT_ASKED = "What the mission newly moves and `success` does not name"
+UNCREDITED = "No evidence: checks of results are not credited"
 OF_VISITS = "Functions that run more or less often"
 OF_PACE = "What takes another time"
 OF_HARDWARE = "What changed in the hardware description"
@@ -201,6 +202,7 @@ def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
         (OF_PACE, list(of_pace(diff))),
         (OF_RUN, list(diff.of_run)),
         (OF_EVIDENCE, list(diff.of_evidence)),
+        (UNCREDITED, list(_at_most(diff.uncredited))),
         (OF_INPUTS, list(diff.inputs)),
     ]
     return [(title, lines) for title, lines in pairs if lines]
