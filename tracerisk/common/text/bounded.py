@@ -11,13 +11,13 @@ import errno
 import math
 import os
 import stat
-from pathlib import Path
 
 from tracerisk.errors import InputError, Location
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
     from typing import Any, BinaryIO
 
     Pairs = list[tuple[str, Any]]
