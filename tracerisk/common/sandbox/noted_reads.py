@@ -44,7 +44,7 @@ class NotedReads:
     Those with one of the `endings` are noted by who reads them alone, with `add`. Below `data`,
     files count that are neither code nor hidden, in no cache and below none of the folders `apart`,
     and that a controller reads: what the tool looks through on its own does not decide the run.
-    What the process has written itself counts nowhere.
+    What the process has written before it reads it counts nowhere.
     """
 
     def __init__(
@@ -84,7 +84,6 @@ class NotedReads:
         flags = arguments[2] if event == "open" else 0
         if isinstance(flags, int) and flags & _WRITES:
             self._written.add(path)
-            self._noted.pop(path, None)
         elif path not in self._written and not path.endswith(self._endings) and self._counts(path):
             self._note(path)
 
