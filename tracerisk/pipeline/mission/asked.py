@@ -9,28 +9,28 @@ from tracerisk.ros.scenario.success import COUNTED, Condition
 
 
 def asked_less(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str, ...]:
-    """Return what no later condition implies, in words, with what is asked of the same instead."""
+    """Return what `old` asks and `new` does not, in words, with what `new` asks of the same."""
     lines = []
-    for condition in old:
-        if not any(_implies(later, condition) for later in new):
-            now = [_words(later) for later in new if _subject(later) == _subject(condition)]
-            lines.append(_words(condition) + (f"; now: {', '.join(now)}" if now else ""))
+    for condition in _not_implied(old, new):
+        now = [_words(later) for later in new if _subject(later) == _subject(condition)]
+        lines.append(_words(condition) + (f"; now: {', '.join(now)}" if now else ""))
     return tuple(dict.fromkeys(lines))
 
 
 def asked_newly(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str, ...]:
-    """Return what no earlier condition implied, in words, but for what stands in `asked_less`."""
-    less = {
-        _subject(condition)
-        for condition in old
-        if not any(_implies(later, condition) for later in new)
-    }
-    lines = (
-        _words(later)
-        for later in new
-        if _subject(later) not in less and not any(_implies(condition, later) for condition in old)
-    )
-    return tuple(dict.fromkeys(lines))
+    """Return what `new` asks and `old` did not, in words, but for what stands in `asked_less`."""
+    less = set(map(_subject, _not_implied(old, new)))
+    newly = (later for later in _not_implied(new, old) if _subject(later) not in less)
+    return tuple(dict.fromkeys(map(_words, newly)))
+
+
+def _not_implied(conditions: Sequence[Condition], others: Sequence[Condition]) -> list[Condition]:
+    """Return the conditions that a mission may miss although it meets all the others."""
+    return [
+        condition
+        for condition in conditions
+        if not any(_implies(other, condition) for other in others)
+    ]
 
 
 def _subject(condition: Condition) -> tuple[str, str]:
