@@ -69,11 +69,6 @@ class Fate:
     mode: str = ""
     """The failure mode; empty where none is named."""
 
-    @property
-    def is_undetected(self) -> bool:
-        """Whether nobody notices, or harm comes before the stop."""
-        return self.kind in ("unaware", "stopped_late")
-
 
 @dataclass(frozen=True, slots=True)
 class FunctionState:

@@ -161,12 +161,9 @@ def _reaching(
         lambda place: f"'{names[place]}'",
         [[number[step.target] for step in state.next if step.target in number] for state in states],
     )
-    reaching: dict[str, dict[str, tuple[float, float]]] = {state.name: {} for state in model.states}
-    for target in shown:
-        if target not in number:
-            for state in model.states:
-                reaching[state.name][target] = (0.0, 1.0)
-            continue
+    # A mission never comes from one of two functions to the other where either is not reachable.
+    reaching = {state.name: dict.fromkeys(shown, (0.0, 1.0)) for state in model.states}
+    for target in (name for name in shown if name in number):
         rows, hits, misses = [], [], []
         for state, top in zip(states, tops, strict=True):
             row, hit, ends = {}, 0.0, 0.0
@@ -196,6 +193,4 @@ def _reaching(
                     reached.append(weight * shows[number[step.target]])
                     lost.append(weight * never[number[step.target]])
             reaching[state.name][target] = (total(reached), total(lost))
-        for state in model.states:
-            reaching[state.name].setdefault(target, (0.0, 1.0))
     return reaching
