@@ -219,6 +219,11 @@ def controller_root(path: Path) -> Path:
     return folder
 
 
+def repository_above(path: Path) -> Path | None:
+    """Return the folder that holds the nearest `.git` above a file; `None` where there is none."""
+    return next((one for one in path.resolve().parents if (one / ".git").exists()), None)
+
+
 def is_root(folder: Path) -> bool:
     """Return whether a folder has a file that makes it the root of the controllers below it."""
     return any((folder / mark).exists() for mark in _ROOT_MARKS)

@@ -9,6 +9,7 @@ from pathlib import Path
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
+from tracerisk.config import repository_above
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.check.remedies import as_typed
@@ -29,7 +30,7 @@ def untracked_findings(
     """
     tops: dict[Path, list[Path]] = {}
     for path in paths:
-        top = _top(path)
+        top = repository_above(path)
         if top is not None:
             tops.setdefault(top, []).append(path)
     findings: dict[Path, tuple[CheckFinding, ...]] = {}
@@ -102,11 +103,6 @@ def _inputs(project: Project, entry: ControllerLock) -> Iterator[Path]:
     for file in files:
         if file.is_file() and not any(file.is_relative_to(prefix) for prefix in prefixes):
             yield file
-
-
-def _top(path: Path) -> Path | None:
-    folder = path.resolve().parent
-    return next((one for one in (folder, *folder.parents) if (one / ".git").exists()), None)
 
 
 def _from_top(path: Path, top: Path) -> str | None:

@@ -14,7 +14,7 @@ from tracerisk.adder.sources.read import read_blocks
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.verdict import NEVER_RAN, Reason
 from tracerisk.common.worlds.world_run import WorldRun, dependence_line, depending
-from tracerisk.config import controller_root
+from tracerisk.config import controller_root, repository_above
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.pipeline.check.check import without_reason
 from tracerisk.pipeline.check.finding import Checked, CheckFinding, FindingKind
@@ -63,11 +63,7 @@ _CONTACT = "unexpected_contact"
 
 def repository_root(path: Path) -> Path:
     """Return the folder that holds the `.git` above a file, else that of its controller."""
-    folder = path.resolve().parent
-    for parent in (folder, *folder.parents):
-        if (parent / ".git").exists():
-            return parent
-    return controller_root(path)
+    return repository_above(path) or controller_root(path)
 
 
 def check_alerts(
