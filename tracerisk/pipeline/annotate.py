@@ -18,7 +18,7 @@ from tracerisk.adder.annotate import (
     annotate_sources,
 )
 from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
-from tracerisk.adder.lock.digest import digest_of
+from tracerisk.adder.lock.digest import block_digests
 from tracerisk.adder.lock.lock import LOCK_NAME, Behind, ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.merge import MergePolicy
 from tracerisk.adder.merge.steady import is_same_run
@@ -246,7 +246,10 @@ def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[
     entry = lock.controllers.get(lock_key(controller.path, controller.root))
     for blocks in entry.all_blocks if entry is not None else ():
         files |= {file for file in blocks if blocks[file] and controller.path_of(file).is_file()}
+    gone: list[bytes] = []
     if entry is not None:
+        gone = _digests_gone(entry, [controller.source_of(file) for file in files])
+    if gone:
         of_others = {
             file
             for key, other in lock.controllers.items()
@@ -254,7 +257,6 @@ def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[
             for file, held in other.blocks.items()
             if held
         }
-        gone = _digests_gone(entry, [controller.source_of(file) for file in files])
         for file in set(trace.files) - files - of_others:
             source = controller.source_of(file)
             # As of a function that moved there.
@@ -265,12 +267,7 @@ def _annotated_files(controller: Controller, trace: Trace, lock: Lock) -> tuple[
 
 def _digests_gone(entry: ControllerLock, sources: Sequence[bytes]) -> list[bytes]:
     """Return the digests of the blocks of a controller that stand in none of its sources."""
-    digests = {
-        digest_of(block).encode()
-        for blocks in entry.all_blocks
-        for written in blocks.values()
-        for block in written.values()
-    }
+    digests = {digest.encode() for digest in block_digests(entry)}
     return sorted(digest for digest in digests if not any(digest in source for source in sources))
 
 

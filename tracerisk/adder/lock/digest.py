@@ -30,7 +30,7 @@ from tracerisk.adder.blocks.values import (
     component_fields,
     computed_redundancy,
 )
-from tracerisk.adder.lock.lock import WrittenBlock, WrittenComponent, written_block
+from tracerisk.adder.lock.lock import ControllerLock, WrittenBlock, WrittenComponent, written_block
 
 _SIGNS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
 # The number of checksum characters for each value in a group: of the function, of a component.
@@ -39,6 +39,16 @@ _WHOLE_WIDTH = 2
 _NAME_WIDTH = 2
 _COMPONENT_WIDTHS = {PROBABILITY.key: 2, QUANTITY.key: 1, REDUNDANCY.key: 1, FAILURES.key: 2}
 KINDS = {kind.key: kind for kind in (CALL_SEQUENCE, NEXT, *COMPONENT_KINDS, FAILURES)}
+
+
+def block_digests(entry: ControllerLock) -> set[str]:
+    """Return the digests of all blocks that a lock knows of a controller, pending ones too."""
+    return {
+        digest_of(block)
+        for blocks in entry.all_blocks
+        for written in blocks.values()
+        for block in written.values()
+    }
 
 
 def digest_of(written: WrittenBlock) -> str:

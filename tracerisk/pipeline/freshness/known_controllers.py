@@ -10,7 +10,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
-from tracerisk.adder.lock.digest import digest_of
+from tracerisk.adder.lock.digest import block_digests, digest_of
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock, LockError, lock_key
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import follow_renames
@@ -288,13 +288,8 @@ def moved_from(lock: Lock, controller: Controller) -> str | None:
     }
     if not gone:
         return None
-    elsewhere = {
-        digest_of(block)
-        for key in lock.controllers.keys() - gone.keys()
-        for blocks in lock.controllers[key].all_blocks
-        for written in blocks.values()
-        for block in written.values()
-    }
+    there = lock.controllers.keys() - gone.keys()
+    elsewhere = set().union(*(block_digests(lock.controllers[key]) for key in there))
     followed = follow_renames(controller.source, str(controller.path), ())
     digests = {placed.block.digest for placed in followed.placed}
     names = {placed.block.name for placed in followed.placed} | set(followed.renamed)
@@ -310,7 +305,8 @@ def moved_from(lock: Lock, controller: Controller) -> str | None:
         is_most = bool(own) and 2 * len(known) > len(written)
         if is_most or (written and names.issuperset(written)):
             fits.append((len(known), key))
-    best = [key for count, key in fits if count == max(fits)[0]]
+    most = max((count for count, _ in fits), default=0)
+    best = [key for count, key in fits if count == most]
     return best[0] if len(best) == 1 else None
 
 
