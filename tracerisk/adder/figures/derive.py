@@ -34,7 +34,7 @@ from tracerisk.adder.quantify.component_activity import (
 )
 from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 from tracerisk.adder.quantify.function_use import FunctionUse, mission_probability
-from tracerisk.adder.quantify.hidden_groups import hidden_hazards, mean_hazard, over_mission
+from tracerisk.adder.quantify.hidden_groups import hidden_hazards, over_mission, repaired_hazard
 from tracerisk.adder.quantify.outcome import Outcome, at_least
 from tracerisk.adder.quantify.probability import Term, failure_probability, hazard_of, survival_log
 from tracerisk.common.function_ref import FunctionRef
@@ -181,7 +181,7 @@ def _hidden(
     apart: float | None = None
     hazard = float(common)
     if renewal.repair is not None:
-        mean = float(mean_hazard(own, group, renewal))
+        mean = float(repaired_hazard(own, group, renewal, renewal.repair))
         hazard += mean
         apart = failure_probability(mean)
     elif not group.has_spares:

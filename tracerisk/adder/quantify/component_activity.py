@@ -196,6 +196,8 @@ def renewal_of(component: Component, trace: Trace, *, is_even: bool) -> Renewal:
 
     Repair goes on within missions only where a unit's hazard `is_even` over them.
     """
+    if component.repair is None and component.test_interval_s is None:
+        return EACH_MISSION
     mission_s = mission_time(trace)
     if component.repair is not None and mission_s:
         repairs = mission_s / component.repair.mean_time_s

@@ -88,11 +88,14 @@ def hidden_values(
     """
     hazards = [hidden_hazards(function, redundancy) for function in functions]
     own, common = over_mission(hazards)
-    between_tests = Decimal(renewal.missions)
-    target = mean_hazard(own, redundancy, renewal) + common
+    between_tests, of_mission = Decimal(renewal.missions), own
     if renewal.missions != 1.0:
         own = [after(unit.hazard * between_tests) for unit in own]
     apart = unlike_apart(own, redundancy)
+    if renewal.repair is not None:
+        target = repaired_hazard(of_mission, redundancy, renewal, renewal.repair) + common
+    else:
+        target = (apart.hazard if apart.q else SURE) / between_tests + common
     if target == ZERO:
         return (0.0,) * len(functions)
     slopes = _slopes(own, redundancy, apart)
@@ -126,19 +129,15 @@ def hidden_values(
     return tuple(float(after(x * share).p) for share in shares)
 
 
-def mean_hazard(own: Sequence[Outcome], redundancy: Redundancy, renewal: Renewal) -> Decimal:
-    """Return the hazard of a group in the mean mission, by its units' own failures.
+def repaired_hazard(
+    own: Sequence[Outcome], redundancy: Redundancy, renewal: Renewal, repair: float
+) -> Decimal:
+    """Return the hazard of a repaired group in the mean mission, by its units' own failures.
 
     `own` are their outcomes in one mission.
     """
-    if renewal.repair is not None:
-        group = repaired_group(own, redundancy, renewal.repair, in_mission=renewal.in_mission)
-        return group.hazard if group.q else SURE
-    missions = Decimal(renewal.missions)
-    if renewal.missions != 1.0:
-        own = [after(unit.hazard * missions) for unit in own]
-    group = unlike_apart(own, redundancy)
-    return (group.hazard if group.q else SURE) / missions
+    group = repaired_group(own, redundancy, repair, in_mission=renewal.in_mission)
+    return group.hazard if group.q else SURE
 
 
 def _slopes(own: Sequence[Outcome], redundancy: Redundancy, apart: Outcome) -> list[Decimal]:
