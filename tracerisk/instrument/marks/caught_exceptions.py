@@ -31,11 +31,9 @@ CAUGHT = "__tracerisk_caught__"
 
 STAND_INS = (f"{Path(tracerisk.__file__).parent}/ros/",)
 """Where the code of the ROS libraries lies that a controller calls on the stand-ins."""
-# Whether a package is installed is a question, and an exception its answer.
-_QUESTIONS = tuple(
-    f"{Path(tracerisk.__file__).parent}/ros/stand_ins/{library}/"
-    for library in ("ament_index_python", "rospkg")
-)
+QUESTIONS = frozenset({"ament_index_python", "rospkg"})
+"""The libraries that are asked whether a package is installed: an exception is their answer."""
+_QUESTIONS = tuple(f"{STAND_INS[0]}stand_ins/{library}/" for library in QUESTIONS)
 # Of these exactly: what is derived from them has a meaning of its own.
 _MISUSE = frozenset(
     {"RuntimeError", "TypeError", "ValueError", "AssertionError", "IndexError"}

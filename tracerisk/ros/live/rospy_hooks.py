@@ -15,14 +15,14 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
 from tracerisk.errors import Location
 from tracerisk.instrument.hidden_frames import hide
-from tracerisk.instrument.marks.caught_exceptions import REFUSED
+from tracerisk.instrument.marks.caught_exceptions import QUESTIONS, REFUSED, STAND_INS
 from tracerisk.instrument.tracer import Frame, Tracer
 from tracerisk.ros.graph.failures import CALLBACK_FAILED, ERROR_LOGGED, plain_line
 
@@ -156,8 +156,8 @@ class _Failures(logging.Handler):
         """Report threads that die, lines of the log that are errors, and calls refused in vain."""
         rospy: Any = importlib.import_module("rospy")
         folder = Path(rospy.__file__).parents[1]
-        names = (*_libraries_replaced(), "genpy")
-        self._tracer.ros_libraries = tuple(f"{folder}/{name}/" for name in names)
+        replaced = {path.name for path in Path(STAND_INS[0], "stand_ins").iterdir()} - QUESTIONS
+        self._tracer.ros_libraries = tuple(f"{folder}/{name}/" for name in sorted(replaced))
         self._tracer.on_caught = lambda failure: self._tell(
             REFUSED, failure.words, failure.location, failure.call
         )
@@ -208,14 +208,6 @@ class _Failures(logging.Handler):
         self._report(
             {"is": "failed", "kind": kind, "message": message, "location": data, "object": about}
         )
-
-
-def _libraries_replaced() -> Iterator[str]:
-    """Yield the packages of ROS that have a stand-in."""
-    folder = Path(str(importlib.import_module("tracerisk.ros").__file__)).with_name("stand_ins")
-    asked = ("ament_index_python", "rospkg")
-    """Their exceptions are answers: whether a package is installed."""
-    yield from (path.name for path in sorted(folder.iterdir()) if path.name not in asked)
 
 
 def _package(frame: FrameType) -> str:
