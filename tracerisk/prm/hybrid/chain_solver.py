@@ -5,12 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import NamedTuple
 
 from tracerisk.common.strong_components import joined_parts
 from tracerisk.prm.hybrid.assessment import FIXED, GEOMETRIC, MissionFigures, Reading
-from tracerisk.prm.hybrid.fates.ends import FatedChain, MissionEnds
-from tracerisk.prm.hybrid.fates.resolved import LATE, SAFE, chain_model, has_fates, leads_back
+from tracerisk.prm.hybrid.fates.ends import FatedChain, MissionEnds, Way
+from tracerisk.prm.hybrid.fates.resolved import (
+    LATE,
+    SAFE,
+    Shares,
+    chain_model,
+    has_fates,
+    leads_back,
+    resolved_shares,
+)
 from tracerisk.prm.hybrid.fates.undetected import EndingChain, bounding_model
 from tracerisk.prm.hybrid.fixed_cycles import (
     Loop,
@@ -197,9 +206,16 @@ def _ends(model: HybridModel, solved: SolvedMission) -> tuple[_Ends, _Ends]:
     """
     passage, known = _held_passage(model, solved), solved.ends
 
+    @cache
+    def shares() -> Shares:
+        return resolved_shares(model)
+
+    @cache
+    def ending(stop: Way | None = None) -> EndingChain:
+        return EndingChain(solved.chain, model, shares(), stop)
+
     def of(undetected: float, passage: Passage | None) -> _Ends:
-        stops = (EndingChain(solved.chain, model, stop) for stop in (LATE, SAFE))
-        return _Ends(undetected, *(chain.failure(passage) for chain in stops))
+        return _Ends(undetected, *(ending(stop).failure(passage) for stop in (LATE, SAFE)))
 
     if solved.grouped is not None:
         bounding = bounding_model(model)
@@ -210,10 +226,10 @@ def _ends(model: HybridModel, solved: SolvedMission) -> tuple[_Ends, _Ends]:
         ends = (known.undetected, known.stopped_late, known.stopped_safely)
         of_chain = _Ends(*map(float, ends))
     else:
-        of_chain = of(EndingChain(solved.chain, model).failure(None), None)
+        of_chain = of(ending().failure(None), None)
     if passage is None:
         return of_chain, of_chain
-    return of(EndingChain(solved.chain, model).failure(passage), passage), of_chain
+    return of(ending().failure(passage), passage), of_chain
 
 
 def _held_passage(model: HybridModel, solved: SolvedMission) -> Passage | None:

@@ -85,9 +85,14 @@ def undetected_model(model: HybridModel) -> HybridModel:
     return replace(failing_model(model, UNDETECTED), counted=False)
 
 
-def failing_model(model: HybridModel, failing: Collection[Way]) -> HybridModel:
-    """Return the model whose visits fail in such ways; other stops end it well."""
-    shares = resolved_shares(model)
+def failing_model(
+    model: HybridModel, failing: Collection[Way], shares: Shares | None = None
+) -> HybridModel:
+    """Return the model whose visits fail in such ways; other stops end it well.
+
+    `shares` are its resolved ones, where they are known.
+    """
+    shares = resolved_shares(model) if shares is None else shares
     rank = {state.name: number for number, state in enumerate(model.states)}
     states = []
     for state in model.states:

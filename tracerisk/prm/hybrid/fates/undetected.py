@@ -9,9 +9,9 @@ from tracerisk.prm.hybrid.fates.ends import UNNOTICED, Way, ways_on
 from tracerisk.prm.hybrid.fates.resolved import (
     LATE,
     UNDETECTED,
+    Shares,
     failing_model,
     leads_back,
-    resolved_shares,
     undetected_model,
     unstopped_model,
 )
@@ -23,15 +23,18 @@ from tracerisk.prm.hybrid.hybrid import HybridModel
 class EndingChain(HiddenChain):
     """A chain of whose failures only those count that end in one way."""
 
-    def __init__(self, chain: HiddenChain, model: HybridModel, stop: Way | None = None) -> None:
+    def __init__(
+        self, chain: HiddenChain, model: HybridModel, shares: Shares, stop: Way | None = None
+    ) -> None:
         """Prepare the chain; `model` is that whose missions `chain` has.
 
+        `shares` are what follows its failures (`resolved_shares`).
         Those failures count that lead to the `stop`; without one those that nobody notices, or
         that do harm before the stop.
         """
         super().__init__(chain.states, base=chain)
         worse = (UNNOTICED,) if stop == LATE else UNDETECTED
-        states = {state.name: state for state in failing_model(model, worse).states}
+        states = {state.name: state for state in failing_model(model, worse, shares).states}
         self._worse = HiddenChain(
             replace(
                 chain.states,
@@ -41,11 +44,13 @@ class EndingChain(HiddenChain):
                 ),
             )
         )
-        self._stopping = None if stop is None else self._stops(model, stop, worse)
+        self._stopping = None if stop is None else self._stops(model, shares, stop, worse)
 
-    def _stops(self, model: HybridModel, stop: Way, worse: Sequence[Way]) -> list[float]:
+    def _stops(
+        self, model: HybridModel, shares: Shares, stop: Way, worse: Sequence[Way]
+    ) -> list[float]:
         """Return the probability of a stop in each function, where nothing worse happens."""
-        shares, stops = resolved_shares(model), []
+        stops = []
         of_name = {state.name: state for state in model.states}
         for function in self.states.functions:
             state = of_name[function.state.name]
