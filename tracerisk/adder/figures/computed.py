@@ -103,10 +103,10 @@ def compute_blocks(
     names = model_names([function.ref for function in trace.functions])
     _check_profile(profile or {}, list(names.values()))
     visits = visits_by_function(trace)
-    used = [use_of(bound_component, trace, active, evidence) for bound_component in bound]
+    known = None if evidence is None else evidence.among(trace)
+    used = [use_of(bound_component, trace, active, known) for bound_component in bound]
     uses = [function_uses(component_use, visits) for component_use in used]
     shows_in = later_functions({names[ref]: row for ref, row in counts.items()})
-    known = None if evidence is None else evidence.among(trace)
     entries = []
     for component, use in zip(used, uses, strict=True):
         outcomes = FailureOutcomes(component, known)

@@ -74,8 +74,9 @@ def derive_function(
     visits = visits_by_function(trace)
     here = visits[function]
     components = []
+    known = None if evidence is None else evidence.among(trace)
     for bound in bind(hardware, trace.elements):
-        used = use_of(bound, trace, active, evidence)
+        used = use_of(bound, trace, active, known)
         uses = function_uses(used, visits)
         if function in uses:
             group = _group(used, here, function, uses)

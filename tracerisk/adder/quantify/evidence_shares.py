@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -95,10 +96,11 @@ class EvidenceShares:
 
         The name of the end of a mission is that of no function (`model_names`).
         """
-        names = [function.ref.name for function in trace.functions if function.ref.name != _END]
-        return replace(self, functions=frozenset(n for n in names if names.count(n) == 1))
+        names = Counter(function.ref.name for function in trace.functions)
+        own = frozenset(name for name, count in names.items() if count == 1 and name != _END)
+        return self if own == self.functions else replace(self, functions=own)
 
-    @property
+    @functools.cached_property
     def of_failures(self) -> EvidenceShares:
         """The evidence of which only what ended the mission counts."""
         return replace(self, only=None, functions=frozenset())
