@@ -78,8 +78,6 @@ class Typed:
 class History:
     """A repository with a controller, and a person who works on its branches."""
 
-    main = "c.py"
-
     def __init__(self, folder: Path, seed: int) -> None:
         self.folder = folder
         self.chance = random.Random(seed)
@@ -95,6 +93,11 @@ class History:
         self.refresh()
         self.commit()
         self.branches = ["b0"]
+
+    @property
+    def main(self) -> str:
+        """The source that is looked at."""
+        return "c.py"
 
     def start(self) -> None:
         self.write(self.main, START)
