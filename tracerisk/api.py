@@ -243,7 +243,7 @@ def assess(
 
 def _trace_of(known: Assessed, controller: Controller, settings: Settings) -> Trace | None:
     """Return the trace of an earlier run where this one would give the same; else `None`."""
-    from tracerisk.pipeline.freshness.freshness import run_inputs
+    from tracerisk.pipeline.freshness.run_inputs import run_inputs
 
     inputs = run_inputs(controller, known.trace, settings)
     return known.trace if inputs.fingerprint == known.annotated.fingerprint else None

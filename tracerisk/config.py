@@ -68,6 +68,7 @@ _LISTS = {
     "env": "names of variables",
 }
 """The settings that are lists, and of what."""
+_NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
 _ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
 _BLOCK_BEGINS = "# /// script"
 _BLOCK_ENDS = "# ///"
@@ -425,13 +426,9 @@ class _Reader:
         """Return a setting with the names of files as paths."""
         if key in ("params", "drivers", "readable", "writable", "ros_prefixes"):
             return tuple(str(self._folder / _in_home(name)) for name in value)
-        is_name = key in ("robot", "scene", "scenario", "hardware", "launch")
-        if not is_name or not isinstance(value, str):
-            return value
-        # A name with an ending is that of a file, be it there or not; no shipped one has it.
-        path = self._folder / value
-        is_file = _is_file(path) or Path(value).suffix or (key == "hardware" and is_folder(path))
-        return str(self._folder / value) if is_file or key == "launch" else value
+        if names_file(key, value, self._folder) or (key == "launch" and isinstance(value, str)):
+            return str(self._folder / value)
+        return value
 
     def _values(self, table: Mapping[str, Any], place: tuple[str, ...]) -> dict[str, Any]:
         self._place = place
@@ -535,6 +532,15 @@ class _Reader:
             elif in_table and pattern is not None and pattern.match(line):
                 return number
         return None
+
+
+def names_file(setting: str, value: object, base: Path) -> bool:
+    """Whether a setting is the path of a file, or of a folder of hardware, seen from `base`."""
+    if setting not in _NAMES_OF_FILES or not isinstance(value, str):
+        return False
+    # A name with an ending is that of a file, be it there or not; no shipped one has it.
+    path = base / value
+    return _is_file(path) or bool(path.suffix) or (setting == "hardware" and is_folder(path))
 
 
 def _is_file(path: Path) -> bool:

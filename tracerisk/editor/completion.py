@@ -20,7 +20,7 @@ from tracerisk.editor.figures import ControllerFigures
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.check import given_options
-from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 
 _LINE = re.compile(r"(?P<gutter>\s*(?:#\s?\||\*)\s?)(?P<text>.*)")
 _HEADER = re.compile(rf"{HEADER}\b")

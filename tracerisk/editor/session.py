@@ -27,8 +27,8 @@ from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.check import check_controller, check_loaded
 from tracerisk.pipeline.check.finding import CheckFinding
-from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.freshness.used_evidence import kept_evidence
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.pipeline.workspace.project import Projects

@@ -35,9 +35,9 @@ from tracerisk.common.text.digests import short_digest
 from tracerisk.common.worlds.world_run import WorldRun, kept_worlds
 from tracerisk.config import BlockForm, Settings
 from tracerisk.errors import InputError, Location
-from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_named_functions
+from tracerisk.pipeline.freshness.run_inputs import RunInputs, run_inputs
 from tracerisk.pipeline.freshness.trace_cache import TraceCache
 from tracerisk.pipeline.freshness.used_evidence import used_evidence
 from tracerisk.pipeline.freshness.who_wrote import evidence_for

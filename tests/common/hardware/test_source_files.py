@@ -2,7 +2,7 @@
 
 from tracerisk.common.hardware.source_files import source_files
 from tracerisk.config import Settings
-from tracerisk.pipeline.freshness.freshness import hardware_digest
+from tracerisk.pipeline.freshness.run_inputs import hardware_digest
 
 
 def test_yaml_is_read_from_its_own_file(tmp_path):

@@ -24,7 +24,7 @@ from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.config import ProjectSettings
 from tracerisk.instrument.source.code_digest import code_digest
-from tracerisk.pipeline.freshness.freshness import RunInputs, settings_data
+from tracerisk.pipeline.freshness.run_inputs import RunInputs, settings_data
 
 SOURCE = b"""\
 def turn(arm):

@@ -7,7 +7,7 @@ import pytest
 from tracerisk.common import trace_json
 from tracerisk.config import ProjectSettings, Settings
 from tracerisk.errors import SettingsError
-from tracerisk.pipeline.freshness.freshness import run_inputs
+from tracerisk.pipeline.freshness.run_inputs import run_inputs
 from tracerisk.pipeline.workspace.controller import load_controller
 
 PACKAGE = "<package><name>arm_task</name></package>\n"

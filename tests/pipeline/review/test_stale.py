@@ -12,7 +12,7 @@ from tracerisk.common.text.plain_data import plain_data
 from tracerisk.common.verdict import Coverage, Verdict
 from tracerisk.config import Settings
 from tracerisk.instrument.source.code_digest import code_digest
-from tracerisk.pipeline.freshness.freshness import hardware_digest
+from tracerisk.pipeline.freshness.run_inputs import hardware_digest
 from tracerisk.pipeline.review.review import review
 
 SETTINGS = '[tool.tracerisk]\nhardware = "hw.yaml"\n'

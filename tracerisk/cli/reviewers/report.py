@@ -237,7 +237,7 @@ def _outrun(options: argparse.Namespace) -> tuple[CheckFinding, ...]:
 
 def _check_values(options: argparse.Namespace, kept: KeptRun | None) -> None:
     """Raise InputError for options with which the blocks were not computed."""
-    from tracerisk.pipeline.freshness.freshness import settings_data
+    from tracerisk.pipeline.freshness.run_inputs import settings_data
 
     if kept is None:
         return

@@ -10,7 +10,8 @@ from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.check.check import given_options
-from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
+from tracerisk.pipeline.freshness.freshness import stale_reasons
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.freshness.trace_cache import TraceCache
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.trace.summary import trace_summary

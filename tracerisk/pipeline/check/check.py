@@ -19,7 +19,7 @@ from tracerisk.adder.sources.renames import follow_renames, followed_sources
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.verdict import Verdict
-from tracerisk.config import Settings, controller_root
+from tracerisk.config import Settings, controller_root, names_file
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding
@@ -32,12 +32,7 @@ from tracerisk.pipeline.check.run import (
     verdict_findings,
     world_findings,
 )
-from tracerisk.pipeline.freshness.freshness import (
-    RunInputs,
-    names_file,
-    stale_reasons,
-    values_reasons,
-)
+from tracerisk.pipeline.freshness.freshness import stale_reasons, values_reasons
 from tracerisk.pipeline.freshness.known_controllers import (
     is_gone,
     moved_from,
@@ -45,6 +40,7 @@ from tracerisk.pipeline.freshness.known_controllers import (
     with_moved,
 )
 from tracerisk.pipeline.freshness.known_functions import check_named_functions, check_steps
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap, kept_evidence
 from tracerisk.pipeline.freshness.who_wrote import evidence_for
 from tracerisk.pipeline.history.many_at_once import shared_out

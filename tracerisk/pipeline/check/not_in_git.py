@@ -13,7 +13,7 @@ from tracerisk.config import repository_above
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.check.remedies import as_typed
-from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.workspace.project import Project, Projects
 
 _MOST_NAMED = 3

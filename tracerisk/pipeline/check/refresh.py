@@ -16,9 +16,10 @@ from tracerisk.errors import ControllerFailedError, Location
 from tracerisk.pipeline.annotate import Annotated, annotate
 from tracerisk.pipeline.check.check import check_controller, given_options
 from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
-from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons
+from tracerisk.pipeline.freshness.freshness import stale_reasons
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_blocks
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.freshness.trace_cache import TraceCache
 from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict

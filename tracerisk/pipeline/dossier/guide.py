@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.adder.quantify.component_activity import mission_duration_s
 from tracerisk.common.verdict import UNKNOWN_VERDICT
-from tracerisk.pipeline.freshness.freshness import UNSET
+from tracerisk.pipeline.freshness.run_inputs import UNSET
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.report.explain.words import number
 

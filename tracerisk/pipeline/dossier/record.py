@@ -27,7 +27,7 @@ from tracerisk.common.version import __version__
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import readable
 from tracerisk.pipeline.dossier.commit import checked_out
-from tracerisk.pipeline.freshness.freshness import variable_digests
+from tracerisk.pipeline.freshness.run_inputs import variable_digests
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.trace import Trace
 from tracerisk.twin.robots.robot import robot_names

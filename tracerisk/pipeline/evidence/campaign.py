@@ -37,7 +37,7 @@ from tracerisk.pipeline.evidence.journal import journal, journaled
 from tracerisk.pipeline.evidence.targets import targets_of
 from tracerisk.pipeline.evidence.unit_use import UnitUse, unit_uses
 from tracerisk.pipeline.evidence.workers import Workers
-from tracerisk.pipeline.freshness.freshness import run_inputs, stated
+from tracerisk.pipeline.freshness.run_inputs import run_inputs, stated
 from tracerisk.pipeline.freshness.trace_cache import FOLDER
 from tracerisk.pipeline.history.file_lock import one_writer
 

@@ -20,7 +20,8 @@ from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, TraceRiskError, one_of
 from tracerisk.pipeline.annotate import annotate
 from tracerisk.pipeline.evidence.workers import Workers
-from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs, stale_reasons, stated
+from tracerisk.pipeline.freshness.freshness import stale_reasons
+from tracerisk.pipeline.freshness.run_inputs import RunInputs, run_inputs, stated
 from tracerisk.pipeline.freshness.trace_cache import FOLDER, make_kept
 from tracerisk.pipeline.model import build
 from tracerisk.pipeline.scenarios.trace_controller import trace_controller

@@ -18,7 +18,7 @@ from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.instrument.source.language import is_c
-from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.project import Project, Projects
 

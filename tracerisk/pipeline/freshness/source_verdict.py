@@ -11,7 +11,7 @@ from tracerisk.config import from_here
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c, is_c_like
-from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 from tracerisk.pipeline.workspace.project import Project, Projects
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings, from_here
 from tracerisk.errors import TraceRiskError
-from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.workspace.project import Project
 
 _NAMES = "hardware*.yaml"  # as `tracerisk init` calls what it writes

@@ -10,7 +10,7 @@ from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.hardware.source_files import source_files
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import TraceRiskError
-from tracerisk.pipeline.freshness.freshness import RunInputs, run_inputs
+from tracerisk.pipeline.freshness.run_inputs import RunInputs, run_inputs
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.trace import Trace

@@ -14,8 +14,9 @@ from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.sources.renames import FollowedSource, followed_sources
 from tracerisk.config import Settings
-from tracerisk.pipeline.freshness.freshness import RunInputs, stale_reasons, values_reasons
+from tracerisk.pipeline.freshness.freshness import stale_reasons, values_reasons
 from tracerisk.pipeline.freshness.known_controllers import sources_with_blocks
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.workspace.controller import Controller
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_mission
 from tracerisk.pipeline.evidence.journal import journal, journaled
 from tracerisk.pipeline.evidence.workers import Workers
-from tracerisk.pipeline.freshness.freshness import run_inputs, stated
+from tracerisk.pipeline.freshness.run_inputs import run_inputs, stated
 from tracerisk.pipeline.freshness.trace_cache import FOLDER
 from tracerisk.pipeline.mutation.change import Change
 from tracerisk.pipeline.mutation.mutant_run import MutantJob, run_mutant

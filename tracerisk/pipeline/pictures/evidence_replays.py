@@ -18,7 +18,7 @@ from tracerisk.common.sandbox.scratch import scratch
 from tracerisk.errors import InputError, LogError
 from tracerisk.pipeline.evidence.cell_runs import Nominal, fault_of, nominal_of
 from tracerisk.pipeline.evidence.workers import CellProgress
-from tracerisk.pipeline.freshness.freshness import stated
+from tracerisk.pipeline.freshness.run_inputs import stated
 from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.report.fmea import FATE_WORDS, all_effects, end_effect, fmea_rows, unnoticed_for

@@ -12,7 +12,7 @@ from tracerisk.adder.lock.lock import WrittenBlock
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c, is_c_like
-from tracerisk.pipeline.freshness.freshness import RunInputs
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.freshness.used_evidence import unfit
 from tracerisk.pipeline.review.changed_inputs import changed_inputs
 from tracerisk.pipeline.review.controllers import ControllerVersion

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
-from tracerisk.pipeline.freshness.freshness import (
-    GONE,
-    RunInputs,
-    value_changes,
-    variable_changes,
-)
+from tracerisk.pipeline.freshness.freshness import value_changes, variable_changes
+from tracerisk.pipeline.freshness.run_inputs import GONE, RunInputs
 
 
 def changed_inputs(

@@ -13,8 +13,8 @@ from tracerisk.adder.lock.reading import loads
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.outcome.kept import OUTCOME, kept_changes, kept_outcome
 from tracerisk.errors import InputError, Location, TraceRiskError
-from tracerisk.pipeline.freshness.freshness import RunInputs
 from tracerisk.pipeline.freshness.known_controllers import has_digest
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated, is_within
 from tracerisk.pipeline.review.changed_inputs import changed_inputs
 from tracerisk.pipeline.review.git_versions import Compared, GitVersion

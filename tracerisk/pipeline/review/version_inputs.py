@@ -18,7 +18,7 @@ from tracerisk.errors import SettingsError, TraceRiskError
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.pipeline.check.check import given_options
-from tracerisk.pipeline.freshness.freshness import (
+from tracerisk.pipeline.freshness.run_inputs import (
     GONE,
     RunInputs,
     content_digest,

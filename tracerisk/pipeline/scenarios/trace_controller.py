@@ -78,7 +78,7 @@ def _forbid_changed(
     holds them. Without a sandbox, the controller itself may have written the file.
     """
     from tracerisk.common.sandbox.process import is_contained
-    from tracerisk.pipeline.freshness.freshness import files_named
+    from tracerisk.pipeline.freshness.run_inputs import files_named
 
     if not is_contained(settings.limits.sandbox):
         return

@@ -17,7 +17,7 @@ from tracerisk.errors import MachineError, TraceRiskError
 from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.pipeline.evidence.cell_runs import Nominal, longest_s, nominal_again, nominal_mission
 from tracerisk.pipeline.evidence.workers import CellProgress, Workers
-from tracerisk.pipeline.freshness.freshness import stated
+from tracerisk.pipeline.freshness.run_inputs import stated
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_in_world
 from tracerisk.pipeline.run.ended_run import Progress, RunOptions

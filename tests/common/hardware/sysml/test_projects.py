@@ -8,7 +8,7 @@ from tracerisk.common.hardware.source_files import source_files
 from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 from tracerisk.config import Settings
 from tracerisk.errors import HardwareError
-from tracerisk.pipeline.freshness.freshness import hardware_digest
+from tracerisk.pipeline.freshness.run_inputs import hardware_digest
 
 DATA = "@TraceriskHardware::FailureData { probability = 1e-6; }"
 PROJECT = {

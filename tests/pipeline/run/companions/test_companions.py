@@ -4,7 +4,8 @@ import pytest
 
 from tracerisk.common import trace_json
 from tracerisk.config import Settings
-from tracerisk.pipeline.freshness.freshness import run_inputs, stale_reasons
+from tracerisk.pipeline.freshness.freshness import stale_reasons
+from tracerisk.pipeline.freshness.run_inputs import run_inputs
 from tracerisk.pipeline.run.companions.find import find_companions
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.ros.controller.needs import Need
