@@ -16,7 +16,8 @@ from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.motion.interpolation import resample
 from tracerisk.twin.motion.timing import along_path
 from tracerisk.twin.physics.motion import STEP_S, JointTrajectory, Pose
-from tracerisk.twin.robots.robot import Robot, Scaling
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Scaling
 from tracerisk.twin.simulation.twin import Twin
 
 Array = NDArray[np.float64]

@@ -39,7 +39,7 @@ from tracerisk.adder.blocks.values import (
     computed_redundancy,
 )
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.config import ProjectSettings

@@ -36,7 +36,8 @@ from tracerisk.twin.motion.planning import Planner
 from tracerisk.twin.motion.rrt_connect import RESOLUTION, segment_is_free
 from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningError, Pose
 from tracerisk.twin.physics.scene_body import SceneBody
-from tracerisk.twin.robots.robot import Robot, Scaling, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_parts import Scaling
 
 Array = NDArray[np.float64]
 

@@ -26,7 +26,8 @@ from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import JointTrajectory
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.recording.samples import Samples, SampleWriter, read_samples
-from tracerisk.twin.robots.robot import Link, Robot, Scaling, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_parts import Link, Scaling
 from tracerisk.twin.simulation.twin import Twin
 
 # After the builder, which says that no window is needed.

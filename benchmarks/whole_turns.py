@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import PlanningError, Pose
-from tracerisk.twin.robots.robot import Joint, Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot_parts import Joint
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,8 @@ import pytest
 from ruamel.yaml import YAML
 
 from tracerisk.adder.blocks.values import CALL_SEQUENCE, COMPONENT_KINDS, NEXT
-from tracerisk.adder.merge.merge import MergePolicy, merge
+from tracerisk.adder.merge.edits_found import MergePolicy
+from tracerisk.adder.merge.merge import merge
 from tracerisk.adder.sources.insert import in_form, insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 

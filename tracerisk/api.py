@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from tracerisk.adder.blocks.override import Override
     from tracerisk.adder.figures.computed import ProfileText
-    from tracerisk.adder.merge.merge import MergePolicy
+    from tracerisk.adder.merge.edits_found import MergePolicy
     from tracerisk.common.campaign import CampaignOptions
     from tracerisk.common.evidence.cells import Evidence
     from tracerisk.common.hardware.model import Hardware
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.review.change_records import RiskDiff
+    from tracerisk.prm.review.risk_diff import RiskDiff
     from tracerisk.report.mutants import MutantRuns
     from tracerisk.trace import Trace
     from tracerisk.twin.robots.robot import Robot
@@ -299,7 +299,7 @@ def refresh(
     """
     from pathlib import Path
 
-    from tracerisk.adder.merge.merge import MergePolicy
+    from tracerisk.adder.merge.edits_found import MergePolicy
     from tracerisk.pipeline.check.refresh import refresh_controller
     from tracerisk.pipeline.workspace.project import Projects
 

@@ -12,7 +12,7 @@ from tracerisk.adder.annotate import (
 )
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock
 from tracerisk.adder.lock.reading import read_lock
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.adder.sources.insert import strip_blocks
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.write import write_all

@@ -3,7 +3,7 @@ from collections.abc import Callable
 import pytest
 
 import tracerisk
-from tracerisk.prm.review.change_records import Review, RiskDiff
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
 
 
 @pytest.fixture(scope="session")

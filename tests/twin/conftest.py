@@ -11,7 +11,8 @@ from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
 from tracerisk.twin.physics.scene import Scene, load_scene
 from tracerisk.twin.recording.samples import Samples, SampleWriter, read_samples
-from tracerisk.twin.robots.robot import Robot, Scaling, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_parts import Scaling
 from tracerisk.twin.simulation.twin import Twin
 
 DOWN = (1.0, 0.0, 0.0, 0.0)

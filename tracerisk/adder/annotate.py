@@ -24,8 +24,8 @@ from tracerisk.adder.lock.lock import (
 )
 from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.bases import SourceEvidence, merge_with_bases
+from tracerisk.adder.merge.edits_found import HandEdit, MergePolicy, edits_error, in_the_way
 from tracerisk.adder.merge.hand_edits import check_targets, give_way, is_next_by_hand, ranks_by_hand
-from tracerisk.adder.merge.merge import HandEdit, MergePolicy, edits_error, in_the_way
 from tracerisk.adder.merge.steady import is_same_run, kept_values, steady_components
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks

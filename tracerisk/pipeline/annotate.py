@@ -20,7 +20,7 @@ from tracerisk.adder.annotate import (
 from tracerisk.adder.figures.computed import ComputedBlocks, ProfileText, compute_blocks
 from tracerisk.adder.lock.digest import block_digests
 from tracerisk.adder.lock.lock import LOCK_NAME, Behind, ControllerLock, Lock, lock_key
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.adder.merge.steady import is_same_run
 from tracerisk.adder.sources.functions import digests_behind
 from tracerisk.adder.sources.insert import in_form as blocks_in_form

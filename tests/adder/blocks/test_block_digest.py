@@ -10,7 +10,8 @@ from tracerisk.adder.lock.digest import DigestReading, digest_of, is_as_written,
 from tracerisk.adder.lock.lock import WrittenBlock, written_block
 from tracerisk.adder.merge.authors import Evidence
 from tracerisk.adder.merge.bases import EarlierNames
-from tracerisk.adder.merge.merge import MergePolicy, merge
+from tracerisk.adder.merge.edits_found import MergePolicy
+from tracerisk.adder.merge.merge import merge
 from tracerisk.adder.sources.insert import insert_blocks
 from tracerisk.adder.sources.read import read_blocks
 
@@ -120,7 +121,7 @@ UNCLEAR = Evidence(is_fresh=False)
 def test_what_nobody_can_say_the_author_of_is_left_alone_without_advice_to_pin_it(
     block, make_block, policy
 ) -> None:
-    from tracerisk.adder.merge.merge import edits_error, in_the_way
+    from tracerisk.adder.merge.edits_found import edits_error, in_the_way
 
     mixed = changed(block, "= 7.344e-08", "= 3.333e-08")
     now = make_block(gripper=1e-07, motor=2e-07)

@@ -12,7 +12,8 @@ from tracerisk.adder.blocks.lines import BlockLine
 from tracerisk.adder.blocks.values import FAILURES
 from tracerisk.adder.lock.digest import DigestReading, with_digest
 from tracerisk.adder.lock.lock import as_written, written_block
-from tracerisk.adder.merge.merge import MergePolicy, merge
+from tracerisk.adder.merge.edits_found import MergePolicy
+from tracerisk.adder.merge.merge import merge
 from tracerisk.adder.sources.renames import source_with_names
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.errors import BlockError

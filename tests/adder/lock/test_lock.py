@@ -17,7 +17,8 @@ from tracerisk.adder.lock.lock import (
     written_block,
 )
 from tracerisk.adder.lock.reading import loads, read_lock
-from tracerisk.adder.merge.merge import MergePolicy, merge
+from tracerisk.adder.merge.edits_found import MergePolicy
+from tracerisk.adder.merge.merge import merge
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.errors import ExitCode
 

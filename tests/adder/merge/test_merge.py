@@ -13,7 +13,8 @@ from tracerisk.adder.blocks.values import profile_next
 from tracerisk.adder.lock.digest import with_digest
 from tracerisk.adder.lock.lock import WrittenBlock, as_written, written_block
 from tracerisk.adder.merge.authors import Evidence
-from tracerisk.adder.merge.merge import MergePolicy, edits_error, in_the_way, merge
+from tracerisk.adder.merge.edits_found import MergePolicy, edits_error, in_the_way
+from tracerisk.adder.merge.merge import merge
 from tracerisk.errors import EditInTheWayError
 
 STOP = MergePolicy()

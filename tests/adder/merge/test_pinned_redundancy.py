@@ -12,7 +12,7 @@ from tracerisk.adder.blocks.values import (
 )
 from tracerisk.adder.figures.instance_values import kept_values
 from tracerisk.adder.lock.lock import Lock
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.common.hardware.redundancy import ALL_NEEDED
 from tracerisk.errors import BlockError
 

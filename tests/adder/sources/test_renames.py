@@ -4,7 +4,7 @@ import pytest
 
 from tracerisk.adder.annotate import SourceBlocks, annotate_sources
 from tracerisk.adder.lock.lock import ControllerLock, Lock
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.adder.sources.renames import followed_sources
 
 FILE = "c.py"

@@ -18,7 +18,7 @@ from tracerisk.adder.blocks.values import (
 from tracerisk.adder.lock.digest import digest_of
 from tracerisk.adder.lock.lock import Lock
 from tracerisk.adder.lock.reading import loads
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.hardware.redundancy import Redundancy

@@ -5,7 +5,7 @@ import pytest
 from tests.pipeline.check.test_check_misses_nothing import block
 from tracerisk.adder.annotate import SourceBlocks, annotate_sources
 from tracerisk.adder.lock.lock import Lock
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.pipeline.check.overrides import overrides_in
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from tracerisk import api
 from tracerisk.adder.lock.lock import LockError
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.adder.sources.renames import follow_renames
 from tracerisk.common.trace_log import read_log

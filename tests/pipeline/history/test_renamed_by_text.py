@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.pipeline.history.renaming_histories import CppHistory, RenamingHistory
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.cli import main
 from tracerisk.errors import EditInTheWayError
 from tracerisk.pipeline.check.check import check_controller

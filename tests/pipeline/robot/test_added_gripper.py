@@ -20,7 +20,8 @@ from tracerisk.twin.robots.added_gripper import (
 )
 from tracerisk.twin.robots.gripper_ends import gripper_ends, width_at
 from tracerisk.twin.robots.index import shipped_grippers
-from tracerisk.twin.robots.robot import Controller, Group, Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot_parts import Controller, Group
 from tracerisk.twin.urdf.urdf import read_urdf
 
 CONTROLLER = """\

@@ -14,7 +14,8 @@ from tracerisk.common.geometry.frames import rotation
 from tracerisk.twin.motion.gripper_track import FINGER_LENGTH_M
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.gripper_ends import gripper_ends, pad_centres, width_at
-from tracerisk.twin.robots.robot import Gripper, Robot, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_parts import Gripper
 
 KINDS = {
     "panda": ("panda_arm", "ready"),

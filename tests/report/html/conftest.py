@@ -11,7 +11,7 @@ from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Har
 from tracerisk.common.verdict import Uncovered
 from tracerisk.errors import Location
 from tracerisk.prm import BasicEvent, FaultTree, HybridModel, solve
-from tracerisk.prm.review.change_records import Review, RiskDiff
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
 from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import ReportInput, SourceBlock, SourceFile
 from tracerisk.trace import (

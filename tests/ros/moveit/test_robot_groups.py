@@ -1,7 +1,8 @@
 from dataclasses import replace
 
 from tracerisk.ros.moveit.robot_groups import RobotGroups
-from tracerisk.twin.robots.robot import Group, load_robot
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.robots.robot_parts import Group
 
 FIRST, SECOND = "panda_finger_joint1", "panda_finger_joint2"
 

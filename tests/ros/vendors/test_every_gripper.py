@@ -5,7 +5,8 @@ import pytest
 from tests.slow import slow_but
 from tracerisk.ros.moveit.robot_groups import RobotGroups
 from tracerisk.twin.robots.gripper_ends import gripper_ends, pad_distance
-from tracerisk.twin.robots.robot import Gripper, Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot_parts import Gripper
 
 WITH_GRIPPER = [name for name in robot_names() if load_robot(name).grippers]
 QUICK = [("panda", 1), ("panda", 2), ("gen3", 2), ("px100", 1)]

@@ -39,7 +39,8 @@ from tracerisk.twin.physics.motion import JointTrajectory, Pose
 from tracerisk.twin.physics.scene import Fixture, GraspableObject, Scene, load_scene
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.recording.samples import SampleWriter, read_samples
-from tracerisk.twin.robots.robot import Drives, EncoderFault, Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot_parts import Drives, EncoderFault
 from tracerisk.twin.robots.sensors import Sensor
 from tracerisk.twin.simulation.twin import Twin
 

@@ -19,7 +19,7 @@ from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.file import dump_robot, read_dumped_robot
 from tracerisk.twin.robots.prefix import with_prefix
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 from tracerisk.twin.robots.sensors import Sensor
 from tracerisk.twin.simulation.twin import Twin
 

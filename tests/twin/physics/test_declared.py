@@ -14,7 +14,8 @@ from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.physics.scene_body import HalfSpace, Hull, SceneBody
 from tracerisk.twin.recording.replay import replay
 from tracerisk.twin.recording.samples import SampleWriter, read_samples
-from tracerisk.twin.robots.robot import Robot, Scaling, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_parts import Scaling
 from tracerisk.twin.simulation.twin import Twin
 
 SECOND = 1_000_000_000

@@ -11,7 +11,8 @@ from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
 from tracerisk.twin.physics.scene import load_scene
-from tracerisk.twin.robots.robot import Robot, Scaling, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_parts import Scaling
 from tracerisk.twin.simulation.twin import Twin
 
 import mujoco  # isort: skip

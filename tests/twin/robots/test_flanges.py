@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from tracerisk.common.geometry.frames import rotation
 from tracerisk.common.geometry.shapes import Shape
-from tracerisk.twin.robots.robot import Attachment, Link, Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot_parts import Attachment, Link
 
 BEYOND = 0.002
 """By how much a shape may reach beyond the flange [m]."""

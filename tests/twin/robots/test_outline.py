@@ -6,7 +6,8 @@ import pytest
 from tracerisk.common.geometry.frames import rotation
 from tracerisk.twin.physics.collision import CollisionWorld
 from tracerisk.twin.robots.outline import outlined
-from tracerisk.twin.robots.robot import Attachment, Link, load_robot
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.robots.robot_parts import Attachment, Link
 
 
 def ends(shape):

@@ -3,7 +3,8 @@ from pathlib import Path
 import pytest
 
 from tracerisk.errors import RobotError
-from tracerisk.twin.robots.robot import Robot, Scaling, load_robot, robot_names
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot_parts import Scaling
 
 ROBOTS = Path(__file__).parents[3] / "tracerisk" / "twin" / "robots" / "shipped"
 

@@ -9,7 +9,8 @@ import pytest
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.physics.motion import JointTrajectory, Pose
 from tracerisk.twin.physics.scene import load_scene
-from tracerisk.twin.robots.robot import Scaling, load_robot, robot_names
+from tracerisk.twin.robots.robot import load_robot, robot_names
+from tracerisk.twin.robots.robot_parts import Scaling
 from tracerisk.twin.simulation.twin import Twin
 
 # After the twin, which says that no window is needed.

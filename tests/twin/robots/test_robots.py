@@ -22,7 +22,8 @@ from tracerisk.twin.recording.activity import element_activity
 from tracerisk.twin.recording.samples import SampleWriter, read_samples
 from tracerisk.twin.robots import robot as robot_module
 from tracerisk.twin.robots.index import shipped_names
-from tracerisk.twin.robots.robot import Gripper, Robot, Scaling, load_robot, robot_names
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
+from tracerisk.twin.robots.robot_parts import Gripper, Scaling
 from tracerisk.twin.simulation.twin import Twin
 
 # After the twin, which says that no window is needed.

@@ -17,7 +17,8 @@ from tracerisk.twin.robots.assumed_names import with_assumed_names
 from tracerisk.twin.robots.generic import generic_arm, names_asked
 from tracerisk.twin.robots.known_arms import completed_as_ours
 from tracerisk.twin.robots.prefix import with_prefix
-from tracerisk.twin.robots.robot import Scaling, load_robot
+from tracerisk.twin.robots.robot import load_robot
+from tracerisk.twin.robots.robot_parts import Scaling
 from tracerisk.twin.urdf.moveit_package import changed_as_beside
 from tracerisk.twin.urdf.urdf import read_urdf
 from tracerisk.twin.urdf.xacro_files import expand_xacro

@@ -12,7 +12,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from tracerisk.adder.blocks.block import RiskBlock
-from tracerisk.adder.blocks.compact import print_compact, read_compact
+from tracerisk.adder.blocks.compact import read_compact
+from tracerisk.adder.blocks.compact_print import print_compact
 from tracerisk.adder.blocks.conflicts import is_conflict_marker
 from tracerisk.adder.blocks.failures import goes_on
 from tracerisk.adder.blocks.lines import DEFAULT_WIDTH, GUTTER, HEADER, BlockLine

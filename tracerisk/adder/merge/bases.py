@@ -11,7 +11,8 @@ from tracerisk.common.function_ref import QualifiedName
 
 if TYPE_CHECKING:
     from tracerisk.adder.merge.authors import Evidence
-    from tracerisk.adder.merge.merge import Merged, MergePolicy
+    from tracerisk.adder.merge.edits_found import MergePolicy
+    from tracerisk.adder.merge.merge import Merged
 
 SourceEvidence: TypeAlias = "Callable[[str], Evidence]"
 """What is known of a source beyond its blocks and the lock, by the name of its file."""

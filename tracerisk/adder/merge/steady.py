@@ -13,7 +13,8 @@ from collections.abc import Mapping
 from tracerisk.adder.blocks.block import ComponentEntry, RiskBlock
 from tracerisk.adder.blocks.values import NOTHING_COMPUTED, PROBABILITY, QUANTITY, REDUNDANCY
 from tracerisk.adder.lock.lock import Behind, ControllerLock, WrittenBlock
-from tracerisk.adder.merge.merge import MergePolicy, is_noise
+from tracerisk.adder.merge.edits_found import MergePolicy
+from tracerisk.adder.merge.merge import is_noise
 from tracerisk.common.function_ref import QualifiedName
 
 

@@ -14,7 +14,7 @@ from tracerisk.pipeline.review.git_versions import compared
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
-    from tracerisk.prm.review.change_records import Review
+    from tracerisk.prm.review.risk_diff import Review
     from tracerisk.report.html.report_input import SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.hybrid.assessment import Assessment
     from tracerisk.prm.hybrid.hybrid import HybridModel
-    from tracerisk.prm.review.change_records import Review
+    from tracerisk.prm.review.risk_diff import Review
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace

@@ -27,7 +27,7 @@ from tracerisk.report.diff.sentences import must_do_less, not_assessed, whole_he
 from tracerisk.report.diff.text import render_diff
 
 if TYPE_CHECKING:
-    from tracerisk.prm.review.change_records import Review, RiskDiff
+    from tracerisk.prm.review.risk_diff import Review, RiskDiff
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
     from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.pipeline.check.finding import CheckFinding
-    from tracerisk.prm.review.change_records import Review
+    from tracerisk.prm.review.risk_diff import Review
     from tracerisk.report.html.report_input import ReportInput, SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.trace import Trace

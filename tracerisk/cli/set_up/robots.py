@@ -15,7 +15,8 @@ from tracerisk.twin.robots.index import shipped_grippers, shipped_names
 
 if TYPE_CHECKING:
     from tracerisk.twin.robots.index import RobotNames
-    from tracerisk.twin.robots.robot import Joint, Robot
+    from tracerisk.twin.robots.robot import Robot
+    from tracerisk.twin.robots.robot_parts import Joint
 
 _LEAST = 2  # columns of the list: name and title
 

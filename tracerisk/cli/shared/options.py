@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import argparse
     from typing import Any
 
-    from tracerisk.adder.merge.merge import MergePolicy
+    from tracerisk.adder.merge.edits_found import MergePolicy
 
 
 def add_json(
@@ -373,7 +373,7 @@ def run_settings(options: argparse.Namespace) -> dict[str, Any]:
 
 def merge_policy(options: argparse.Namespace) -> MergePolicy:
     """Return what becomes of a user's edits."""
-    from tracerisk.adder.merge.merge import MergePolicy
+    from tracerisk.adder.merge.edits_found import MergePolicy
 
     if options.accept_edits:
         return MergePolicy("accept", options.fresh)

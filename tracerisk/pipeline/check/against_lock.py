@@ -28,7 +28,7 @@ from tracerisk.pipeline.workspace.controller import Controller
 
 if TYPE_CHECKING:
     from tracerisk.adder.merge.bases import SourceEvidence
-    from tracerisk.adder.merge.merge import HandEdit
+    from tracerisk.adder.merge.edits_found import HandEdit
 
 
 class CheckedSource(NamedTuple):
@@ -104,7 +104,7 @@ def _edits(
         )
         if is_settled or placed.block.added:
             continue
-        from tracerisk.adder.merge.merge import MergePolicy
+        from tracerisk.adder.merge.edits_found import MergePolicy
 
         outcome = merge_with_bases(
             name,

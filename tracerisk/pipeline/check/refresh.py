@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.adder.lock.lock import ControllerLock, lock_key
-from tracerisk.adder.merge.merge import MergePolicy
+from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.verdict import Verdict
 from tracerisk.config import SANDBOX_SETTINGS, SandboxMode

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tracerisk.errors import SettingsError, one_of
-from tracerisk.twin.robots.robot import Joint
+from tracerisk.twin.robots.robot_parts import Joint
 
 _ALLOWED = ("Nm", "%", "mA:K", "A:K")
 

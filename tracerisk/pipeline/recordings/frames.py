@@ -17,7 +17,8 @@ from tracerisk.common.geometry.rotation import quaternion_of
 from tracerisk.pipeline.recordings.cdr import Cdr
 from tracerisk.pipeline.recordings.packed import Rows, Times, put, put_stamps
 from tracerisk.twin.recording.samples import Samples
-from tracerisk.twin.robots.robot import Attachment, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Attachment
 
 _WORLD = "world"
 _PLACE_BYTES = 24

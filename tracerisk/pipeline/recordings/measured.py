@@ -27,7 +27,8 @@ from tracerisk.trace import LOST, MEASURED, Element, Exposure, RunEnd, Trace
 from tracerisk.twin.recording.activity import ElementActivity, joint_activity
 from tracerisk.twin.recording.joint_motion import LEVER_M, motion_steps
 from tracerisk.twin.recording.samples import Samples, between
-from tracerisk.twin.robots.robot import Gripper, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Gripper
 
 _ALWAYS_LOST = (
     "contacts, and what the gripper holds: grasping is not counted",

@@ -31,8 +31,8 @@ from tracerisk.pipeline.trace.last_run import (
 )
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
-from tracerisk.prm.review.change_records import Review, RiskDiff
 from tracerisk.prm.review.model_parts import single_points
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
 from tracerisk.report.ci.sarif import Alert, alert_at
 from tracerisk.report.diff.sentences import some
 from tracerisk.trace import Trace

@@ -20,7 +20,7 @@ from tracerisk.pipeline.review.controllers import (
 from tracerisk.pipeline.review.git_versions import GitVersion
 from tracerisk.pipeline.review.review import difference
 from tracerisk.pipeline.review.run_verdicts import version_verdict
-from tracerisk.prm.review.change_records import WORKING_TREE
+from tracerisk.prm.review.risk_diff import WORKING_TREE
 from tracerisk.report.series.history import HistoryPoint
 
 _FORMAT = "--format=%x01%H%x00%cs%x00%s"

@@ -39,9 +39,10 @@ from tracerisk.pipeline.review.run_changes import evidence_changes, run_changes
 from tracerisk.pipeline.review.run_verdicts import version_verdict
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.trace.last_run import kept_uncovered
-from tracerisk.prm.review.change_records import Review, RiskDiff, RunVerdicts
+from tracerisk.prm.review.change_records import RunVerdicts
 from tracerisk.prm.review.model_parts import RiskVersion
 from tracerisk.prm.review.risk_change import compare
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
 
 if TYPE_CHECKING:
     from tracerisk.common.hardware.model import Hardware

@@ -13,7 +13,8 @@ from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
 from tracerisk.twin.robots.gripper_ends import pad_centres
 
 if TYPE_CHECKING:
-    from tracerisk.twin.robots.robot import Gripper, Robot
+    from tracerisk.twin.robots.robot import Robot
+    from tracerisk.twin.robots.robot_parts import Gripper
 
 Point = tuple[float, float, float]
 

@@ -53,7 +53,8 @@ from tracerisk.twin.robots.robot import robot_names
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
-    from tracerisk.twin.robots.robot import Gripper, Joint, Robot
+    from tracerisk.twin.robots.robot import Robot
+    from tracerisk.twin.robots.robot_parts import Gripper, Joint
 
 NOTHING_TO_GRASP = "nothing_to_grasp"
 _BY_ITSELF: frozenset[EndCause] = frozenset({"raised", "exited"})

@@ -7,7 +7,7 @@ from typing import Any
 
 from tracerisk.common.verdict import verdict_line
 from tracerisk.prm.formats.assessment_json import mission_to_json
-from tracerisk.prm.review.change_records import Review, RiskDiff
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
 
 
 def review_to_json(review: Review) -> dict[str, Any]:

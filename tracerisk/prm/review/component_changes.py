@@ -16,9 +16,10 @@ from tracerisk.adder.blocks.values import (
     FieldKind,
     component_fields,
 )
-from tracerisk.prm.review.change_records import NOISE, ChangedField, ChangeKind, is_noise, ratio_of
+from tracerisk.prm.review.change_records import NOISE, ChangedField, ChangeKind, is_noise
 from tracerisk.prm.review.flow_changes import Edit
 from tracerisk.prm.review.model_parts import ModelParts, RiskVersion, counted_components
+from tracerisk.prm.review.risk_diff import ratio_of
 
 _ORDER = {"unaware": -2, "stopped late": -1, "stopped safely": 1}
 """Kinds of outcomes in the order in which they are listed, the gravest first."""

@@ -20,7 +20,6 @@ from tracerisk.prm.review.change_records import (
     FunctionFigures,
     Mark,
     RiskChange,
-    RiskDiff,
     SinglePoint,
 )
 from tracerisk.prm.review.component_changes import (
@@ -37,6 +36,7 @@ from tracerisk.prm.review.model_parts import (
     tolerated_failures,
 )
 from tracerisk.prm.review.pin_changes import pin_changes
+from tracerisk.prm.review.risk_diff import RiskDiff
 
 CauseOf = Callable[[ChangedField], tuple[Cause, ...]]
 """Returns why a value that no user pinned is another one now."""

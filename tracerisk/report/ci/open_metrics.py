@@ -12,7 +12,7 @@ from tracerisk.common.text.printable import escaped
 from tracerisk.common.verdict import Verdict
 from tracerisk.errors import Location
 from tracerisk.prm.hybrid.assessment import MissionFigures
-from tracerisk.prm.review.change_records import Review
+from tracerisk.prm.review.risk_diff import Review
 
 METRICS: Mapping[str, str] = {
     "tracerisk_mission_failure_probability": "Probability that the mission fails by hardware.",

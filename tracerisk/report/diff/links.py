@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from tracerisk.common.text.printable import one_line
 from tracerisk.errors import Location
-from tracerisk.prm.review.change_records import Review, RiskDiff
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
 
 _SPECIAL = re.compile(r"([\\`*_\[\]<>|~])")
 _FIRST = re.compile(r"^(?=[-+#=]|\d+[.)])")

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from tracerisk.common.text.one_in import one_in
-from tracerisk.prm.review.change_records import NOISE, FunctionFigures, Review, RiskDiff
+from tracerisk.prm.review.change_records import NOISE, FunctionFigures
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
 from tracerisk.report.diff import sentences
 from tracerisk.report.diff.links import Links, escaped, in_html
 

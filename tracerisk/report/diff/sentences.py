@@ -16,13 +16,11 @@ from tracerisk.prm.review.change_records import (
     FunctionChange,
     Mark,
     PinChange,
-    Review,
     RiskChange,
-    RiskDiff,
     RunVerdicts,
     is_noise,
-    ratio_of,
 )
+from tracerisk.prm.review.risk_diff import Review, RiskDiff, ratio_of
 
 OF_RUN = "What the run showed that it did not before"
 OF_EVIDENCE = "What failures on the twin do now that they did not before"

@@ -4,13 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from tracerisk.prm.review.change_records import (
-    FunctionChange,
-    Review,
-    RiskChange,
-    RiskDiff,
-    is_noise,
-)
+from tracerisk.prm.review.change_records import FunctionChange, RiskChange, is_noise
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
 from tracerisk.report.diff import sentences
 from tracerisk.report.tables import filled
 

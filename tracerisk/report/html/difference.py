@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from tracerisk.prm.hybrid.assessment import MissionFigures
-from tracerisk.prm.review.change_records import FunctionFigures, Review, RiskDiff
+from tracerisk.prm.review.change_records import FunctionFigures
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
 from tracerisk.report.diff import sentences
 from tracerisk.report.html.page import asset, rendered
 from tracerisk.report.html.report_input import ReportInput

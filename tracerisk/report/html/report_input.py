@@ -11,7 +11,7 @@ from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.record import Record
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
-from tracerisk.prm.review.change_records import Review
+from tracerisk.prm.review.risk_diff import Review
 from tracerisk.report.html.run.replay import RecordedRun
 from tracerisk.report.html.section import Section
 from tracerisk.report.run_figures import RunFigures

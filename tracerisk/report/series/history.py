@@ -9,13 +9,13 @@ from xml.sax.saxutils import escape
 
 from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.common.verdict import Verdict, kind_of
-from tracerisk.prm.review.change_records import WORKING_TREE
+from tracerisk.prm.review.risk_diff import WORKING_TREE
 from tracerisk.report.diff.sentences import compared, sentence
 from tracerisk.report.series.sweep import SweepPoint, plot_svg
 from tracerisk.report.tables import render_parts, table_of
 
 if TYPE_CHECKING:
-    from tracerisk.prm.review.change_records import RiskDiff
+    from tracerisk.prm.review.risk_diff import RiskDiff
 
 _COLOURS: Mapping[str, str] = {
     "complete": "#2c7a3f",

@@ -11,7 +11,8 @@ from tracerisk.ros.drafts.named_numbers import Reach
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.transforms.poses import compose, inverse
 from tracerisk.twin.physics.motion import PlanningError, Pose
-from tracerisk.twin.robots.robot import Group, Joint, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Group, Joint
 
 _NO_TURN = (0.0, 0.0, 0.0, 1.0)
 _STEP = 0.2  # how far from where it is a joint is sent [rad; of its range where it slides]

@@ -33,7 +33,7 @@ from tracerisk.ros.messages.fields import (
     fields_of,
     type_of,
 )
-from tracerisk.twin.robots.robot import Joint
+from tracerisk.twin.robots.robot_parts import Joint
 from tracerisk.twin.urdf.text import urdf_text
 
 _CONVERTED = re.compile(r"(?<=\.)[xyz]\s*[*/]\s*[\w.+-]+")

@@ -24,7 +24,7 @@ from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.transforms.poses import ORIGIN, unit_quaternion
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.physics.motion import PlanningError, Pose
-from tracerisk.twin.robots.robot import Joint, Scaling
+from tracerisk.twin.robots.robot_parts import Joint, Scaling
 
 _SLACK = 1e-3  # beyond a bound: what inverse kinematics comes to is within it [rad or m]
 _SAMPLES = 12  # of where links may be, before a goal is given up

@@ -34,7 +34,7 @@ from tracerisk.ros.moveit.sought_goals import SoughtGoals
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode, TrajectoryExecution
 from tracerisk.ros.robot.frames import fixed_frame
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningFailure, Pose
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.parameters import ParameterTree

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from tracerisk.twin.robots.robot import Gripper, Group, Joint, Robot
+    from tracerisk.twin.robots.robot import Robot
+    from tracerisk.twin.robots.robot_parts import Gripper, Group, Joint
 
 _MOST_DRAWS = 100  # until a random position is clear of collisions
 

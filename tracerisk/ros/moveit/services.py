@@ -29,7 +29,7 @@ from tracerisk.ros.robot.trajectory_messages import TrajectoryRefusedError, twin
 from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.ros.transforms.poses import compose, inverse
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime

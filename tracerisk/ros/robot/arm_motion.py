@@ -19,12 +19,12 @@ from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.motion.plausible_units import are_radians_likely, cut_line, shown_limits
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.robots.gripper_ends import driver_ends, position_at, width_at
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 if TYPE_CHECKING:
     from tracerisk.instrument.tracer import Frame
     from tracerisk.ros.graph.action_goal import ActionGoal
-    from tracerisk.twin.robots.robot import Joint
+    from tracerisk.twin.robots.robot_parts import Joint
 
 TwistFrame = Literal["base", "tool", "mixed"]
 """In whose axes a twist is: `mixed` has its shift in those of the base, its turn in the tool's."""

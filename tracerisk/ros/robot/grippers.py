@@ -14,7 +14,8 @@ from tracerisk.ros.robot.twin_node import TwinNode
 from tracerisk.twin.motion.execution import Motion
 from tracerisk.twin.physics.motion import JointState, PlanningError
 from tracerisk.twin.robots.gripper_ends import gripper_ends, position_at, width_at
-from tracerisk.twin.robots.robot import Gripper, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Gripper
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime

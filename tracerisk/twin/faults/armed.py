@@ -18,7 +18,8 @@ from tracerisk.common.hardware.model import CONTROL, POWER
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.motion import STEP_NS
 from tracerisk.twin.robots.gripper_ends import gripper_ends
-from tracerisk.twin.robots.robot import Gripper, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Gripper
 
 ENCODER_OFFSET = 0.05
 """By how much an encoder with an offset reads too much: of a joint that turns [rad]."""

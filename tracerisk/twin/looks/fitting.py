@@ -15,7 +15,8 @@ import numpy as np
 from tracerisk.common.geometry.frames import rotation
 from tracerisk.twin.looks.look import Look, Piece, Point, is_called, scaled
 from tracerisk.twin.looks.shipped_looks import shipped_looks
-from tracerisk.twin.robots.robot import Attachment, Robot, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_parts import Attachment
 
 _NOTHING = 0.012  # lengths below this say nothing of the size of an arm [m]
 _MOST = 3.5  # times as long as in the robot that the look is made for, or as short

@@ -22,7 +22,8 @@ from tracerisk.errors import Location, RobotError
 from tracerisk.twin.model_files.mjcf_joints import BALL, FREE, HINGE, SLIDE, Drives, drives_of
 from tracerisk.twin.model_files.mjcf_model import Data, MjcfModel, shape_of
 from tracerisk.twin.robots.outline import outlined
-from tracerisk.twin.robots.robot import Link, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Link
 from tracerisk.twin.robots.sensors import Sensor
 from tracerisk.twin.urdf.assembly import (
     ASSUMED_MASS,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from tracerisk.twin.model_files.mjcf_model import Data, MjcfModel
 from tracerisk.twin.robots.outline import derived_servo
-from tracerisk.twin.robots.robot import Servo
+from tracerisk.twin.robots.robot_parts import Servo
 from tracerisk.twin.urdf.assembly import ASSUMED_VELOCITY
 
 FREE, BALL, SLIDE, HINGE = 0, 1, 2, 3

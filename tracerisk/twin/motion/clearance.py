@@ -20,7 +20,8 @@ from tracerisk.twin.motion.rrt_connect import (
 from tracerisk.twin.physics.collision import CLEAR, CollisionWorld, Pair
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.twin.physics.scene_body import SceneBody
-from tracerisk.twin.robots.robot import Joint, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Joint
 
 Array = NDArray[np.float64]
 

@@ -23,7 +23,8 @@ from tracerisk.twin.physics.motion import (
     MotionOutcome,
     PlanningError,
 )
-from tracerisk.twin.robots.robot import Joint, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Joint
 
 Array = NDArray[np.float64]
 TimedWay = tuple[Array, Array, Array]

@@ -19,7 +19,7 @@ from tracerisk.twin.motion.execution import (
 from tracerisk.twin.motion.interpolation import resample
 from tracerisk.twin.motion.timing import along_path
 from tracerisk.twin.physics.motion import STEP_S
-from tracerisk.twin.robots.robot import Gripper, Joint
+from tracerisk.twin.robots.robot_parts import Gripper, Joint
 
 _FINGER_TOLERANCE = 0.0005  # of a pad [m]
 _FINGER_STILL = 0.001  # of a pad [m/s]

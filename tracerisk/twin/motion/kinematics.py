@@ -16,7 +16,8 @@ from tracerisk.twin.motion.descent import Descent, Miss, miss_cost
 from tracerisk.twin.motion.plausible_units import length_guess
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import LinkTarget, PlanningError, Pose
-from tracerisk.twin.robots.robot import Joint, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Joint
 
 # After the builder, which says that no window is needed.
 import mink  # isort: skip

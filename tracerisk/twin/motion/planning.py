@@ -25,7 +25,8 @@ from tracerisk.twin.motion.timing import (
     along_free_path,
 )
 from tracerisk.twin.physics.motion import JointTrajectory, LinkTarget, PlanningError, Pose
-from tracerisk.twin.robots.robot import Joint, Robot, Scaling
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Joint, Scaling
 
 _LIMIT_SLACK = 1e-6  # a target this far past a limit is a rounding error [rad or m]
 _JUMP = 0.8  # a joint that turns further between them has changed branch [rad]

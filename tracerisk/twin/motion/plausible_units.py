@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tracerisk.twin.physics.motion import Pose
-    from tracerisk.twin.robots.robot import Joint
+    from tracerisk.twin.robots.robot_parts import Joint
 
 _FAR = 100.0  # by how much more than its range a value is that may be in mm
 _CLOSE_M = 0.005  # no tool comes as near to the origin of its robot: such a pose may be in m for mm

@@ -16,7 +16,8 @@ from tracerisk.errors import RobotError
 from tracerisk.twin.physics.motion import STEP_S
 from tracerisk.twin.physics.no_display import no_display
 from tracerisk.twin.physics.scene import Scene
-from tracerisk.twin.robots.robot import Attachment, Gripper, Joint, Link, Robot, without_stiffness
+from tracerisk.twin.robots.robot import Robot, without_stiffness
+from tracerisk.twin.robots.robot_parts import Attachment, Gripper, Joint, Link
 
 with no_display():
     import mujoco

@@ -20,7 +20,8 @@ from tracerisk.twin.motion.gripper_track import FINGER_LENGTH_M
 from tracerisk.twin.recording.contact_pairs import between_pads, borne_by
 from tracerisk.twin.recording.joint_motion import LEVER_M, SetPoint, motion_steps
 from tracerisk.twin.recording.samples import Samples
-from tracerisk.twin.robots.robot import Gripper, Joint, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Gripper, Joint
 
 Flags = NDArray[np.bool_]
 Array = NDArray[np.float64]

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from tracerisk.twin.recording.contact_log import LOOK_EVERY, POSTURE_EVERY, ContactLog
 from tracerisk.twin.recording.joint_motion import runs
-from tracerisk.twin.robots.robot import Gripper, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Gripper
 
 if TYPE_CHECKING:
     from tracerisk.twin.recording.activity import ElementActivity

@@ -14,7 +14,7 @@ from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import POSE_EVERY, Samples
 from tracerisk.twin.recording.tool_way import arm_to, tool_places
 from tracerisk.twin.robots.gripper_ends import gripper_ends
-from tracerisk.twin.robots.robot import Gripper
+from tracerisk.twin.robots.robot_parts import Gripper
 
 LEFT_M = 0.01
 """A hand has left an object when the distance between them changed by more [m].

@@ -13,7 +13,8 @@ from tracerisk.common.geometry.frames import rotation, skew
 from tracerisk.common.outcome.arm import Arm, ArmFrame, Position
 
 if TYPE_CHECKING:
-    from tracerisk.twin.robots.robot import Attachment, Robot
+    from tracerisk.twin.robots.robot import Robot
+    from tracerisk.twin.robots.robot_parts import Attachment
 
 _STEP = 1e-4  # the frames of an arm are kept in whole steps of 0.1 mm and 0.1 mrad
 

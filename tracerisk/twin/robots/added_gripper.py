@@ -19,7 +19,8 @@ from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.robots.generic import FINGER_OPENING, sliding_fingers
 from tracerisk.twin.robots.index import shipped_grippers
 from tracerisk.twin.robots.prefix import renamed
-from tracerisk.twin.robots.robot import Controller, Group, Robot, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot_parts import Controller, Group
 
 NAME = "gripper"
 _COMMANDS = frozenset({"GripperCommand", "GripperCommandAction", "ParallelGripperCommand"})

@@ -10,7 +10,8 @@ from difflib import get_close_matches
 
 from tracerisk.twin.robots.generic import NAME
 from tracerisk.twin.robots.gripper_ends import gripper_ends
-from tracerisk.twin.robots.robot import Group, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Group
 
 _HAND = re.compile(r"gripper|hand|finger|claw|end_?effector", re.IGNORECASE)
 _OPENS = re.compile(r"open|release", re.IGNORECASE)

@@ -16,7 +16,8 @@ from types import MappingProxyType
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.instrument.source.literals.named_literals import counted_names
 from tracerisk.twin.robots.outline import derived_servo, outlined
-from tracerisk.twin.robots.robot import (
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import (
     DEFAULT_SCALING,
     Attachment,
     Controller,
@@ -24,7 +25,6 @@ from tracerisk.twin.robots.robot import (
     Group,
     Joint,
     Link,
-    Robot,
     Servo,
 )
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tracerisk.common.geometry.frames import Matrix, about, rotation
-from tracerisk.twin.robots.robot import Gripper, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Gripper
 
 _ALIKE_M = 1e-4  # ends at which the pads are as far apart do not differ [m]
 _HALVINGS = 40  # of the range, until a position is found: to 1e-12 of it

@@ -13,8 +13,9 @@ from tracerisk.common.geometry.frames import rotation
 from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.outline import weight_behind
 from tracerisk.twin.robots.prefix import prefix_in, with_prefix
-from tracerisk.twin.robots.robot import Joint, Robot, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot
 from tracerisk.twin.robots.robot_names import is_number
+from tracerisk.twin.robots.robot_parts import Joint
 from tracerisk.twin.robots.sensors import sensors_like
 
 _MATCHES = 0.8  # the share of joint names that two robots of one make have in common

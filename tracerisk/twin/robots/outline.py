@@ -11,7 +11,7 @@ import numpy as np
 
 from tracerisk.common.geometry.frames import Triple, rotation, triple
 from tracerisk.common.geometry.shapes import Shape
-from tracerisk.twin.robots.robot import Attachment, Link, Servo
+from tracerisk.twin.robots.robot_parts import Attachment, Link, Servo
 
 _SHORTEST = 0.005  # a frame nearer than this to its parent has no length to fill [m]
 _STRAIGHT = 0.02  # a link whose corner is nearer than this to an end is straight [m]

@@ -13,7 +13,8 @@ from tracerisk.common.geometry.shapes import read_shapes
 from tracerisk.common.text.yaml_reader import YamlMap, read_large_yaml
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.robots.outline import derived_servo, outlined
-from tracerisk.twin.robots.robot import (
+from tracerisk.twin.robots.robot import Robot, without_stiffness
+from tracerisk.twin.robots.robot_parts import (
     DEFAULT_SCALING,
     Attachment,
     Controller,
@@ -27,10 +28,8 @@ from tracerisk.twin.robots.robot import (
     JointType,
     Link,
     Masses,
-    Robot,
     Scaling,
     Servo,
-    without_stiffness,
 )
 from tracerisk.twin.robots.sensors import read_sensors
 

@@ -20,7 +20,8 @@ from tracerisk.twin.motion.execution import (
 from tracerisk.twin.motion.gripper_track import GripperTrack
 from tracerisk.twin.motion.interpolation import resample
 from tracerisk.twin.physics.motion import STEP_S, JointTrajectory, MotionOutcome, PlanningError
-from tracerisk.twin.robots.robot import Gripper, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Gripper
 from tracerisk.twin.simulation.simulation import Simulation
 
 _FINGER_SLACK = 1e-4  # a finger's goal this far past its range is a rounding error [m]

@@ -14,7 +14,8 @@ from types import MappingProxyType
 from tracerisk.errors import Location
 from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.outline import derived_servo, weight_behind
-from tracerisk.twin.robots.robot import (
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import (
     DEFAULT_SCALING,
     Attachment,
     Gripper,
@@ -22,7 +23,6 @@ from tracerisk.twin.robots.robot import (
     Joint,
     JointType,
     Link,
-    Robot,
     Servo,
 )
 from tracerisk.twin.urdf.grippers import GripperParts, built_gripper, grippers_of, padded

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from tracerisk.common.geometry.shapes import Shape
-from tracerisk.twin.robots.robot import Gripper, Group, Joint, Link, Servo
+from tracerisk.twin.robots.robot_parts import Gripper, Group, Joint, Link, Servo
 from tracerisk.twin.urdf.srdf import EndEffector, Srdf
 from tracerisk.twin.urdf.tree import Tree, UrdfJoint
 

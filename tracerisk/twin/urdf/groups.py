@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from itertools import takewhile
 from types import MappingProxyType
 
-from tracerisk.twin.robots.robot import Controller, Gripper, Group, Joint
+from tracerisk.twin.robots.robot_parts import Controller, Gripper, Group, Joint
 from tracerisk.twin.urdf.grippers import is_finger
 from tracerisk.twin.urdf.srdf import Srdf, SrdfGroup
 from tracerisk.twin.urdf.tree import Tree

@@ -9,7 +9,8 @@ from types import MappingProxyType
 
 from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
 from tracerisk.errors import RobotError
-from tracerisk.twin.robots.robot import Group, Joint, Robot, Scaling
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Group, Joint, Scaling
 from tracerisk.twin.urdf.assembly import ASSUMED_ACCELERATION
 
 _UNBOUNDED = 1.0  # what MoveIt's time parameterization takes where a joint has no limit

@@ -18,7 +18,8 @@ from tracerisk.common.geometry.frames import Triple, roll_pitch_yaw, rotation, t
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.common.text.bounded import finite_number
 from tracerisk.twin.robots.outline import outlined
-from tracerisk.twin.robots.robot import Link, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Link
 from tracerisk.twin.urdf.assembly import (
     ASSUMED_MASS,
     LIGHTEST,

@@ -15,7 +15,8 @@ from tracerisk.common.geometry.rotation import Quaternion, quaternion_of
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.looks.look import Piece
 from tracerisk.twin.physics.scene import Scene
-from tracerisk.twin.robots.robot import Attachment, Robot
+from tracerisk.twin.robots.robot import Robot
+from tracerisk.twin.robots.robot_parts import Attachment
 
 BodyKind = Literal["robot", "fixture", "object", "declared"]
 

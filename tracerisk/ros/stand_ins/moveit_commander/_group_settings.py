@@ -12,7 +12,7 @@ from moveit_msgs.msg import (
 
 from tracerisk.errors import one_of
 from tracerisk.ros.moveit.move_group import MoveGroupServer
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 from ._binding import check_arguments
 from ._server import server

@@ -23,7 +23,7 @@ from tracerisk.ros.moveit import messages
 from tracerisk.ros.moveit.plan_records import Plan, PoseGoal
 from tracerisk.ros.moveit.trajectory_execution import Asker, ErrorCode
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 from . import conversions
 from ._binding import check_arguments, received

@@ -25,7 +25,7 @@ from tracerisk.twin.robots.gripper_ends import gripper_ends
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
-    from tracerisk.twin.robots.robot import Gripper
+    from tracerisk.twin.robots.robot_parts import Gripper
 
 GRIPPER = "gripper"
 """The name of the servo that drives the fingers; arms of the series have one."""

@@ -23,7 +23,7 @@ from tracerisk.ros.transforms.poses import (
 )
 from tracerisk.twin.motion.plausible_units import cut_line
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 (JOINTS, POSE, POSITION, RPY, POSE_QUAT, LINEAR_POSE, SHIFT_POSE, SHIFT_LINEAR_POSE) = range(8)
 EXECUTE_TRAJ, DRAW_SPIRAL, DRAW_CIRCLE, EXECUTE_FULL_TRAJ, EXECUTE_RAW_TRAJ = range(8, 13)

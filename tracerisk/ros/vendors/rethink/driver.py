@@ -27,7 +27,7 @@ from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.ros.time.clock import EPOCH_NS
 from tracerisk.twin.physics.motion import PlanningError
 from tracerisk.twin.robots.gripper_ends import gripper_ends
-from tracerisk.twin.robots.robot import Gripper
+from tracerisk.twin.robots.robot_parts import Gripper
 
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime

@@ -14,7 +14,7 @@ import numpy as np
 from tracerisk.errors import one_of
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.transforms.poses import Vector
-from tracerisk.twin.robots.robot import Joint
+from tracerisk.twin.robots.robot_parts import Joint
 
 from .._library import HandedOut, library, log_error
 

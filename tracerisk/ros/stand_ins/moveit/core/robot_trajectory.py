@@ -11,7 +11,7 @@ import numpy as np
 
 from tracerisk.ros.messages.dialect import nanoseconds, set_time
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 from .._library import library, log_error, new
 from .robot_model import RobotModel

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from tracerisk.ros.moveit.plan_records import valid_fraction
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 if TYPE_CHECKING:
     from ._moveit_py import MoveItPy

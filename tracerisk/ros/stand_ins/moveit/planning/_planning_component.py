@@ -18,7 +18,7 @@ from tracerisk.ros.moveit.trajectory_execution import ErrorCode
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.twin.motion.plausible_units import floored_percent
 from tracerisk.twin.physics.motion import Pose
-from tracerisk.twin.robots.robot import Scaling
+from tracerisk.twin.robots.robot_parts import Scaling
 
 from .._library import library, log_error
 from ..core.kinematic_constraints import _pose_constraint, construct_joint_constraint
