@@ -342,3 +342,54 @@ def test_names_that_overrule_reach_the_rules() -> None:
     assert owner == "m"
     with pytest.raises(ValueError, match="both"):
         attribute(run, helpers=["pick"], states=["pick"], end_ns=10 * MS)
+
+
+WITHOUT = recording(
+    (stack(("m", 1), ("turn", 2)), ARM, 0, 10, "arrived"),
+    (stack(("m", 1), ("home", 3)), ARM, 10, 20, "arrived"),
+    (stack(("m", 1), ("open", 4), ("go", 5)), HAND, 20, 30, "arrived"),
+    (stack(("m", 1), ("close", 6), ("go", 7)), HAND, 30, 40, "arrived"),
+)
+
+
+def test_a_run_beside_another_has_its_functions_also_where_it_calls_them_from_more_places() -> None:
+    tried_again = recording(
+        (stack(("m", 1), ("turn", 2)), ARM, 0, 10, "aborted"),
+        (stack(("m", 1), ("back_off", 3), ("home", 4)), ARM, 10, 20, "arrived"),
+        (stack(("m", 1), ("turn", 5)), ARM, 20, 30, "arrived"),
+        (stack(("m", 1), ("home", 6)), ARM, 30, 40, "arrived"),
+    )
+    alone = attribute(tried_again, end_ns=40 * MS)
+    assert [visit[0] for visit in visits_of(alone)] == ["turn", "back_off", "turn", "m"]
+    found = attribute(tried_again, end_ns=40 * MS, beside=WITHOUT)
+    assert [visit[0] for visit in visits_of(found)] == ["turn", "home", "turn", "home"]
+
+
+def test_a_run_beside_another_has_its_helpers_also_where_it_ends_before_their_second_call() -> None:
+    cut_short = recording((stack(("m", 1), ("open", 2), ("go", 3)), HAND, 0, 10, "aborted"))
+    found = attribute(cut_short, end_ns=40 * MS, beside=WITHOUT)
+    assert [visit[0] for visit in visits_of(found)] == ["open"]
+    assert attribute(WITHOUT, end_ns=40 * MS) == attribute(WITHOUT, end_ns=40 * MS, beside=WITHOUT)
+
+
+def entered(*states: tuple[str, str]) -> Recording:
+    """Return a recording of states that command, each a method and its instance."""
+    stacks = [stack((name, number)) for number, (name, _) in enumerate(states, start=1)]
+    return recording(
+        *(
+            ((dataclasses.replace(frames[0], instance=label),), ARM, 10 * k, 10 * k + 10, "arrived")
+            for k, (frames, (_, label)) in enumerate(zip(stacks, states, strict=True))
+        )
+    )
+
+
+def test_a_run_beside_another_names_instances_as_it_does() -> None:
+    whole = entered(("Move.execute", "tray"), ("Move.execute", "rack"), ("Stop.execute", "end"))
+    cut_short = entered(("Move.execute", "tray"), ("Stop.execute", "end"), ("Stop.execute", "bad"))
+    found = attribute(cut_short, end_ns=90 * MS, beside=whole)
+    names = [visit[0] for visit in visits_of(found)]
+    assert names == ["Move (tray)", "Stop.execute", "Stop.execute"]
+    other = entered(("Move.execute", "tray"), ("Move.on_error", "tray"), ("Move.execute", "rack"))
+    found = attribute(other, end_ns=90 * MS, beside=whole)
+    names = [visit[0] for visit in visits_of(found)]
+    assert names == ["Move (tray)", "Move.on_error", "Move (rack)"]

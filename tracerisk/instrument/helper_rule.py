@@ -80,10 +80,13 @@ def helper_rule(
     *,
     states: Collection[str] = (),
     helpers: Collection[str] = (),
+    beside: Iterable[Sequence[Frame]] = (),
 ) -> HelperRule:
     """Apply the rules to the stacks of a run's commands.
 
     `states` and `helpers` are qualified names that a user decided; a name holds in every file.
+    `beside` are the stacks of another run, in which its functions are decided by these rules
+    alone; of the others, the calls of both runs decide.
 
     Raises:
         InputError: a name is in both.
@@ -93,18 +96,23 @@ def helper_rule(
         raise InputError(
             f"{', '.join(both)}: named in both `states` and `helpers`; keep the name in one"
         )
-    stacks = list(stacks)
+    beside = list(beside)
+    decided = HelperRule(frozenset())
+    if beside:
+        decided = helper_rule(beside, states=states, helpers=helpers)
+    stacks = [*stacks, *beside]
     entered = {
         (frame.function, frame.instance)
-        for stack in stacks
+        for stack in (beside or stacks)
         for frame in stack
         if frame.instance is not None
     }
     calls = _Calls.of({call_path(stack) for stack in stacks})
     named_states = frozenset(f for f in calls.functions if f.name in states)
     named_helpers = frozenset(f for f in calls.functions if f.name in helpers)
-    found_helpers = set(named_helpers)
-    undecided = sorted(calls.functions - found_helpers - named_states)
+    found_helpers = {*named_helpers, *decided.helpers}
+    known = {frame.function for stack in beside for frame in stack}
+    undecided = sorted(calls.functions - found_helpers - named_states - known)
     while True:
         more = {f for f in undecided if calls.is_helper(f, found_helpers)}
         if not more:

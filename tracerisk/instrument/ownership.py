@@ -136,18 +136,21 @@ def attribute(
     """Find the owner of each command by the rules of `helper_rule`, and each owner's visits.
 
     `states` and `helpers` are qualified names that overrule the rules; `end_ns` is the simulated
-    time at which the run ended [ns]. `beside` is another run whose commands also count for telling
-    helpers, because a run that was cut short shows fewer.
+    time at which the run ended [ns]. `beside` is another run, whose functions and instances are
+    distinguished here as they are there: a run that was cut short calls a helper from fewer places,
+    one that tries again from more.
 
     Raises:
         InputError: a name is in both `states` and `helpers`.
     """
     commands = recording.commands
-    seen = commands if beside is None else (*commands, *beside.commands)
-    rule = helper_rule([command.stack for command in seen], states=states, helpers=helpers)
-    owners = _named_by_instance(
-        [command.stack[rule.owner_position(command.stack)] for command in commands]
+    stacks = [command.stack for command in commands]
+    others = [] if beside is None else [command.stack for command in beside.commands]
+    rule = helper_rule(stacks, states=states, helpers=helpers, beside=others)
+    owners, known = (
+        [stack[rule.owner_position(stack)] for stack in of_run] for of_run in (stacks, others)
     )
+    owners = _named_by_instance(owners, known)
     visits, visit_of = _visits(commands, owners)
     live = _live(commands, visit_of, end_ns)
     return Attribution(
@@ -201,25 +204,32 @@ class _OpenVisit:
         )
 
 
-def _named_by_instance(owners: Sequence[Frame]) -> list[Frame]:
-    """Add the instance to names of owners that are methods of a state with several instances."""
+def _named_by_instance(owners: Sequence[Frame], known: Sequence[Frame]) -> list[Frame]:
+    """Add the instance to names of owners that are methods of a state with several instances.
+
+    Of a class among the `known` owners, which are those of another run, they alone count.
+    """
     labels: dict[FunctionRef, set[str]] = {}
     methods: dict[tuple[str, str], set[FunctionRef]] = {}
-    for owner in owners:
+    there = {_class_of(owner) for owner in known}
+    for owner in (*known, *(owner for owner in owners if _class_of(owner) not in there)):
         if owner.instance:
-            ref = owner.function
-            labels.setdefault(ref, set()).add(owner.instance)
-            methods.setdefault((ref.file, ref.name.rpartition(".")[0]), set()).add(ref)
+            labels.setdefault(owner.function, set()).add(owner.instance)
+            methods.setdefault(_class_of(owner), set()).add(owner.function)
 
     def named(owner: Frame) -> Frame:
         ref = owner.function
-        if not owner.instance or not 2 <= len(labels[ref]) <= _MOST_INSTANCES:
+        if not owner.instance or not 2 <= len(labels.get(ref, ())) <= _MOST_INSTANCES:
             return owner
-        is_only = len(methods[ref.file, ref.name.rpartition(".")[0]]) == 1
+        is_only = len(methods[_class_of(owner)]) == 1
         name = instance_name(ref.name, owner.instance, is_only_method=is_only)
         return replace(owner, function=FunctionRef(ref.file, name))
 
     return list(map(named, owners))
+
+
+def _class_of(owner: Frame) -> tuple[str, str]:
+    return owner.function.file, owner.function.name.rpartition(".")[0]
 
 
 def _visits(

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from tests.pipeline.evidence.test_judgement import CELL, PICK, run
+from tests.pipeline.evidence.test_judgement import CELL, PICK, PLACE, run, visit
 from tracerisk.common.evidence.advice import advice_of
+from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.errors import Location
 from tracerisk.instrument.commands import Command
@@ -334,3 +335,21 @@ def test_places_where_a_check_would_help_come_with_what_they_would_show():
 def test_the_fate_of_a_mission_that_did_not_fail(lines, fate):
     cell = judge(NOMINAL, made(recorded(*lines), end=ended("ended", 4.5)), CELL)
     assert (cell.fails, cell.fate) == (False, fate)
+
+
+BACK_OFF = FunctionRef("cell.py", "back_off")
+
+
+@pytest.mark.parametrize(
+    ("functions", "goes_on"),
+    [
+        ((PICK, BACK_OFF, PLACE, PICK), "place"),
+        ((PICK, BACK_OFF, BACK_OFF), "back_off"),
+        ((PICK, PICK, BACK_OFF), "pick"),
+    ],
+)
+def test_a_mission_goes_on_with_the_first_function_that_the_run_without_has_too(functions, goes_on):
+    # It shows that it has noticed by its fourth command, which begins the second visit.
+    visits = tuple(map(visit, functions, (1.0, 3.0, 4.0, 5.0)))
+    failed = made(recorded(10, 11, 12, 12, 13), end=ended("ended", 6.0), visits=visits)
+    assert judge(NOMINAL, failed, CELL).next_function == goes_on

@@ -105,7 +105,7 @@ def judge(
         noticed_by=reaction.noticed_by,
         noticed_s=_after(reaction.noticed_s, cell),
         shows_in=_function_of(failed, shown_s),
-        next_function=_function_from(failed, reaction.next_s),
+        next_function=_function_from(nominal, failed, reaction.next_s),
         missed_check=None if missed is None else missed[0],
         missed_at="" if missed is None else missed[1],
         local=_local(failed, cell),
@@ -162,9 +162,17 @@ def _function_of(run: MissionRun, time_s: float | None) -> str:
     return str(begun[-1].function.name) if begun else ""
 
 
-def _function_from(run: MissionRun, time_s: float | None) -> str:
-    """Return the function whose command was issued at an instant; empty for none."""
-    return "" if time_s is None else _function_of(run, math.nextafter(time_s, math.inf))
+def _function_from(nominal: MissionRun, failed: MissionRun, time_s: float | None) -> str:
+    """Return the function that commands from an instant on; empty for none.
+
+    It is the first that the run without the failure has too, else the first.
+    """
+    if time_s is None:
+        return ""
+    now = _function_of(failed, math.nextafter(time_s, math.inf))
+    later = [visit.function.name for visit in failed.trace.visits if visit.start_s > time_s]
+    known = {visit.function.name for visit in nominal.trace.visits}
+    return next((str(name) for name in (now, *later) if name in known), now)
 
 
 # What happened
