@@ -11,6 +11,7 @@ import pytest
 from lsprotocol import types as lsp
 
 from tests.editor.client import Editor
+from tracerisk.adder.sources.insert import strip_blocks
 from tracerisk.common.evidence.file import dump_evidence, read_evidence
 
 
@@ -251,8 +252,11 @@ def test_where_a_check_would_help_is_shown_as_information(editor, cell, example_
     path = cell.parent / "tracerisk.evidence"
     found = read_evidence(path)[cell.name]
     line = cell.read_text().splitlines().index("    arm.go()") + 1
+    bare = (
+        strip_blocks(cell.read_bytes(), cell.name).decode().splitlines().index("    arm.go()") + 1
+    )
     undetected = {"fails": True, "fate": "unaware", "missed_check": "result"}
-    cells = [replace(each, **undetected, missed_at=f"{cell.name}:{line}") for each in found.cells]
+    cells = [replace(each, **undetected, missed_at=f"{cell.name}:{bare}") for each in found.cells]
     path.write_text(dump_evidence({cell.name: replace(found, cells=tuple(cells))}))
     editor.open(cell)
     (shown,) = editor.diagnostics(cell)

@@ -28,8 +28,7 @@ from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.check import check_controller, check_loaded
 from tracerisk.pipeline.check.finding import CheckFinding
 from tracerisk.pipeline.freshness.known_controllers import controllers_of, is_gone
-from tracerisk.pipeline.freshness.run_inputs import RunInputs
-from tracerisk.pipeline.freshness.used_evidence import kept_evidence
+from tracerisk.pipeline.freshness.used_evidence import evidence_of_last_run
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.pipeline.workspace.project import Projects
 
@@ -327,11 +326,8 @@ def analyse(path: Path, opened: Mapping[Path, bytes], projects: Projects) -> Ana
 
 def _advice(controller: Controller) -> tuple[Advice, ...]:
     """Return where a check would show undetected failures, by evidence of the last run."""
-    evidence = kept_evidence(controller)
-    entry = controller.project.lock.controllers.get(controller.file)
-    if evidence is None or evidence.edited is not None or entry is None:
-        return ()
-    if evidence.fingerprint != RunInputs.from_data(entry.inputs).fingerprint:
+    evidence = evidence_of_last_run(controller)
+    if evidence is None:
         return ()
     return tuple(
         replace(advice, location=replace(place, file=str(controller.path_of(place.file))))

@@ -1,13 +1,17 @@
 """A campaign, blocks from it, and their chain, against missions drawn from the campaign's cells."""
 
+import json
 import math
 import random
+import re
 from itertools import accumulate, pairwise
 
 import pytest
+from scipy.stats import beta
 
 from tracerisk import api
 from tracerisk.common.campaign import CampaignOptions
+from tracerisk.common.evidence.cells import FATES
 
 CONTROLLER = """\
 import sys
@@ -102,6 +106,58 @@ def test_missions_drawn_from_the_cells_end_as_often_as_the_chain_says(campaign):
     for name, count in counted.items():
         error = 3.0 * math.sqrt(mission[name] * (1.0 - mission[name]) / MISSIONS)
         assert 0.0 < count / MISSIONS == pytest.approx(mission[name], abs=error), name
+
+
+def test_figures_and_places_are_in_every_form_that_programs_read(campaign):
+    folder, found, _ = campaign
+    drawn = [cell for cell in found.cells if cell.drawn]
+    undetected = sum(1 for cell in drawn if cell.is_undetected)
+    mission = folder.run("solve", "show.py", "--json").json["assessment"]["mission"]
+    fraction = mission["undetected_probability"] / mission["failure_probability"]
+    assert mission["undetected_fraction"] == pytest.approx(fraction, rel=1e-12)
+
+    said = folder.run("evidence", "show.py", "--show", "--json").json
+    assert said["fates"] == {fate: [cell.fate for cell in drawn].count(fate) for fate in FATES}
+    tail = beta(undetected + 1, len(drawn) - undetected)
+    assert said["undetected"]["fraction"] == undetected / len(drawn)
+    assert said["undetected"]["high"] == pytest.approx(tail.ppf(0.95), rel=1e-6)
+
+    written = ("--metrics", "m.txt", "--sarif", "s.json", "--code-quality", "q.json")
+    folder.run("check", "show.py", *written)
+    metrics = dict(re.findall(r"^(\S+) (\S+)$", folder.read("m.txt").decode(), re.MULTILINE))
+    label = '{controller="show.py"'
+    for name in ("undetected_fraction", "stopped_late_probability", "stopped_safely_probability"):
+        value = float(metrics[f"tracerisk_mission_{name}{label}}}"])
+        assert value == pytest.approx(mission[name], rel=1e-5)
+    for fate, count in said["fates"].items():
+        assert metrics[f'tracerisk_evidence_failures{label},fate="{fate}"}}'] == str(count)
+    for end, key in (("", "fraction"), ("_low", "low"), ("_high", "high")):
+        value = float(metrics[f"tracerisk_evidence_undetected_fraction{end}{label}}}"])
+        assert value == pytest.approx(said["undetected"][key], rel=1e-5)
+
+    # The blocks that took the evidence have moved the lines: the places go with them.
+    lines = folder.read("show.py").decode().splitlines()
+    helped = [(place["line"], place["words"]) for place in said["would_help"]]
+    assert helped
+    assert {lines[line - 1].strip() for line, _ in helped} <= {
+        "return arm.go(wait=True)",
+        "home(arm)  # goes on, and does not look whether it arrives",
+    }
+    (run,) = json.loads(folder.read("s.json"))["runs"]
+    alerts = [
+        (
+            result["locations"][0]["physicalLocation"]["region"]["startLine"],
+            result["message"]["text"],
+        )
+        for result in run["results"]
+        if result["ruleId"] == "undetected-failure"
+    ]
+    assert sorted(alerts) == sorted(helped)
+    entries = json.loads(folder.read("q.json"))
+    mine = [entry for entry in entries if entry["check_name"] == "undetected-failure"]
+    assert sorted(
+        (one["location"]["lines"]["begin"], one["description"]) for one in mine
+    ) == sorted(helped)
 
 
 def ends_of_missions(cells, visits, draw):

@@ -66,10 +66,11 @@ def evidence_shown(
         return ()
     if not evidence.cells and evidence.edited is None:
         return ()
+    from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
     from tracerisk.report.html.evidence import evidence_section
 
     is_used = used_evidence(controller, settings, fingerprint) is not None
-    return (evidence_section(evidence, is_used=is_used),)
+    return (evidence_section(at_lines_now(evidence, controller), is_used=is_used),)
 
 
 def worlds_shown(trace: Trace) -> tuple[Section, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tracerisk import api
 from tracerisk.cli.shared import options as shared
@@ -22,6 +22,7 @@ from tracerisk.cli.shared.values import count, positive
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.evidence.file import dump_evidence, merge_evidence
 from tracerisk.errors import ExitCode, InputError
+from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
 from tracerisk.report import fmea
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
             )
         for reason in dict.fromkeys(reasons):
             note(reason, quiet=options.quiet)
-    _print(options, evidence)
+    _print(options, at_lines_now(evidence, api.load_controller(options.controller)))
     if options.replays is not None:
         _replay(options, evidence)
     return int(ExitCode.FINE)
@@ -111,6 +112,7 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
             complete=found.is_complete,
             declared=found.declared,
             drawn=found.drawn,
+            **_fates_data(found),
             would_help=[
                 {
                     "check": advice.check,
@@ -146,6 +148,15 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
             "(`tracerisk docs evidence`)",
             quiet=options.quiet,
         )
+
+
+def _fates_data(found: Evidence) -> dict[str, Any]:
+    """Return what became of the missions with drawn failures, where the file says it."""
+    if not found.has_fates:
+        return {}
+    low, fraction, high = found.undetected_fraction
+    undetected = {"fraction": fraction, "low": low, "high": high}
+    return {"fates": found.drawn_fates, "undetected": undetected}
 
 
 def _replay(options: argparse.Namespace, found: Evidence) -> None:

@@ -6,6 +6,7 @@ what became of each run in `tracerisk.evidence`, committed like a lock. See docs
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, get_args
@@ -94,7 +95,8 @@ class Cell:
     missed_check: MissedCheck | None = None
     """What would have shown an undetected failure to the controller; `None` where nobody knows."""
     missed_at: str = ""
-    """The place where it would stand, as `file:line`; empty for none."""
+    """The place where it would stand, as `file:line` of the source without risk blocks; empty for
+    none."""
     local: str = ""
     """What the unit itself did, in words: `sagged by 0.31 rad`."""
     told_after_s: float | None = None
@@ -188,6 +190,20 @@ class Evidence:
     def has_fates(self) -> bool:
         """Whether every cell says what became of its mission; not so in an earlier version."""
         return all(cell.fate is not None for cell in self.cells)
+
+    @property
+    def drawn_fates(self) -> dict[Fate, int]:
+        """How many drawn failures had each fate."""
+        counts = Counter(cell.fate for cell in self.cells if cell.drawn)
+        return {fate: counts[fate] for fate in FATES}
+
+    @property
+    def undetected_fraction(self) -> tuple[float, float, float]:
+        """The part of the drawn failures that ended the mission undetected, between the ends of
+        its 90 % interval."""
+        undetected = sum(1 for cell in self.cells if cell.drawn and cell.is_undetected)
+        low, high = clopper_pearson(undetected, self.drawn)
+        return low, undetected / self.drawn if self.drawn else 0.0, high
 
     @property
     def counts(self) -> bool:

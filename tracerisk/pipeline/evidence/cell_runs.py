@@ -27,6 +27,7 @@ from tracerisk.pipeline.evidence.journal import keep_lines
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun, mission_run
 from tracerisk.pipeline.evidence.workers import is_ending
+from tracerisk.pipeline.freshness.evidence_lines import at_bare_line
 from tracerisk.pipeline.run.branching.branches import Branch, run_branches
 from tracerisk.pipeline.run.branching.flow import key_of
 from tracerisk.pipeline.run.controller_run import run_again
@@ -345,6 +346,8 @@ def _judged(
                 is_decided=recording.note(DECIDED) is not None,
             )
             judged = judge(nominal.mission, failed, cell, has_conditions=bool(nominal.success))
+            place = at_bare_line(judged.missed_at, nominal.controller)
+            judged = replace(judged, missed_at=place)
             return judged if judged.fails or not failed.is_decided else None
         except LogError as damaged:
             error = damaged

@@ -31,6 +31,24 @@ def kept_evidence(controller: Controller) -> Evidence | None:
     return read_evidence(path).get(controller.file)
 
 
+def evidence_of_last_run(controller: Controller) -> Evidence | None:
+    """Return the evidence of the run that the lock knows, at the lines of now, if it is unedited.
+
+    Raises as `kept_evidence`.
+    """
+    evidence = kept_evidence(controller)
+    entry = controller.project.lock.controllers.get(controller.file)
+    if evidence is None or evidence.edited is not None or entry is None:
+        return None
+    from tracerisk.pipeline.freshness.freshness import RunInputs
+
+    if evidence.fingerprint != RunInputs.from_data(entry.inputs).fingerprint:
+        return None
+    from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
+
+    return at_lines_now(evidence, controller)
+
+
 def used_evidence(
     controller: Controller, settings: Settings, fingerprint: str
 ) -> EvidenceShares | None:

@@ -21,6 +21,7 @@ from tracerisk.pipeline.check.finding import Checked, CheckFinding, FindingKind
 from tracerisk.pipeline.check.metrics import annotated_sources
 from tracerisk.pipeline.check.run import function_place
 from tracerisk.pipeline.freshness.known_controllers import is_gone
+from tracerisk.pipeline.freshness.used_evidence import evidence_of_last_run
 from tracerisk.pipeline.model import build
 from tracerisk.pipeline.trace.last_run import (
     UnexpectedContact,
@@ -29,7 +30,7 @@ from tracerisk.pipeline.trace.last_run import (
     kept_uncovered,
     unexpected_contacts,
 )
-from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.review.model_parts import single_points
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
@@ -94,6 +95,9 @@ def check_alerts(
         found_here = [one for one in check_finding.findings if one.kind != "contact"]
         alerts += [_of_check(one, placed) for one in (*found_here, *pins)]
         alerts += _of_last_run(path, root, entry, sources)
+        # Of other sources than those of the evidence, its lines are not these.
+        if not any(one.kind in ("stale", "unknown") for one in check_finding.findings):
+            alerts += _of_evidence(load_controller(path, project))
         if not any(
             finding.kind in ("missing", "orphaned", "unsolvable")
             for finding in check_finding.findings
@@ -227,6 +231,18 @@ def _of_last_run(
         place = function_place(controller, contact.function)
         if place is not None:
             yield _touched(contact, str(contact), place)
+
+
+def _of_evidence(controller: Controller) -> Iterator[Alert]:
+    """Yield where a check would show failures that end the mission undetected."""
+    evidence = evidence_of_last_run(controller)
+    if evidence is None:
+        return
+    from tracerisk.common.evidence.advice import advice_of
+
+    for advice in advice_of(evidence.cells):
+        place, names = advice.location, {"subject": advice.check}
+        yield _alert("undetected-failure", advice.words, place, controller.root, **names)
 
 
 def _touched(contact: UnexpectedContact, message: str, place: Location) -> Alert:

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from tracerisk.common.text.finite import finite
-from tracerisk.prm.hybrid.assessment import Assessment
+from tracerisk.prm.hybrid.assessment import Assessment, MissionFigures
 
 
 def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
@@ -23,15 +23,16 @@ def assessment_to_json(assessment: Assessment) -> dict[str, Any]:
     for row in (*plain["components"], *unseen, *of_states):
         # Left out: the parameter's name already holds the component.
         del row["component"]
-    plain["mission"] = mission_to_json(plain["mission"])
+    plain["mission"] = mission_to_json(assessment.mission)
     return plain
 
 
-def mission_to_json(mission: dict[str, Any]) -> dict[str, Any]:
+def mission_to_json(mission: MissionFigures) -> dict[str, Any]:
     """Return a mission's figures without those of its ends where no model says what they are."""
     ends = ("undetected_", "stopped_")
+    plain = {**asdict(mission), "undetected_fraction": mission.undetected_fraction}
     return {
         key: value
-        for key, value in mission.items()
+        for key, value in finite(plain).items()
         if value is not None or not key.startswith(ends)
     }

@@ -31,8 +31,8 @@ def _diff_to_json(diff: RiskDiff) -> dict[str, Any]:
         functions = diff.functions if diff.is_other_mission else ()
         shown = replace(diff, changes=(), functions=functions, interaction=None, single_points=())
         diff, plain = shown, asdict(shown)
-    for name in ("before", "after"):
-        plain[name] = None if plain[name] is None else mission_to_json(plain[name])
+    for name, mission in (("before", diff.before), ("after", diff.after)):
+        plain[name] = None if mission is None else mission_to_json(mission)
     functions_data = zip(plain["functions"], diff.functions, strict=True)
     changes = zip(plain["changes"], diff.changes, strict=True)
     return {

@@ -151,6 +151,14 @@ class MissionFigures:
         known = self.undetected_probability
         return self.failure_probability if known is None else known
 
+    @property
+    def undetected_fraction(self) -> float | None:
+        """The part of the mission's failure that is undetected; `None` where nothing is said of
+        what follows a failure, or nothing fails."""
+        if self.undetected_probability is None or self.failure_probability <= 0.0:
+            return None
+        return self.undetected_probability / self.failure_probability
+
     def as_geometric(self) -> MissionFigures:
         """Return the figures with the geometric reading as the one that applies."""
         failure = self.geometric_cycles

@@ -6,7 +6,7 @@ Source of the format: OpenMetrics 1.0, text format; GitLab Docs, "Metrics report
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.common.text.printable import escaped
 from tracerisk.common.verdict import Verdict
@@ -14,16 +14,27 @@ from tracerisk.errors import Location
 from tracerisk.prm.hybrid.assessment import MissionFigures
 from tracerisk.prm.review.risk_diff import Review
 
+if TYPE_CHECKING:
+    from tracerisk.common.evidence.cells import Evidence
+
 METRICS: Mapping[str, str] = {
     "tracerisk_mission_failure_probability": "Probability that the mission fails by hardware.",
     "tracerisk_mission_failure_probability_before": "The same before the change.",
     "tracerisk_mission_failure_ratio": "The probability after the change over the one before.",
     "tracerisk_mission_undetected_probability": "Probability that it fails undetected.",
+    "tracerisk_mission_undetected_probability_before": "The same before the change.",
+    "tracerisk_mission_undetected_fraction": "Part of the mission's failure that is undetected.",
+    "tracerisk_mission_stopped_late_probability": "Probability that it does harm before it stops.",
+    "tracerisk_mission_stopped_safely_probability": "Probability that it stops before any harm.",
     "tracerisk_cycle_failure_probability": "Probability that the first cycle fails by hardware.",
     "tracerisk_functions_ran": "Functions with commands that ran.",
     "tracerisk_functions": "Functions with commands.",
     "tracerisk_run": "1 for the verdict of the run behind the blocks.",
     "tracerisk_findings": "What keeps the blocks from being trusted.",
+    "tracerisk_evidence_failures": "Failures drawn on the twin, by what became of the mission.",
+    "tracerisk_evidence_undetected_fraction": "Part of these that ended it undetected.",
+    "tracerisk_evidence_undetected_fraction_low": "Lower end of its 90 % interval.",
+    "tracerisk_evidence_undetected_fraction_high": "Upper end of its 90 % interval.",
 }
 """What each metric says, in the order in which they are written; all are gauges."""
 
@@ -45,9 +56,15 @@ def mission_metrics(name: str, mission: MissionFigures) -> Iterator[Sample]:
     """Yield the figures of a controller's mission."""
     probability = mission.failure_probability
     yield Sample("tracerisk_mission_failure_probability", name, probability)
-    if mission.undetected_probability is not None:
-        undetected = mission.undetected_probability
-        yield Sample("tracerisk_mission_undetected_probability", name, undetected)
+    for figure in (
+        "undetected_probability",
+        "undetected_fraction",
+        "stopped_late_probability",
+        "stopped_safely_probability",
+    ):
+        value = getattr(mission, figure)
+        if value is not None:
+            yield Sample(f"tracerisk_mission_{figure}", name, value)
     if mission.cycle_failure_probability is not None:
         yield Sample("tracerisk_cycle_failure_probability", name, mission.cycle_failure_probability)
 
@@ -61,6 +78,19 @@ def run_metrics(name: str, verdict: Verdict | None) -> Iterator[Sample]:
         yield Sample("tracerisk_functions", name, verdict.coverage.all)
 
 
+def evidence_metrics(name: str, evidence: Evidence) -> Iterator[Sample]:
+    """Yield what became of the missions with drawn failures, whose fates are known."""
+    if not evidence.has_fates:
+        return
+    for fate, count in evidence.drawn_fates.items():
+        yield Sample("tracerisk_evidence_failures", name, count, (("fate", fate),))
+    metric = "tracerisk_evidence_undetected_fraction"
+    low, fraction, high = evidence.undetected_fraction
+    yield Sample(metric, name, fraction)
+    yield Sample(f"{metric}_low", name, low)
+    yield Sample(f"{metric}_high", name, high)
+
+
 def review_metrics(review: Review) -> tuple[Sample, ...]:
     """Return the figures of a change: those of the later version, and how they were."""
     samples: list[Sample] = []
@@ -71,6 +101,10 @@ def review_metrics(review: Review) -> tuple[Sample, ...]:
         if diff.before is not None:
             before = diff.before.failure_probability
             samples.append(Sample("tracerisk_mission_failure_probability_before", name, before))
+            undetected = diff.before.undetected_probability
+            if undetected is not None:
+                metric = "tracerisk_mission_undetected_probability_before"
+                samples.append(Sample(metric, name, undetected))
         if diff.ratio is not None and diff.is_comparable:
             samples.append(Sample("tracerisk_mission_failure_ratio", name, diff.ratio))
         if diff.verdicts is not None and diff.verdicts.in_after:

@@ -172,6 +172,14 @@ RULES: tuple[Rule, ...] = (
         "give the function a block by hand (`@Function := {`).",
     ),
     Rule(
+        "undetected-failure",
+        "note",
+        "Failures end the mission, and the controller does not notice them here.",
+        "On the twin, parts that failed ended the mission undetected, and a check at this place "
+        "would have shown it: the answer of a call, the width of the gripper, a limit of the time "
+        "to wait. `tracerisk evidence FILE --show` lists the failures.",
+    ),
+    Rule(
         "run-finding",
         "warning",
         "The run on the twin showed something that a user should know.",
