@@ -1,6 +1,8 @@
 """`tracerisk diff` as a user calls it: formats, limits, exit codes, and `git diff` with it."""
 
+import json
 import os
+import re
 import subprocess
 import sys
 
@@ -270,3 +272,31 @@ def test_the_undetected_failure_has_a_limit_of_its_own(checked):
     assert outcome.json["assessment"]["mission"]["undetected_probability"] == pytest.approx(
         1.66e-6, rel=1e-3
     )
+
+
+def test_what_is_undetected_is_in_metrics_json_and_badge(checked):
+    outcome = checked.run("diff", "--metrics", "m.txt", "--json")
+    (controller,) = outcome.json["controllers"]
+    after = controller["after"]
+    fraction = after["undetected_probability"] / after["failure_probability"]
+    assert after["undetected_fraction"] == pytest.approx(fraction, rel=1e-12)
+    text = checked.read("m.txt").decode()
+    metrics = dict(re.findall(r"^tracerisk_(\w+)\{\S+ (\S+)$", text, re.MULTILINE))
+    of_mission = {
+        "undetected_probability": after["undetected_probability"],
+        "undetected_probability_before": controller["before"]["undetected_probability"],
+        "undetected_fraction": fraction,
+        "stopped_late_probability": 0.0,
+        "stopped_safely_probability": after["stopped_safely_probability"],
+    }
+    for name, value in of_mission.items():
+        assert float(metrics[f"mission_{name}"]) == pytest.approx(value, rel=1e-5)
+    assert checked.run("history", "pick.py", "--badge", "b.svg").code == 0
+    assert b", undetected 1.66e-06" in checked.read("b.svg")
+    model = checked.run("build", "pick.py", "-o", "model.json")
+    assert model.code == 0, model.err
+    (place,) = [s for s in json.loads(checked.read("model.json"))["states"] if "failures" in s]
+    assert place["failures"]["gripper"] == [
+        {"kind": "stopped_safely", "mode": "dead", "share": "9/10"},
+        {"kind": "unaware", "mode": "dead", "share": "1/10"},
+    ]
