@@ -1,6 +1,6 @@
 """Active against needed: fail every unit of the sample controllers, and count what mattered.
 
-    python benchmarks/needed.py [--cells 40] [--jobs N] [--samples NAME ...] [--folder DIR]
+    python benchmarks/needed.py [--cells 200] [--jobs N] [--samples NAME ...] [--folder DIR]
         [--csv benchmarks/needed.csv]
 
 Prints for each component and mode in how many tries it was in use and needed, in use and harmless,
@@ -34,7 +34,7 @@ SAMPLES = Path(__file__).resolve().parents[1] / "sample_controllers"
 def main() -> None:
     """Run the campaigns and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cells", type=int, default=40)
+    parser.add_argument("--cells", type=int, default=200)
     parser.add_argument("--jobs", type=int)
     parser.add_argument("--samples", nargs="*")
     parser.add_argument("--folder", type=Path)
