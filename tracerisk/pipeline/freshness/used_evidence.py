@@ -40,7 +40,7 @@ def evidence_of_last_run(controller: Controller) -> Evidence | None:
     entry = controller.project.lock.controllers.get(controller.file)
     if evidence is None or evidence.edited is not None or entry is None:
         return None
-    from tracerisk.pipeline.freshness.freshness import RunInputs
+    from tracerisk.pipeline.freshness.run_inputs import RunInputs
 
     if evidence.fingerprint != RunInputs.from_data(entry.inputs).fingerprint:
         return None
