@@ -1,0 +1,140 @@
+"""What the file of the preloaded probe says of functions, lines and gaps."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from tracerisk.errors import InputError
+from tracerisk.instrument.native.calls import Call, Frame, read_calls
+
+PROGRAM = """\
+struct Cell { void home(); void swing(double); };
+volatile double angle;
+__attribute__((noinline)) void issue(double to) { angle = to; }
+__attribute__((noinline)) void Cell::swing(double to) {
+  issue(to);
+  angle += 1;
+}
+__attribute__((always_inline)) inline void Cell::home() {
+  swing(0.0);
+  angle += 1;
+}
+int main() {
+  Cell cell;
+  cell.home();
+  return 0;
+}
+"""
+needs_compiler = pytest.mark.skipif(shutil.which("g++") is None, reason="no g++")
+
+
+class Recorded:
+    """A compiled program, and a file that says where it was."""
+
+    def __init__(self, folder, *flags):
+        self.file = folder / "calls.jsonl"
+        self.source = folder / "cell.cpp"
+        self.source.write_text(PROGRAM)
+        self.program = folder / "cell"
+        subprocess.run(
+            ["g++", "-O1", "-no-pie", *flags, str(self.source), "-o", str(self.program)], check=True
+        )
+        code = subprocess.run(
+            ["objdump", "-d", str(self.program)], check=True, capture_output=True, text=True
+        ).stdout
+        # The return address of the call of each function.
+        self.at = {
+            name: int(after, 16)
+            for name, after in re.findall(r"call .*<(\w+)>\n +([0-9a-f]+):", code)
+        }
+
+    def write(self, *lines, **changed):
+        there = self.program.stat()
+        seen = {"size": there.st_size, "mtime": there.st_mtime_ns, **changed}
+        module = [str(self.program), 0, 0x400000, 0x500000, seen["size"], seen["mtime"]]
+        first = {"probe": 1, "pid": 7, "exe": str(self.program)}
+        entries = [first, {"pid": 7, "map": 1, "modules": [module]}, *lines]
+        self.file.write_text("".join(json.dumps(entry) + "\n" for entry in entries))
+        return read_calls(self.file)
+
+    def call(self, *at, **keys):
+        issued = {"t": 5, "pid": 7, "tid": 8, "kind": "publish", "name": "/a", "seq": 0}
+        return {**issued, "map": 1, "at": list(at), **keys}
+
+
+@needs_compiler
+def test_an_address_is_a_function_with_file_and_line_and_those_inlined_into_it(tmp_path):
+    recorded = Recorded(tmp_path, "-g")
+    log = recorded.write(
+        recorded.call(recorded.at["_Z5issued"], recorded.at["_ZN4Cell5swingEd"], 0x7F0000)
+    )
+    source = str(recorded.source)
+    stack = (
+        Frame("main", source, 14),
+        Frame("Cell::home", source, 9),
+        Frame("Cell::swing", source, 5),
+    )
+    assert log.calls == (Call(5, 7, 8, "publish", "/a", 0, stack, False),)
+    assert (log.programs, log.notes) == ((str(recorded.program),), ())
+
+
+@needs_compiler
+@pytest.mark.parametrize("has_binutils", [True, False])
+def test_a_program_without_lines_has_the_names_of_its_symbols(tmp_path, monkeypatch, has_binutils):
+    recorded = Recorded(tmp_path)
+    if not has_binutils:
+        monkeypatch.setenv("PATH", str(tmp_path))
+    log = recorded.write(recorded.call(recorded.at["_Z5issued"], recorded.at["_ZN4Cell5swingEd"]))
+    assert log.calls[0].stack == (Frame("main", "", 0), Frame("Cell::swing", "", 0))
+    (note,) = log.notes
+    assert note.startswith(f"{recorded.program} has names but no lines: compile with -g ")
+
+
+@needs_compiler
+def test_a_program_without_symbols_names_nothing_and_says_which_flag_helps(tmp_path):
+    recorded = Recorded(tmp_path, "-s")
+    log = recorded.write(recorded.call(0x401140, 0x401150))
+    assert log.calls[0].stack == ()
+    assert (
+        f"{recorded.program} names no function for 2 of 2 addresses: compile with -g"
+        in log.notes[0]
+    )
+
+
+@needs_compiler
+def test_a_program_that_was_built_again_gives_no_names(tmp_path):
+    recorded = Recorded(tmp_path, "-g")
+    log = recorded.write(recorded.call(recorded.at["_Z5issued"]), mtime=1)
+    assert log.calls[0].stack == ()
+    assert "was built again after the run" in log.notes[0]
+
+
+def test_a_resolved_stack_is_taken_as_it_is(tmp_path):
+    file = tmp_path / "calls.jsonl"
+    file.write_text(
+        '{"t": 1, "tid": 2, "kind": "goal", "name": "/arm", "seq": 3, "stack": [["main", "a.cpp", 4]]}\n'
+    )
+    assert read_calls(file).calls == (
+        Call(1, 0, 2, "goal", "/arm", 3, (Frame("main", "a.cpp", 4),), False),
+    )
+
+
+def test_space_that_no_process_used_is_passed_over_and_a_torn_line_told(tmp_path):
+    file = tmp_path / "calls.jsonl"
+    line = b'{"t": 1, "tid": 2, "kind": "call", "name": "/s", "seq": 0, "stack": []}\n'
+    file.write_bytes(line + b"\0" * 999 + line + b'{"t": 1, "ti\n' + line + b"\0")
+    log = read_calls(file)
+    assert len(log.calls) == 3
+    assert log.notes == (f"{file}: torn lines: 1; a process was killed while it wrote",)
+
+
+def test_another_file_is_refused(tmp_path):
+    file = tmp_path / "calls.jsonl"
+    file.write_text('{"t": 1}\n')
+    with pytest.raises(InputError, match=r"calls.jsonl:1: is no line of the probe"):
+        read_calls(file)
+    with pytest.raises(InputError, match="the probe writes the file that TRACERISK_CALLS names"):
+        read_calls(tmp_path / "none")

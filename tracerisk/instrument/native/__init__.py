@@ -1,0 +1,1 @@
+"""What the preloaded probe records of compiled nodes, and the names of their functions."""

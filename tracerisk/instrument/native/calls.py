@@ -1,0 +1,227 @@
+"""What the preloaded probe recorded of compiled nodes: the functions behind each command.
+
+`probe/native/calls.c` writes addresses, for names cost time that a node does not have; here they
+become functions of the source. docs/probe.md describes the file.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tracerisk.common.function_ref import QualifiedName
+from tracerisk.errors import InputError, Location
+from tracerisk.instrument.native.binaries import Binary, Place
+from tracerisk.instrument.native.cpp_names import is_of_library, source_name
+
+VARIABLE = "TRACERISK_CALLS"
+"""The environment variable that names the file to the probe."""
+KINDS = ("publish", "goal", "call", "end")
+"""A message, a goal of an action, a call of a service, and the end of such a call."""
+_INSTALLED = ("/usr/", "/opt/ros/", "/build/", "/nix/")
+"""Where sources of installed libraries are; their inlined functions are none of the controller."""
+_REMEDY = (
+    "compile with -g and link without -s; -fno-optimize-sibling-calls keeps a function that ends "
+    "with a call"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A function of the controller that was active."""
+
+    function: QualifiedName
+    """Its name in the source: `Cell::swing`, without parameters."""
+    file: str
+    """Its source, as the compiler was given it; empty if unknown."""
+    line: int
+    """The line that made the next call or issued the command, from 1 on; 0 if unknown."""
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A command of a compiled node."""
+
+    t_ns: int
+    """The time of the machine's monotonic clock [ns]."""
+    pid: int
+    """The process."""
+    tid: int
+    """The thread, as the kernel numbers it."""
+    kind: str
+    """One of `KINDS`."""
+    name: str
+    """The topic, action or service."""
+    seq: int
+    """How many of this kind and name the process issued before; of an `end`, that of its call."""
+    stack: tuple[Frame, ...]
+    """The active functions of the controller, the outermost first; empty if none is known."""
+    is_cut: bool
+    """Whether the stack was too deep, and its outermost functions are missing."""
+
+
+@dataclass(frozen=True, slots=True)
+class CallLog:
+    """What the probe recorded."""
+
+    calls: tuple[Call, ...]
+    """The commands, in the order of the file."""
+    programs: tuple[str, ...]
+    """The executables that reported, each once; a statically linked one never reports."""
+    notes: tuple[str, ...]
+    """What is missing and why, with the remedy, a sentence each."""
+
+
+class _Module(NamedTuple):
+    """A binary as it lay in the memory of a process."""
+
+    path: str
+    """Its file."""
+    bias: int
+    """What to subtract from an address to get the address as linked."""
+    begin: int
+    """Its first address."""
+    end: int
+    """The address after its last."""
+    size: int
+    """The length of its file when it was loaded [bytes]."""
+    mtime_ns: int
+    """When its file was last changed, when it was loaded [ns since 1970]."""
+
+
+class _Address(NamedTuple):
+    """An address in a binary."""
+
+    module: _Module
+    """The binary."""
+    offset: int
+    """The address as linked, within the instruction that calls."""
+
+
+def read_calls(file: Path) -> CallLog:
+    """Read the file of the probe, and name the functions in it.
+
+    Raises:
+        InputError: if the file cannot be read, or is not one of the probe.
+    """
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"cannot be read ({error.strerror}); the probe writes the file that {VARIABLE} names",
+            Location(str(file)),
+        ) from error
+    lines = data.replace(b"\0", b"").decode("utf-8", "surrogateescape").split("\n")
+    torn = 0
+    modules: dict[tuple[int, int], list[_Module]] = {}
+    programs: dict[str, None] = {}
+    commands: list[tuple[dict[str, Any], list[_Address]]] = []
+    for number, line in enumerate(lines, 1):
+        if not line:
+            continue
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            torn += 1  # a process was killed while it wrote
+            continue
+        if not isinstance(entry, dict) or not entry.keys() & {"probe", "modules", "kind"}:
+            raise InputError("is no line of the probe", Location(str(file), number))
+        if "probe" in entry:
+            programs[entry["exe"]] = None
+        elif "modules" in entry:
+            there = [_Module(*module) for module in entry["modules"]]
+            modules[entry["pid"], entry["map"]] = there
+        else:
+            known = modules.get((entry.get("pid", 0), entry.get("map", 0)), [])
+            commands.append((entry, _addresses(entry.get("at", ()), known)))
+    names = _Names(address for _, addresses in commands for address in addresses)
+    calls = tuple(_call(entry, addresses, names) for entry, addresses in commands)
+    notes = list(names.notes)
+    if torn:
+        notes.append(f"{file}: torn lines: {torn}; a process was killed while it wrote")
+    return CallLog(calls, tuple(programs), tuple(notes))
+
+
+def _addresses(at: Iterable[int], modules: Iterable[_Module]) -> list[_Address]:
+    """Return the addresses that lie in a binary of the node, the innermost first."""
+    return [
+        # The byte before a return address belongs to the call.
+        _Address(module, address - 1 - module.bias)
+        for address in at
+        for module in modules
+        if module.begin <= address - 1 < module.end
+    ]
+
+
+def _call(entry: Mapping[str, Any], addresses: Iterable[_Address], names: _Names) -> Call:
+    if "stack" in entry:  # already resolved
+        stack = tuple(Frame(QualifiedName(name), of, line) for name, of, line in entry["stack"])
+    else:
+        stack = names.stack(addresses)
+    return Call(
+        entry["t"],
+        entry.get("pid", 0),
+        entry["tid"],
+        entry["kind"],
+        entry["name"],
+        entry["seq"],
+        stack,
+        bool(entry.get("cut")),
+    )
+
+
+class _Names:
+    """The functions of all addresses of a file; each binary is read once."""
+
+    def __init__(self, addresses: Iterable[_Address]) -> None:
+        self.notes: list[str] = []
+        by_module: dict[_Module, dict[int, None]] = {}
+        for module, offset in addresses:
+            by_module.setdefault(module._replace(bias=0, begin=0, end=0), {})[offset] = None
+        self._places: dict[tuple[str, int], tuple[Place, ...]] = {}
+        for module, offsets in by_module.items():
+            problem = _changed(module)
+            if problem is not None:
+                self.notes.append(problem)
+                continue
+            places = Binary(module.path).places(list(offsets))
+            self._places.update({(module.path, offset): there for offset, there in places.items()})
+            unknown = sum(1 for there in places.values() if not there)
+            without_line = Counter(place.line > 0 for there in places.values() for place in there)
+            if unknown:
+                self.notes.append(
+                    f"{module.path} names no function for {unknown} of {len(places)} addresses: "
+                    f"{_REMEDY}"
+                )
+            elif not without_line[True]:
+                self.notes.append(f"{module.path} has names but no lines: {_REMEDY}")
+
+    def stack(self, addresses: Iterable[_Address]) -> tuple[Frame, ...]:
+        """Return the functions of the controller, the outermost first."""
+        frames: list[Frame] = []
+        for module, offset in reversed(list(addresses)):
+            for place in reversed(self._places.get((module.path, offset), ())):
+                name = source_name(place.symbol)
+                is_installed = place.file.startswith(_INSTALLED)
+                if name and not is_installed and not is_of_library(name):
+                    frames.append(Frame(name, place.file, place.line))
+        return tuple(frames)
+
+
+def _changed(module: _Module) -> str | None:
+    """Return why a binary's addresses cannot be named; `None` if they can."""
+    try:
+        now = os.stat(module.path)  # noqa: PTH116 - its path may not be UTF-8
+    except OSError as error:
+        return f"{module.path} cannot be read ({error.strerror}), so its functions have no names"
+    if (now.st_size, now.st_mtime_ns) != (module.size, module.mtime_ns):
+        return (
+            f"{module.path} was built again after the run, so its addresses say nothing: "
+            "run the new one"
+        )
+    return None
