@@ -105,9 +105,9 @@ def packed_data(root: Path, folder: Path) -> dict[str, str]:
     """Write data of the package into a folder in less space; return the place of each in a wheel.
 
     Texts of interfaces and pages of the documentation are compressed, schemas are written without
-    white space.
+    white space. The source of the preloaded probe comes from its own distribution.
     """
-    places = {}
+    places = {str(root / "probe/native/calls.c"): "tracerisk/instrument/native/calls.c"}
     text = root / "tracerisk/ros/messages/interfaces.txt"
     packed = folder / f"{text.name}.gz"
     packed.write_bytes(gzip.compress(text.read_bytes(), mtime=0))

@@ -2,7 +2,12 @@
 
 import pytest
 
-from tracerisk.instrument.native.cpp_names import is_of_library, source_name
+from tracerisk.instrument.native.cpp_names import (
+    is_lambda,
+    is_of_library,
+    lambda_owner,
+    source_name,
+)
 
 NAMES = {
     "main": "main",
@@ -21,6 +26,7 @@ NAMES = {
     "auto Cell::go()::{lambda(auto:1)#2}::operator()<int>(int) const": "Cell::go",
     "Cell::go(int)::{lambda()#1}::operator()() const::{lambda()#1}::operator()() const": "Cell::go",
     "arm::{lambda()#1}::operator()() const": "arm",
+    "main::$_0::operator()() const": "main",
     "Cell::swing(double) const::Local::run(int)": "Cell::swing::Local::run",
     "Cell::operator()(double)": "Cell::operator()",
     "Cell::operator[](int) const": "Cell::operator[]",
@@ -71,3 +77,24 @@ def test_a_symbol_of_a_library_is_none_of_the_controller(symbol):
 @pytest.mark.parametrize("name", ["main", "Cell::home", "rosie::go", "_home", "stdx::go"])
 def test_other_names_are_those_of_the_controller(name):
     assert not is_of_library(name)
+
+
+OWNERS = {
+    "std::thread::_Invoker<std::tuple<main::{lambda()#1}> > >::_M_run()": "main",
+    "__invoke_impl<void, main(int, char**)::<lambda()> >": "main",
+    "void run<arm::Cell<int>::go(int, int) const::{lambda()#2}>(int)": "arm::Cell::go",
+    "auto Cell::go()::{lambda(auto:1)#2}::operator()<int>(int) const": "Cell::go",
+    "main::$_0::operator()() const": "main",
+    "Cell::go()": None,
+}
+
+
+@pytest.mark.parametrize("symbol", OWNERS)
+def test_a_lambda_belongs_to_the_function_that_holds_it(symbol):
+    assert lambda_owner(symbol) == OWNERS[symbol]
+
+
+def test_a_template_of_a_lambda_is_none():
+    assert is_lambda("main::{lambda()#1}::operator()() const")
+    assert is_lambda("Cell<int>::go()::$_1::operator()() const")
+    assert not is_lambda("void run<main::{lambda()#1}>(int)")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,7 +17,12 @@ from typing import Any, NamedTuple
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.native.binaries import Binary, Place
-from tracerisk.instrument.native.cpp_names import is_of_library, source_name
+from tracerisk.instrument.native.cpp_names import (
+    is_lambda,
+    is_of_library,
+    lambda_owner,
+    source_name,
+)
 
 VARIABLE = "TRACERISK_CALLS"
 """The environment variable that names the file to the probe."""
@@ -205,12 +210,34 @@ class _Names:
         """Return the functions of the controller, the outermost first."""
         frames: list[Frame] = []
         for module, offset in reversed(list(addresses)):
-            for place in reversed(self._places.get((module.path, offset), ())):
-                name = source_name(place.symbol)
-                is_installed = place.file.startswith(_INSTALLED)
-                if name and not is_installed and not is_of_library(name):
-                    frames.append(Frame(name, place.file, place.line))
+            places = self._places.get((module.path, offset), ())
+            here: list[Frame] = []
+            for at in reversed(range(len(places))):
+                name, is_lambda = _function(places[at:])
+                if name is None:
+                    continue
+                outer = here or (frames if is_lambda else [])
+                if outer and outer[-1].function == name:
+                    outer.pop()  # a lambda is a part of the function in which it stands
+                here.append(Frame(name, places[at].file, places[at].line))
+            frames += here
         return tuple(frames)
+
+
+def _function(places: Sequence[Place]) -> tuple[QualifiedName | None, bool]:
+    """Return the controller's function at the first place, and whether it is a lambda in it.
+
+    The places after it are those it was inlined into.
+    """
+    symbol, file, _ = places[0]
+    name = source_name(symbol)
+    if file.startswith(_INSTALLED) or (not file and is_of_library(name)):
+        return None, False
+    if is_of_library(name) or name == "operator()":
+        # In a file of the controller only a lambda has such a name: what calls it says whose.
+        owners = (lambda_owner(place.symbol) for place in places)
+        return next((owner for owner in owners if owner), None), True
+    return name or None, is_lambda(symbol)
 
 
 def _changed(module: _Module) -> str | None:

@@ -24,6 +24,7 @@ _SIGNS = re.compile(
     r"| ?(?:new|delete)(?:\[\])?| co_await)"
 )
 _CONVERSION = re.compile(r"operator (?=[\w:(])")
+_LAMBDA = re.compile(r"(?:::)?(?:\{lambda|<lambda|\$_\d)")
 _QUALIFIERS = re.compile(r"(?: const\b| volatile\b| noexcept\b| ?&{1,2})*")
 _CLOSING = {"(": ")", "<": ">", "{": "}", "[": "]"}
 _LIBRARIES = frozenset(
@@ -65,7 +66,7 @@ def source_name(symbol: str) -> QualifiedName:
             parts.append("operator_" + _without_arguments(symbol[operator.end() : at]))
             at = _after_parameters(symbol, at)
             begin = -1
-        elif sign == "{" and at == begin:
+        elif at == begin and (sign == "{" or symbol.startswith("$_", at)):
             break  # a lambda, or another function without a name
         elif symbol.startswith("::", at):
             if begin >= 0:
@@ -88,6 +89,27 @@ def source_name(symbol: str) -> QualifiedName:
         if 0 <= begin < at:
             parts.append(_without_arguments(symbol[begin:at]))
     return QualifiedName("::".join(part for part in parts if part))
+
+
+def is_lambda(symbol: str) -> bool:
+    """Whether a demangled symbol is a lambda, and none is merely an argument of its template."""
+    return _LAMBDA.search(_without_arguments(symbol)) is not None
+
+
+def lambda_owner(symbol: str) -> QualifiedName | None:
+    """Return the function that holds the first lambda that a demangled symbol mentions."""
+    symbol = re.sub(r"\) (?:const|volatile)::", ")::", symbol)
+    at = _LAMBDA.search(symbol)
+    if at is None:
+        return None
+    begin, depth = at.start(), 0
+    while begin > 0:
+        sign = symbol[begin - 1]
+        if depth == 0 and sign in "(<{, ":
+            break
+        depth += (sign in ")>}") - (sign in "(<{")
+        begin -= 1
+    return source_name(symbol[begin : at.start()]) or None
 
 
 def is_of_library(name: str) -> bool:

@@ -1,0 +1,619 @@
+/* Record which functions of a compiled ROS node issue its commands.
+ *
+ *     cc -O2 -fPIC -shared -fexceptions -o libtracerisk_calls.so calls.c -ldl -lgcc_s
+ *     LD_PRELOAD=$PWD/libtracerisk_calls.so TRACERISK_CALLS=calls.jsonl ./node
+ *
+ * It stands before the functions through which every message, goal and service call of roscpp and
+ * of rcl passes. It stores addresses alone; `tracerisk` names the functions afterwards.
+ * docs/probe.md describes the file.
+ *
+ * The file is written through shared memory: a record is in it as soon as it is made, whatever then
+ * ends the process. No system call is made but when a piece of the file is full. Whatever goes
+ * wrong, the node goes on.
+ */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <link.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+#include <unwind.h>
+
+#define EXPORT __attribute__((visibility("default")))
+#define LOCAL __thread __attribute__((tls_model("initial-exec")))
+
+enum {
+  PIECE = 1 << 16, /* bytes of the file that a process takes at a time */
+  DEEPEST = 256,   /* functions of any binary on a stack; those further out are not recorded */
+  MOST_MODULES = 256,
+  BUCKETS = 256,
+};
+
+/* ---- What is known of this process. `lock` guards everything below it. ---- */
+
+static char file[PATH_MAX]; /* where to write; empty: nowhere */
+static volatile sig_atomic_t is_on;
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static LOCAL bool is_recording; /* a signal's handler that publishes would wait for itself */
+static LOCAL int tid;
+static int pid;
+static bool has_begun; /* this process has told of itself */
+
+static char *piece;        /* the piece of the file in memory */
+static size_t room, taken; /* its bytes, and those of them that are in use */
+static volatile sig_atomic_t is_piece_gone;
+static struct sigaction after_us; /* what SIGBUS did before */
+
+struct module {
+  uintptr_t begin, end;
+};
+static struct module modules[MOST_MODULES]; /* the node's own binaries */
+static int module_count, map_number;
+static unsigned long long loads = ~0ULL, unloads; /* of binaries, when `modules` was made */
+
+struct counter {
+  struct counter *next;
+  const char *kind;
+  uint64_t count;
+  size_t length; /* of the name */
+  size_t written_length;
+  char *written; /* the name as a string of JSON, in its quotes */
+  char name[];
+};
+static struct counter *counters[BUCKETS];
+
+/* ---- Trouble: said once, and the node goes on. ---- */
+
+struct quiet {
+  sigset_t asked, before, waiting;
+};
+
+/* Neither a full pipe behind stderr nor a limit of file sizes may end the node. */
+static void begin_quiet(struct quiet *quiet)
+{
+  sigemptyset(&quiet->asked);
+  sigaddset(&quiet->asked, SIGPIPE);
+  sigaddset(&quiet->asked, SIGXFSZ);
+  sigpending(&quiet->waiting);
+  pthread_sigmask(SIG_BLOCK, &quiet->asked, &quiet->before);
+}
+
+static void end_quiet(struct quiet *quiet)
+{
+  const struct timespec now = {0, 0};
+  sigset_t ours = quiet->asked;
+  if (sigismember(&quiet->waiting, SIGPIPE)) sigdelset(&ours, SIGPIPE);
+  if (sigismember(&quiet->waiting, SIGXFSZ)) sigdelset(&ours, SIGXFSZ);
+  while (sigtimedwait(&ours, NULL, &now) > 0 || errno == EINTR) errno = 0;
+  pthread_sigmask(SIG_SETMASK, &quiet->before, NULL);
+}
+
+static void give_up(const char *problem, int error)
+{
+  struct quiet quiet;
+  if (!is_on) return;
+  is_on = 0;
+  begin_quiet(&quiet);
+  dprintf(STDERR_FILENO, "tracerisk: %s: %s%s%s; no further command of process %d is recorded\n",
+          file, problem, error ? ": " : "", error ? strerror(error) : "", (int)getpid());
+  end_quiet(&quiet);
+}
+
+/* A piece of a file that someone else cut off is no memory any more. */
+static void on_bus_error(int number, siginfo_t *info, void *context)
+{
+  char *at = info->si_addr;
+  (void)context;
+  if (piece && at >= piece && at < piece + room) {
+    is_piece_gone = 1;
+    if (mmap(piece, room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) !=
+        MAP_FAILED)
+      return;
+  }
+  sigaction(number, &after_us, NULL); /* the same instruction fails again, and is handled there */
+}
+
+static void guard_piece(void)
+{
+  struct sigaction ours = {.sa_sigaction = on_bus_error, .sa_flags = SA_SIGINFO | SA_ONSTACK}, now;
+  if (piece || sigaction(SIGBUS, NULL, &now) || now.sa_sigaction == on_bus_error) return;
+  sigemptyset(&ours.sa_mask);
+  after_us = now;
+  sigaction(SIGBUS, &ours, NULL);
+}
+
+static void leave_piece(void)
+{
+  if (piece) munmap(piece, room);
+}
+
+/* ---- The file ---- */
+
+/* Append a piece to the file; return where it begins, -1 and `error` if that fails. */
+static off_t append_piece(int to, int *error)
+{
+  static const char nothing[PIECE];
+  struct quiet quiet;
+  begin_quiet(&quiet);
+  /* The space is there before it is used: a full disk fails here, where it does no harm. Appending
+   * is one step for the kernel, so that no process takes the piece of another. */
+  ssize_t length = write(to, nothing, PIECE);
+  *error = length < 0 ? errno : ENOSPC;
+  off_t end = length == PIECE ? lseek(to, 0, SEEK_CUR) : -1;
+  end_quiet(&quiet);
+  return end < 0 ? -1 : end - PIECE;
+}
+
+/* Take the next piece of the file. */
+static bool take_piece(void)
+{
+  const off_t page = sysconf(_SC_PAGESIZE);
+  struct stat there;
+  int error = 0;
+  int to = open(file, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0666);
+  if (to < 0) {
+    give_up("cannot be opened", errno);
+    return false;
+  }
+  if (fstat(to, &there) || !S_ISREG(there.st_mode)) {
+    close(to);
+    give_up("is no regular file", 0);
+    return false;
+  }
+  off_t from = append_piece(to, &error);
+  if (from < 0) {
+    close(to);
+    give_up("cannot grow", error);
+    return false;
+  }
+  off_t aligned = (from + page - 1) / page * page; /* if others have written to the file */
+  size_t size = (size_t)(from + PIECE - aligned);
+  char *next = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, to, aligned);
+  error = errno;
+  close(to);
+  if (next == MAP_FAILED) {
+    give_up("cannot be mapped", error);
+    return false;
+  }
+  guard_piece();
+  leave_piece();
+  piece = next;
+  room = size;
+  piece[0] = '\n'; /* ends the line of a process that was killed while it wrote */
+  taken = 1;
+  return true;
+}
+
+/* Return where `most` bytes can be written; NULL if nowhere. */
+static char *space(size_t most)
+{
+  if ((!piece || taken + most > room) && !take_piece()) return NULL;
+  if (taken + most > room) return NULL; /* a name of many thousand letters */
+  return piece + taken;
+}
+
+static void wrote(const char *end)
+{
+  taken = (size_t)(end - piece);
+  if (is_piece_gone) give_up("was cut off by another program", 0);
+}
+
+static char *put(char *to, const char *text)
+{
+  size_t length = strlen(text);
+  memcpy(to, text, length);
+  return to + length;
+}
+
+static char *put_number(char *to, uint64_t number)
+{
+  char digits[20];
+  int at = 20;
+  do digits[--at] = (char)('0' + number % 10);
+  while (number /= 10);
+  memcpy(to, digits + at, 20 - at);
+  return to + 20 - at;
+}
+
+/* Write a string of JSON; at most 6 bytes for one, and two quotes. */
+static char *put_string(char *to, const char *text, size_t length)
+{
+  static const char hex[] = "0123456789abcdef";
+  *to++ = '"';
+  for (size_t at = 0; at < length; ++at) {
+    unsigned char sign = (unsigned char)text[at];
+    if (sign == '"' || sign == '\\') {
+      *to++ = '\\';
+      *to++ = (char)sign;
+    } else if (sign < ' ') {
+      to = put(to, "\\u00");
+      *to++ = hex[sign >> 4];
+      *to++ = hex[sign & 15];
+    } else {
+      *to++ = (char)sign;
+    }
+  }
+  *to++ = '"';
+  return to;
+}
+
+/* ---- The node's own binaries ---- */
+
+static bool is_installed(const char *path)
+{
+  static const char *const places[] = {"/usr/", "/lib", "/bin/", "/sbin/", "/opt/ros/"};
+  for (size_t at = 0; at < sizeof places / sizeof *places; ++at)
+    if (!strncmp(path, places[at], strlen(places[at]))) return true;
+  return path[0] != '/'; /* such as linux-vdso.so.1 */
+}
+
+static int note_loads(struct dl_phdr_info *info, size_t size, void *now)
+{
+  (void)size;
+  ((unsigned long long *)now)[0] = info->dlpi_adds;
+  ((unsigned long long *)now)[1] = info->dlpi_subs;
+  return 1; /* the first binary tells it */
+}
+
+struct listing {
+  char *text; /* NULL after a failure */
+  size_t size;
+  FILE *to;
+};
+
+static int list_module(struct dl_phdr_info *info, size_t size, void *given)
+{
+  struct listing *listing = given;
+  char path[PATH_MAX], quoted[6 * PATH_MAX + 2];
+  uintptr_t begin = UINTPTR_MAX, end = 0, here = (uintptr_t)list_module;
+  struct stat there;
+  (void)size;
+  if (!realpath(info->dlpi_name[0] ? info->dlpi_name : "/proc/self/exe", path)) return 0;
+  for (int at = 0; at < info->dlpi_phnum; ++at) {
+    const ElfW(Phdr) *part = &info->dlpi_phdr[at];
+    if (part->p_type != PT_LOAD || !(part->p_flags & PF_X)) continue;
+    uintptr_t from = info->dlpi_addr + part->p_vaddr;
+    if (from < begin) begin = from;
+    if (from + part->p_memsz > end) end = from + part->p_memsz;
+  }
+  if (end == 0 || (here >= begin && here < end) || is_installed(path)) return 0;
+  if (module_count == MOST_MODULES || stat(path, &there)) return 0;
+  modules[module_count++] = (struct module){begin, end};
+  *put_string(quoted, path, strlen(path)) = '\0';
+  fprintf(listing->to, "%s[%s,%llu,%llu,%llu,%llu,%llu]", module_count > 1 ? "," : "", quoted,
+          (unsigned long long)info->dlpi_addr, (unsigned long long)begin, (unsigned long long)end,
+          (unsigned long long)there.st_size,
+          there.st_mtim.tv_sec * 1000000000ULL + (unsigned long long)there.st_mtim.tv_nsec);
+  return 0;
+}
+
+/* Write the list of binaries, if it has changed. */
+static void list_modules(void)
+{
+  unsigned long long now[2] = {0, 0};
+  dl_iterate_phdr(note_loads, now);
+  if (now[0] == loads && now[1] == unloads) return;
+  struct listing listing = {NULL, 0, NULL};
+  listing.to = open_memstream(&listing.text, &listing.size);
+  if (!listing.to) return;
+  loads = now[0], unloads = now[1];
+  module_count = 0;
+  fprintf(listing.to, "{\"pid\":%d,\"map\":%d,\"modules\":[", pid, ++map_number);
+  dl_iterate_phdr(list_module, &listing);
+  fputs("]}\n", listing.to);
+  if (fclose(listing.to) == 0) {
+    char *to = space(listing.size);
+    if (to) {
+      memcpy(to, listing.text, listing.size);
+      wrote(to + listing.size);
+    } else {
+      give_up("has no room for the list of binaries", 0);
+    }
+  }
+  free(listing.text);
+}
+
+/* ---- A record ---- */
+
+static void begin_process(void)
+{
+  char path[PATH_MAX], line[6 * PATH_MAX + 64];
+  ssize_t length = readlink("/proc/self/exe", path, sizeof path);
+  pid = (int)getpid();
+  has_begun = true;
+  loads = ~0ULL;
+  map_number = 0;
+  char *to = put_number(put(line, "{\"probe\":1,\"pid\":"), (uint64_t)pid);
+  to = put_string(put(to, ",\"exe\":"), path, length < 0 ? 0 : (size_t)length);
+  to = put(to, "}\n");
+  char *into = space((size_t)(to - line));
+  if (into) {
+    memcpy(into, line, (size_t)(to - line));
+    wrote(into + (to - line));
+  }
+}
+
+struct stack {
+  uintptr_t at[DEEPEST];
+  int depth;
+  bool is_cut;
+};
+
+static _Unwind_Reason_Code note_frame(struct _Unwind_Context *context, void *given)
+{
+  struct stack *stack = given;
+  int is_before = 0;
+  uintptr_t at = _Unwind_GetIPInfo(context, &is_before);
+  if (!at) return _URC_END_OF_STACK;
+  if (stack->depth == DEEPEST) {
+    stack->is_cut = true;
+    return _URC_END_OF_STACK;
+  }
+  stack->at[stack->depth++] = at + (is_before ? 1 : 0); /* as if each were a return address */
+  return _URC_NO_REASON;
+}
+
+static struct counter *counter_of(const char *kind, const char *name, size_t length)
+{
+  size_t hash = 5381;
+  for (size_t at = 0; at < length; ++at) hash = hash * 33 + (unsigned char)name[at];
+  struct counter **there = &counters[hash % BUCKETS];
+  for (struct counter *known = *there; known; known = known->next)
+    if (known->kind == kind && known->length == length && !memcmp(known->name, name, length))
+      return known;
+  struct counter *made = calloc(1, sizeof *made + length + 6 * length + 2);
+  if (!made) return NULL;
+  made->kind = kind;
+  made->length = length;
+  memcpy(made->name, name, length);
+  made->written = made->name + length;
+  made->written_length = (size_t)(put_string(made->written, name, length) - made->written);
+  made->next = *there;
+  *there = made;
+  return made;
+}
+
+/* Write a record; return its number among those of its kind and name. */
+static uint64_t write_record(const char *kind, const char *name, size_t length,
+                             const uint64_t *number, const struct stack *stack)
+{
+  struct timespec now;
+  if (!has_begun) begin_process();
+  list_modules();
+  struct counter *counter = is_on ? counter_of(kind, name, length) : NULL;
+  if (!counter) return 0;
+  uint64_t seq = number ? *number : counter->count++;
+  char *to = space(256 + counter->written_length + 21 * (size_t)stack->depth);
+  if (!to) return seq;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  to = put_number(put(to, "{\"t\":"), now.tv_sec * 1000000000ULL + (uint64_t)now.tv_nsec);
+  to = put_number(put(to, ",\"pid\":"), (uint64_t)pid);
+  to = put_number(put(to, ",\"tid\":"), (uint64_t)tid);
+  to = put(put(put(to, ",\"kind\":\""), kind), "\",\"name\":");
+  memcpy(to, counter->written, counter->written_length);
+  to = put_number(put(to + counter->written_length, ",\"seq\":"), seq);
+  to = put_number(put(to, ",\"map\":"), (uint64_t)map_number);
+  to = put(to, ",\"at\":[");
+  const char *first = to;
+  for (int frame = 0; frame < stack->depth; ++frame)
+    for (int at = 0; at < module_count; ++at)
+      if (stack->at[frame] - 1 - modules[at].begin < modules[at].end - modules[at].begin) {
+        if (to != first) *to++ = ',';
+        to = put_number(to, stack->at[frame]);
+        break;
+      }
+  to = put(to, stack->is_cut ? "],\"cut\":1}\n" : "]}\n");
+  wrote(to);
+  return seq;
+}
+
+/* Record a command, or with the number of a call its end. */
+static uint64_t record(const char *kind, const char *name, size_t length,
+                                   const uint64_t *number)
+{
+  if (!is_on || is_recording || !name) return 0;
+  int error = errno;
+  struct stack stack = {.depth = 0, .is_cut = false};
+  is_recording = true;
+  if (!tid) tid = (int)syscall(SYS_gettid);
+  if (!number) _Unwind_Backtrace(note_frame, &stack);
+  pthread_mutex_lock(&lock);
+  uint64_t seq = write_record(kind, name, length, number, &stack);
+  pthread_mutex_unlock(&lock);
+  is_recording = false;
+  errno = error;
+  return seq;
+}
+
+static const char publish[] = "publish", goal[] = "goal", call[] = "call", end[] = "end";
+
+static uint64_t record_named(const char *kind, const char *name)
+{
+  return record(kind, name, name ? strlen(name) : 0, NULL);
+}
+
+/* The end of a call is recorded even if it throws, or its thread is cancelled. */
+struct called {
+  const char *name;
+  size_t length;
+  uint64_t seq;
+};
+
+static void record_end(struct called *called)
+{
+  record(end, called->name, called->length, &called->seq);
+}
+
+/* ---- Beginning of the process ---- */
+
+static void after_fork(void)
+{
+  pthread_mutex_init(&lock, NULL);
+  leave_piece(); /* it is the parent's */
+  piece = NULL;
+  tid = 0;
+  is_recording = false;
+  for (int at = 0; at < BUCKETS; ++at)
+    for (struct counter *known = counters[at]; known; known = known->next) known->count = 0;
+  bool is_node = has_begun;
+  has_begun = false;
+  if (is_on && is_node) begin_process();
+}
+
+/* Return a function that stands behind one of ours. */
+static void *behind(const char *name)
+{
+  static const char *const libraries[] = {"libroscpp.so", "librcl.so", "librcl_action.so"};
+  void *found = dlsym(RTLD_NEXT, name);
+  for (size_t at = 0; !found && at < sizeof libraries / sizeof *libraries; ++at) {
+    /* An extension of Python loads it for itself alone. */
+    void *library = dlopen(libraries[at], RTLD_LAZY | RTLD_NOLOAD);
+    if (!library) continue;
+    found = dlsym(library, name);
+    dlclose(library);
+  }
+  return found;
+}
+
+static void *found(void **known, const char *name)
+{
+  void *function = __atomic_load_n(known, __ATOMIC_ACQUIRE);
+  if (!function) {
+    function = behind(name);
+    if (!function) dprintf(STDERR_FILENO, "tracerisk: no library of this node has %s\n", name);
+    __atomic_store_n(known, function, __ATOMIC_RELEASE);
+  }
+  return function;
+}
+
+/* The function of that name in the library of ROS; each is looked up once. */
+#define BEHIND(function)                                      \
+  ({                                                          \
+    static void *known;                                       \
+    (__typeof__(&(function)))found(&known, TEXT(function));   \
+  })
+#define TEXT(name) TEXT_OF(name)
+#define TEXT_OF(name) #name
+
+#define ROS1_PUBLISH \
+  _ZNK3ros9Publisher7publishERKN5boost8functionIFNS_17SerializedMessageEvEEERS3_
+#define ROS1_CALL                                                                            \
+  _ZN3ros13ServiceClient4callERKNS_17SerializedMessageERS1_RKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE
+
+__attribute__((constructor)) static void begin(void)
+{
+  const char *named = getenv("TRACERISK_CALLS");
+  if (!named || !*named) return;
+  if (named[0] != '/' && getcwd(file, sizeof file - 1)) strcat(file, "/");
+  if (strlen(file) + strlen(named) >= sizeof file) {
+    dprintf(STDERR_FILENO, "tracerisk: TRACERISK_CALLS is longer than a path can be\n");
+    return;
+  }
+  strcat(file, named);
+  is_on = 1;
+  pthread_atfork(NULL, NULL, after_fork);
+  /* Shells and other programs that start the node have nothing to report. */
+  if (behind(TEXT(ROS1_PUBLISH)) || behind("rcl_publish")) begin_process();
+}
+
+/* ---- ROS 1: roscpp. Both classes hold one pointer, to what the public headers say. ---- */
+
+struct std_string {
+  const char *text;
+  size_t length;
+  char within[16];
+};
+
+struct publisher {
+  struct std_string topic, md5sum, datatype;
+};
+
+struct service_client {
+  void *link[2];
+  struct std_string name;
+};
+
+static bool ends_with(const struct std_string *text, const char *ending)
+{
+  size_t length = strlen(ending);
+  return text->length >= length && !memcmp(text->text + text->length - length, ending, length);
+}
+
+EXPORT void ROS1_PUBLISH(const struct publisher *const *self, const void *serialize, void *message)
+{
+  const struct publisher *to = *self;
+  if (to && ends_with(&to->topic, "/goal") && ends_with(&to->datatype, "ActionGoal"))
+    record(goal, to->topic.text, to->topic.length - strlen("/goal"), NULL);
+  else if (to)
+    record(publish, to->topic.text, to->topic.length, NULL);
+  BEHIND(ROS1_PUBLISH)(self, serialize, message);
+}
+
+EXPORT bool ROS1_CALL(const struct service_client *const *self, const void *request, void *response,
+                      const struct std_string *md5sum)
+{
+  const struct service_client *to = *self;
+  if (!to) return BEHIND(ROS1_CALL)(self, request, response, md5sum);
+  __attribute__((cleanup(record_end))) struct called called = {to->name.text, to->name.length, 0};
+  called.seq = record(call, called.name, called.length, NULL);
+  return BEHIND(ROS1_CALL)(self, request, response, md5sum);
+}
+
+/* ---- ROS 2: the C functions of rcl, which serve C++ and Python. ---- */
+
+/* Never linked: only their types are used. */
+const char *rcl_publisher_get_topic_name(const void *publisher);
+const char *rcl_client_get_service_name(const void *client);
+const char *rcl_action_client_get_action_name(const void *client);
+
+#define NAME(of, self)                        \
+  ({                                          \
+    __typeof__(&(of)) name_of = BEHIND(of);   \
+    name_of ? name_of(self) : NULL;           \
+  })
+
+EXPORT int rcl_publish(const void *self, const void *message, void *allocation)
+{
+  record_named(publish, NAME(rcl_publisher_get_topic_name, self));
+  return BEHIND(rcl_publish)(self, message, allocation);
+}
+
+EXPORT int rcl_publish_serialized_message(const void *self, const void *message, void *allocation)
+{
+  record_named(publish, NAME(rcl_publisher_get_topic_name, self));
+  return BEHIND(rcl_publish_serialized_message)(self, message, allocation);
+}
+
+EXPORT int rcl_publish_loaned_message(const void *self, void *message, void *allocation)
+{
+  record_named(publish, NAME(rcl_publisher_get_topic_name, self));
+  return BEHIND(rcl_publish_loaned_message)(self, message, allocation);
+}
+
+EXPORT int rcl_send_request(const void *self, const void *request, int64_t *number)
+{
+  const char *service = NAME(rcl_client_get_service_name, self);
+  /* Goals are recorded as such, and asking for their results is no command. */
+  if (service && !strstr(service, "/_action/send_goal") && !strstr(service, "/_action/get_result"))
+    record_named(call, service);
+  return BEHIND(rcl_send_request)(self, request, number);
+}
+
+EXPORT int rcl_action_send_goal_request(const void *self, const void *request, int64_t *number)
+{
+  record_named(goal, NAME(rcl_action_client_get_action_name, self));
+  return BEHIND(rcl_action_send_goal_request)(self, request, number);
+}

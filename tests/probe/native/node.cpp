@@ -1,0 +1,171 @@
+// A node that issues commands and ends in many ways; its argument says which.
+#include <pthread.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ros.h"
+
+#define APART __attribute__((noinline))
+extern "C" long ros_sent();
+
+static volatile int after;
+
+class Cell {
+ public:
+  APART void swing(int angle)
+  {
+    arm_.publish(angle);
+    ++after;
+  }
+  APART void home()
+  {
+    swing(0);
+    ++after;
+  }
+  APART void reach(int goal)
+  {
+    goal_.publish(goal);
+    ++after;
+  }
+  APART bool grip(int force)
+  {
+    ros::SerializedMessage request, response;
+    request.length = force;
+    bool is_done = gripper_.call(request, response, "*");
+    ++after;
+    return is_done;
+  }
+
+ private:
+  ros::Publisher arm_{"/arm/command", "std_msgs/Float64"};
+  ros::Publisher goal_{"/arm/goal", "control_msgs/FollowJointTrajectoryActionGoal"};
+  ros::ServiceClient gripper_{"/gripper/set"};
+};
+
+APART void dive(Cell &cell, int depth)
+{
+  if (depth == 0)
+    cell.home();
+  else
+    dive(cell, depth - 1);
+  ++after;
+}
+
+static int says(const char *text)
+{
+  std::printf("%s %ld\n", text, ros_sent());
+  std::fflush(stdout);
+  return 0;
+}
+
+int main(int argc, char **argv)
+{
+  Cell cell;
+  std::string way = argc > 1 ? argv[1] : "return";
+  int count = argc > 2 ? std::atoi(argv[2]) : 1;
+  if (way == "kinds") {
+    cell.home();
+    cell.reach(1);
+    cell.grip(1);
+    ros::Publisher plain("/move_base_simple/goal", "geometry_msgs/PoseStamped");
+    plain.publish(1);
+    return says("kinds");
+  }
+  if (way == "throw") {
+    int caught = 0;
+    try {
+      cell.swing(-1);
+    } catch (const std::runtime_error &error) {
+      caught += !std::strcmp(error.what(), "/arm/command");
+    }
+    try {
+      cell.grip(-1);
+    } catch (const std::runtime_error &error) {
+      caught += !std::strcmp(error.what(), "/gripper/set");
+    }
+    cell.home();
+    return caught == 2 ? says("caught") : 1;
+  }
+  if (way == "threads") {
+    std::vector<std::thread> threads;
+    for (int thread = 0; thread < 16; ++thread)
+      threads.emplace_back([&] {
+        for (int turn = 0; turn < count; ++turn) cell.home();
+      });
+    for (std::thread &thread : threads) thread.join();
+    return says("joined");
+  }
+  if (way == "fork") {
+    cell.home();
+    pid_t child = fork();
+    cell.swing(1);
+    if (child == 0) {
+      cell.reach(1);
+      _exit(0);
+    }
+    int status = 1;
+    waitpid(child, &status, 0);
+    return status;
+  }
+  if (way == "deep") {
+    dive(cell, count);
+    return 0;
+  }
+  if (way == "ros2") {
+    long number = 0;
+    int message = 0;
+    const char *topic = "/arm/command", *service = "/gripper/set", *action = "/arm/move";
+    bool is_right = rcl_publish(topic, &message, nullptr) == 11 &&
+                    rcl_publish_serialized_message(topic, &message, nullptr) == 12 &&
+                    rcl_publish_loaned_message(topic, &message, nullptr) == 13 &&
+                    rcl_send_request(service, &message, &number) == 14 && number == 77 &&
+                    rcl_action_send_goal_request(action, &message, &number) == 15;
+    return is_right ? 0 : 1;
+  }
+  if (way == "truncate") {
+    cell.home();
+    if (truncate(std::getenv("TRACERISK_CALLS"), 0)) return 1;
+    cell.home();
+    return says("went on");
+  }
+  if (way == "closes") {
+    for (int file = 3; file < 64; ++file) close(file);
+    for (int turn = 0; turn < 2000; ++turn) cell.home();
+    return says("closed");
+  }
+  if (way == "handler") {  // a signal's handler that publishes while the node does
+    static Cell *own = &cell;
+    struct sigaction action = {};
+    action.sa_handler = [](int) { own->swing(2); };
+    sigaction(SIGALRM, &action, nullptr);
+    ualarm(500, 500);
+    for (int turn = 0; turn < count; ++turn) cell.home();
+    ualarm(0, 0);
+    return says("handled");
+  }
+  for (int turn = 0; turn < count; ++turn) cell.home();
+  if (way == "exit") std::exit(3);
+  if (way == "_exit") _exit(4);
+  if (way == "abort") std::abort();
+  if (way == "terminate") throw 1;
+  if (way == "segv") raise(SIGSEGV);
+  if (way == "kill") raise(SIGKILL);
+  if (way == "term") raise(SIGTERM);
+  if (way == "int") raise(SIGINT);
+  if (way == "quick") std::quick_exit(5);
+  if (way == "exec") {
+    execl("/proc/self/exe", argv[0], "return", nullptr);
+    return 1;
+  }
+  return says("returns");
+}

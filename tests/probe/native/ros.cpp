@@ -1,0 +1,45 @@
+// What stands behind the probe: messages whose target says so throw, all others are counted.
+#include "ros.h"
+
+#include <atomic>
+#include <stdexcept>
+
+static std::atomic<long> sent;
+extern "C" long ros_sent() { return sent; }
+
+namespace ros {
+Publisher::Publisher(const std::string &topic, const std::string &datatype)
+    : impl_(new Impl{topic, "*", datatype})
+{
+}
+void Publisher::publish(const boost::function<SerializedMessage(void)> &serialize,
+                        SerializedMessage &m) const
+{
+  ++sent;
+  if (*static_cast<int *>(serialize.target) < 0) throw std::runtime_error(impl_->topic_);
+  ++m.length;
+}
+ServiceClient::ServiceClient(const std::string &name) : impl_(new Impl{nullptr, name}) {}
+bool ServiceClient::call(const SerializedMessage &request, SerializedMessage &, const std::string &)
+{
+  ++sent;
+  if (request.length < 0) throw std::runtime_error(impl_->name_);
+  return true;
+}
+}  // namespace ros
+
+// Of rcl, a handle is here the name of what it is for.
+extern "C" {
+const char *rcl_publisher_get_topic_name(const void *it) { return (const char *)it; }
+const char *rcl_client_get_service_name(const void *it) { return (const char *)it; }
+const char *rcl_action_client_get_action_name(const void *it) { return (const char *)it; }
+int rcl_publish(const void *, const void *, void *) { return 10 + (int)++sent; }
+int rcl_publish_serialized_message(const void *, const void *, void *) { return 10 + (int)++sent; }
+int rcl_publish_loaned_message(const void *, void *, void *) { return 10 + (int)++sent; }
+int rcl_send_request(const void *, const void *, long *number) { return *number = 77, 10 + (int)++sent; }
+int rcl_action_send_goal_request(const void *it, const void *request, long *number)
+{
+  std::string service = std::string((const char *)it) + "/_action/send_goal";
+  return rcl_send_request(service.c_str(), request, number);
+}
+}
