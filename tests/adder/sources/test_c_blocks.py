@@ -199,6 +199,20 @@ def test_the_star_of_an_operator_is_part_of_its_name():
     assert strip_blocks(annotated, "a.cpp") == source
 
 
+@pytest.mark.parametrize(
+    ("declared", "name"),
+    [
+        ("Step::operator double() const", "Step::operator_double"),
+        ("template <class T> Box<T> Box<T>::operator*(const Box<T> &)", "Box::operator*"),
+        ("template <class T> Box<T>::operator std::vector<T>()", "Box::operator_std::vector"),
+        ("arm::Cell::operator bool()", "arm::Cell::operator_bool"),
+    ],
+)
+def test_an_operator_defined_apart_from_its_class_is_named_as_within(declared, name):
+    (function,) = parse_c(f"{declared} {{\n  go();\n}}\n".encode(), "a.cpp").functions
+    assert function.name == name
+
+
 def test_overloads_have_a_block_each_where_that_is_asked():
     source = b"void f(int a) {\n  go();\n}\nvoid f(double a) {\n  go();\n}\n"
     both = {(QualifiedName("f"), 1): block("f"), (QualifiedName("f"), 4): block("f", 2)}

@@ -33,6 +33,8 @@ NAMES = {
     "Cell::operator<<(int)": "Cell::operator<<",
     "operator<<(std::ostream&, Cell const&)": "operator<<",
     "bool operator< <int>(Box<int> const&, Box<int> const&)": "operator<",
+    "bool operator==<int>(Box<int> const&, Box<int> const&)": "operator==",
+    "Box<int>& operator<<<int>(Box<int>&, int)": "operator<<",
     "Cell::operator->() const": "Cell::operator->",
     "Box<int>::operator+(Box<int> const&) const": "Box::operator+",
     "Box<(1>2)>::operator>(int)": "Box::operator>",

@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 
 SCOPE = "::"
 _NAMES = frozenset(
-    {"identifier", "field_identifier", "destructor_name", "operator_name", "type_identifier"}
+    {
+        *("identifier", "field_identifier", "destructor_name", "operator_name", "type_identifier"),
+        *("qualified_identifier", "template_function", "operator_cast"),
+    }
 )
 _SCOPES = frozenset(
     {"namespace_definition", "class_specifier", "struct_specifier", "union_specifier"}
@@ -220,11 +223,8 @@ def _name(node: Node) -> str | None:
     """Return the name of a function as its declarator gives it, template arguments left out."""
     at = node.child_by_field_name("declarator")
     while at is not None:
-        if at.type in _NAMES or at.type in ("qualified_identifier", "template_function"):
+        if at.type in _NAMES:
             return _plain(at) or None
-        if at.type == "operator_cast":
-            kind = at.child_by_field_name("type")
-            return None if kind is None else f"operator_{_plain(kind)}"
         inner = at.child_by_field_name("declarator")
         at = inner if inner is not None else next(iter(at.named_children), None)
     return None
@@ -232,12 +232,18 @@ def _name(node: Node) -> str | None:
 
 def _plain(node: Node) -> str:
     """Return the text of a name without spaces and template arguments; empty if unreadable."""
+    fields = {name: node.child_by_field_name(name) for name in ("scope", "name", "type")}
+    if node.type == "qualified_identifier":
+        parts = [_plain(part) for part in (fields["scope"], fields["name"]) if part is not None]
+        return SCOPE.join(part for part in parts if part) if parts[-1] else ""
+    if node.type == "operator_cast":
+        return "" if fields["type"] is None else f"operator_{_plain(fields['type'])}"
     try:
         text = (node.text or b"").decode("utf-8")
     except UnicodeDecodeError:
         return ""
+    is_operator = node.type == "operator_name"
     depth, kept = 0, []
-    is_operator = "operator" in text
     for sign in text:
         if not is_operator and sign == "<":
             depth += 1

@@ -188,14 +188,15 @@ class _Names:
         by_module: dict[_Module, dict[int, None]] = {}
         for module, offset in addresses:
             by_module.setdefault(module._replace(bias=0, begin=0, end=0), {})[offset] = None
-        self._places: dict[tuple[str, int], tuple[Place, ...]] = {}
+        self._active: dict[tuple[str, int], list[tuple[Frame, bool]]] = {}
         for module, offsets in by_module.items():
             problem = _changed(module)
             if problem is not None:
                 self.notes.append(problem)
                 continue
             places = Binary(module.path).places(list(offsets))
-            self._places.update({(module.path, offset): there for offset, there in places.items()})
+            for offset, there in places.items():
+                self._active[module.path, offset] = _active(there)
             unknown = sum(1 for there in places.values() if not there)
             without_line = Counter(place.line > 0 for there in places.values() for place in there)
             if unknown:
@@ -210,18 +211,26 @@ class _Names:
         """Return the functions of the controller, the outermost first."""
         frames: list[Frame] = []
         for module, offset in reversed(list(addresses)):
-            places = self._places.get((module.path, offset), ())
-            here: list[Frame] = []
-            for at in reversed(range(len(places))):
-                name, is_lambda = _function(places[at:])
-                if name is None:
-                    continue
-                outer = here or (frames if is_lambda else [])
-                if outer and outer[-1].function == name:
-                    outer.pop()  # a lambda is a part of the function in which it stands
-                here.append(Frame(name, places[at].file, places[at].line))
-            frames += here
+            for frame, is_part in self._active.get((module.path, offset), ()):
+                if is_part and frames and frames[-1].function == frame.function:
+                    frames.pop()
+                frames.append(frame)
         return tuple(frames)
+
+
+def _active(places: Sequence[Place]) -> list[tuple[Frame, bool]]:
+    """Return the controller's functions at an address, the outermost first.
+
+    With each comes whether it is a part of the function of its name, if that comes before it: a
+    lambda in it, or the same function once more after what was inlined between.
+    """
+    active: list[tuple[Frame, bool]] = []
+    for at in reversed(range(len(places))):
+        name, is_part = _function(places[at:])
+        if name is not None:
+            frame = Frame(name, places[at].file, places[at].line)
+            active.append((frame, is_part or bool(active)))
+    return active
 
 
 def _function(places: Sequence[Place]) -> tuple[QualifiedName | None, bool]:

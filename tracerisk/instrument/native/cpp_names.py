@@ -20,8 +20,8 @@ _ALIASES = (
     (re.compile(r"(?:\(anonymous namespace\)|\{anonymous\})::"), ""),
 )
 _SIGNS = re.compile(
-    r'operator(?:\(\)|\[\]|""\s*\w+|<=>|->\*?|[-+*/%^&|~!=<>,]{1,3}'
-    r"| ?(?:new|delete)(?:\[\])?| co_await)"
+    r'operator(?:\(\)|\[\]|""\s*\w+|<=>|->\*?|(?:<<|>>|[-+*/%^&|=!<>])=|<<|>>|&&|\|\||\+\+|--'
+    r"|[-+*/%^&|~!=<>,]| ?(?:new|delete)(?:\[\])?| co_await)"
 )
 _CONVERSION = re.compile(r"operator (?=[\w:(])")
 _LAMBDA = re.compile(r"(?:::)?(?:\{lambda|<lambda|\$_\d)")
