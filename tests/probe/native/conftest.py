@@ -48,8 +48,8 @@ class Nodes:
             check=False,
         )
 
-    def log(self) -> CallLog:
-        return read_calls(self.folder / "calls.jsonl")
+    def log(self, names_at=None) -> CallLog:
+        return read_calls(self.folder / "calls.jsonl", names_at)
 
 
 @pytest.fixture(scope="session")

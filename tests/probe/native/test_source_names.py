@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.adder.sources.c_source import parse_c
+from tracerisk.adder.sources.lines_of_functions import functions_at
 
 pytest.importorskip("tree_sitter_cpp")
 SOURCES = Path(__file__).with_name("sources")
@@ -31,7 +32,7 @@ def test_each_function_is_recorded_by_its_name_in_the_source(nodes, name, compil
     program = nodes.compile(*flags, source=sources, compiler=compiler, name=name)
     done = nodes.run(program)
     assert done.returncode == 0, done.stderr
-    log = nodes.log()
+    log = nodes.log(functions_at)
     assert log.notes == ()
     files = [*sources, *SOURCES.glob("gripper.h")] if len(sources) > 1 else sources
     read = {str(path): parse_c(path.read_bytes(), str(path)) for path in files}

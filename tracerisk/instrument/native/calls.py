@@ -9,8 +9,9 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -108,8 +109,15 @@ class _Address(NamedTuple):
     """The address as linked, within the instruction that calls."""
 
 
-def read_calls(file: Path) -> CallLog:
+NamesAt = Callable[[str, int], Sequence[QualifiedName]]
+"""Takes a source and a line of it; returns the functions that hold the line, the innermost last."""
+
+
+def read_calls(file: Path, names_at: NamesAt | None = None) -> CallLog:
     """Read the file of the probe, and name the functions in it.
+
+    `names_at` reads sources: what a compiler calls an inlined function often lacks its scopes. It
+    is asked about those alone that have not changed since the binary was made.
 
     Raises:
         InputError: if the file cannot be read, or is not one of the probe.
@@ -144,7 +152,7 @@ def read_calls(file: Path) -> CallLog:
         else:
             known = modules.get((entry.get("pid", 0), entry.get("map", 0)), [])
             commands.append((entry, _addresses(entry.get("at", ()), known)))
-    names = _Names(address for _, addresses in commands for address in addresses)
+    names = _Names((address for _, addresses in commands for address in addresses), names_at)
     calls = tuple(_call(entry, addresses, names) for entry, addresses in commands)
     notes = list(names.notes)
     if torn:
@@ -183,7 +191,7 @@ def _call(entry: Mapping[str, Any], addresses: Iterable[_Address], names: _Names
 class _Names:
     """The functions of all addresses of a file; each binary is read once."""
 
-    def __init__(self, addresses: Iterable[_Address]) -> None:
+    def __init__(self, addresses: Iterable[_Address], names_at: NamesAt | None) -> None:
         self.notes: list[str] = []
         by_module: dict[_Module, dict[int, None]] = {}
         for module, offset in addresses:
@@ -195,8 +203,9 @@ class _Names:
                 self.notes.append(problem)
                 continue
             places = Binary(module.path).places(list(offsets))
+            names = _unchanged_since(module.mtime_ns, names_at)
             for offset, there in places.items():
-                self._active[module.path, offset] = _active(there)
+                self._active[module.path, offset] = _active(there, names)
             unknown = sum(1 for there in places.values() if not there)
             without_line = Counter(place.line > 0 for there in places.values() for place in there)
             if unknown:
@@ -218,7 +227,23 @@ class _Names:
         return tuple(frames)
 
 
-def _active(places: Sequence[Place]) -> list[tuple[Frame, bool]]:
+def _unchanged_since(time_ns: int, names_at: NamesAt | None) -> NamesAt:
+    """Return `names_at` for sources that were last changed before a time [ns since 1970]."""
+
+    @cache
+    def is_unchanged(file: str) -> bool:
+        try:
+            return Path(file).stat().st_mtime_ns <= time_ns
+        except OSError:
+            return False
+
+    def names(file: str, line: int) -> Sequence[QualifiedName]:
+        return names_at(file, line) if names_at is not None and is_unchanged(file) else ()
+
+    return names
+
+
+def _active(places: Sequence[Place], names_at: NamesAt) -> list[tuple[Frame, bool]]:
     """Return the controller's functions at an address, the outermost first.
 
     With each comes whether it is a part of the function of its name, if that comes before it: a
@@ -226,27 +251,33 @@ def _active(places: Sequence[Place]) -> list[tuple[Frame, bool]]:
     """
     active: list[tuple[Frame, bool]] = []
     for at in reversed(range(len(places))):
-        name, is_part = _function(places[at:])
+        name, is_part = _function(places[at:], names_at)
         if name is not None:
             frame = Frame(name, places[at].file, places[at].line)
             active.append((frame, is_part or bool(active)))
     return active
 
 
-def _function(places: Sequence[Place]) -> tuple[QualifiedName | None, bool]:
+def _function(places: Sequence[Place], names_at: NamesAt) -> tuple[QualifiedName | None, bool]:
     """Return the controller's function at the first place, and whether it is a lambda in it.
 
     The places after it are those it was inlined into.
     """
-    symbol, file, _ = places[0]
+    symbol, file, line = places[0]
     name = source_name(symbol)
     if file.startswith(_INSTALLED) or (not file and is_of_library(name)):
         return None, False
-    if is_of_library(name) or name == "operator()":
-        # In a file of the controller only a lambda has such a name: what calls it says whose.
+    # In a file of the controller only a lambda has such a name.
+    is_part = is_lambda(symbol) or is_of_library(name) or name == "operator()"
+    around = names_at(file, line)
+    if around:
+        is_apart = name in around and not around[-1].startswith(f"{name}::")
+        name = name if is_apart else around[-1]
+        return (None if is_of_library(name) else name), is_part
+    if is_part:  # what calls it says whose it is
         owners = (lambda_owner(place.symbol) for place in places)
         return next((owner for owner in owners if owner), None), True
-    return name or None, is_lambda(symbol)
+    return name or None, False
 
 
 def _changed(module: _Module) -> str | None:
