@@ -10,7 +10,7 @@ static ros::Publisher out("/out", "std_msgs/Int32");
 extern "C" void from_c(int number) { GUARDED(out.publish(number)); }
 
 extern "C" {
-static void also_from_c(int number) { out.publish(number); }
+static void also_from_c(int number) { out.publish(number + 1); }
 }
 
 struct Outer {
