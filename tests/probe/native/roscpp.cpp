@@ -1,0 +1,43 @@
+// A node of the installed roscpp: a message, a call of a service that nobody serves, a timer.
+#include <ros/ros.h>
+#include <roscpp/GetLoggers.h>
+#include <std_msgs/Float64.h>
+
+#include <cstdio>
+
+class Cell {
+ public:
+  void swing(double angle)
+  {
+    std_msgs::Float64 message;
+    message.data = angle;
+    arm_.publish(message);
+  }
+  void on_timer(const ros::TimerEvent &)
+  {
+    swing(2);
+    ros::shutdown();
+  }
+  bool ask()
+  {
+    roscpp::GetLoggers service;
+    return loggers_.call(service);
+  }
+  ros::NodeHandle node;
+
+ private:
+  ros::Publisher arm_ = node.advertise<std_msgs::Float64>("/arm/command", 5);
+  ros::ServiceClient loggers_ = node.serviceClient<roscpp::GetLoggers>("/none");
+};
+
+int main(int argc, char **argv)
+{
+  ros::init(argc, argv, "cell");
+  Cell cell;
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  cell.swing(1);
+  std::printf("called %d\n", cell.ask());
+  ros::Timer timer = cell.node.createTimer(ros::Duration(0.05), &Cell::on_timer, &cell);
+  ros::waitForShutdown();
+}
