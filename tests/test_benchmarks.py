@@ -26,11 +26,12 @@ PROGRAMS = sorted(
 LONG = {
     *("activity_truth.py", "branches.py", "broken_controllers.py", "bug_reports.py"),
     *("check_speed.py", "comments.py", "corpus.py", "editor_times.py", "fault_trees.py"),
-    *("greenlets.py", "history_speed.py", "independent_missions.py", "needed.py", "planning.py"),
+    *("greenlets.py", "hardware_reading.py", "history_speed.py", "independent_missions.py"),
+    *("merge_histories.py", "needed.py", "planning.py"),
     *("run_overhead.py", "sandbox.py", "start_up.py", "streams.py", "upstream_tests.py"),
     *("watch_speed.py", "worlds.py"),
 }
-"""Those whose quick form makes several runs of controllers, or waits for what it measures."""
+"""Those whose quick form makes several runs, or merges, or waits for what it measures."""
 SPAWNING = {"prism_suite.py"}
 """Those whose workers import the program again: it has to be the main module from the start."""
 

@@ -3,6 +3,7 @@
 import ast
 import errno
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -82,10 +83,12 @@ def test_no_file_of_a_checkout_is_read_past_the_bounds():
     package = Path(tracerisk.__file__).parent
     found = set()
     for path in package.rglob("*.py"):
-        name = path.relative_to(package).as_posix()
-        for node in ast.walk(ast.parse(path.read_bytes())):
-            if isinstance(node, ast.Call) and _reads(node) and "/stand_ins/" not in name:
-                found.add(name)
+        name, source = path.relative_to(package).as_posix(), path.read_bytes()
+        # To take a file apart that has none of the words takes longest.
+        if "/stand_ins/" in name or not re.search(rb"read_text|read_bytes|\brb\b", source):
+            continue
+        if any(isinstance(node, ast.Call) and _reads(node) for node in ast.walk(ast.parse(source))):
+            found.add(name)
     assert found == READERS_OF_OURS
 
 

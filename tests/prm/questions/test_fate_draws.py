@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from scipy.stats import beta, dirichlet
+import scipy  # whose statistics, which take a second, are imported when they are used
 
 from tracerisk.prm import HybridModel
 from tracerisk.prm.hybrid.elements import DONE, Fate, FunctionState, NextStep, Parameter
@@ -53,7 +53,7 @@ def model_of(*functions):
 def test_the_undetected_failure_has_the_interval_of_the_fractions():
     model = model_of((1e-6, fates_of(COUNTED)))
     found = propagate(model, samples=SAMPLES, outcomes={"grip": 20.0})
-    expected = 1e-6 * beta.ppf(LEVELS, 3.5 + 5.5, 12.5)
+    expected = 1e-6 * scipy.stats.beta.ppf(LEVELS, 3.5 + 5.5, 12.5)
     assert found.undetected == pytest.approx(expected, rel=5e-3)
     # Where nothing leads back, the mission fails as often in every draw.
     assert found.percentiles == pytest.approx([1e-6] * 3, rel=1e-9)
@@ -66,7 +66,7 @@ def test_the_shares_are_those_of_a_dirichlet_distribution():
     values = InputDraws(draws.inputs, SAMPLES, 3).whole(tuple(draws.inputs))
     row = draws.shares(values)["f0"]["grip"]
     shares = {way.kind: np.broadcast_to(share, SAMPLES) for way, share in row.items()}
-    law = dirichlet([5.5, 3.5, 4.5, 12.5])
+    law = scipy.stats.dirichlet([5.5, 3.5, 4.5, 12.5])
     kinds = ("unaware", "stopped_late", "back", "stopped_safely")
     drawn = np.stack([shares[kind] for kind in kinds])
     assert drawn.sum(axis=0) == pytest.approx(np.ones(SAMPLES))
@@ -77,7 +77,7 @@ def test_the_shares_are_those_of_a_dirichlet_distribution():
 def test_both_figures_take_part_where_failures_lead_back():
     model = model_of((1e-6, fates_of((("back", 15), ("unaware", 5)))))
     found = propagate(model, samples=SAMPLES, outcomes={"grip": 20.0})
-    fails = 1e-6 * beta.ppf(LEVELS, 5.5 + 0.5 + 0.5, 15.5)
+    fails = 1e-6 * scipy.stats.beta.ppf(LEVELS, 5.5 + 0.5 + 0.5, 15.5)
     assert found.percentiles == pytest.approx(fails, rel=1.5e-2)
 
 
@@ -114,7 +114,7 @@ def test_the_interval_stays_where_a_function_is_divided():
 def test_what_no_fate_is_known_of_stays_undetected_in_every_draw():
     model = model_of((1e-6, fates_of(COUNTED, of=40)))
     found = propagate(model, samples=SAMPLES, outcomes={"grip": 20.0})
-    expected = 1e-6 * (0.5 + 0.5 * beta.ppf(LEVELS, 9.0, 12.5))
+    expected = 1e-6 * (0.5 + 0.5 * scipy.stats.beta.ppf(LEVELS, 9.0, 12.5))
     assert found.undetected == pytest.approx(expected, rel=5e-3)
 
 
