@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests import other_system
+from tests import other_system, slow
 from tests.browser import browser as browser
 from tests.browser import chromium as chromium
 from tests.commands import Commands
@@ -172,6 +172,7 @@ ON_LINUX_ALONE = frozenset(
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    slow.taken_by(config.option.markexpr)
     _ELSEWHERE.extend(filter(None, [config.getoption("--system")]))
     config.option.loadscopereorder = False  # of pytest-xdist: files come in the order given here
     of_worker = getattr(config, "workerinput", {})

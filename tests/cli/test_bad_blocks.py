@@ -187,7 +187,7 @@ def files() -> dict[str, bytes]:
         [*((verb, True) for verb in VERBS), ("check", False)],
         [(verb, known) for verb in VERBS for known in (True, False)],
     ),
-    ids=[f"{verb}, {lock}" for verb in VERBS for lock in ("known to the lock", "without a lock")],
+    ids={True: "known to the lock", False: "without a lock"}.get,
 )
 @pytest.mark.parametrize("name", BAD)
 def test_a_bad_block(name, verb, known, annotated, tmp_path, monkeypatch, capfd) -> None:

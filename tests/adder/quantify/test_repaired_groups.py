@@ -86,7 +86,7 @@ def brute_force(hazards, redundancy, repairs, *, in_mission):
 
 
 @pytest.mark.parametrize("in_mission", [False, True])
-@pytest.mark.parametrize("seed", slow_but_every(25, range(1000)))
+@pytest.mark.parametrize("seed", slow_but_every(50, range(1000)))
 def test_random_groups_fail_as_by_all_sets_of_failed_units(seed, in_mission):
     hazards, redundancy, repairs = drawn(random.Random(seed))
     own = [after(Decimal(hazard)) for hazard in hazards]

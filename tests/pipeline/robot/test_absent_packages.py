@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.slow import slow_but_every
 from tracerisk import api
 from tracerisk.config import Settings
 from tracerisk.pipeline.launch.choose import choose_launch
@@ -234,13 +235,16 @@ def test_an_argument_that_only_a_launch_file_gives_is_taken_from_it(
 
 @pytest.mark.parametrize(
     ("file", "joint", "shipped"),
-    [
-        ("dobot_rviz)/urdf/nova5_robot.urdf", "joint6", "nova5"),
-        ("moveit_resources_panda_description)/urdf/panda.urdf", "panda_joint7", "panda"),
-        ("motoman_hc10_support)/urdf/hc10.xacro", "joint_6_t", "hc10"),
-        ("my_cell)/urdf/ur10e.urdf.xacro", "elbow_joint", "ur10e"),
-        ("tm_description)/xacro/robot.urdf.xacro", "joint_6", "tm5_900"),
-    ],
+    slow_but_every(
+        3,
+        [
+            ("dobot_rviz)/urdf/nova5_robot.urdf", "joint6", "nova5"),
+            ("moveit_resources_panda_description)/urdf/panda.urdf", "panda_joint7", "panda"),
+            ("motoman_hc10_support)/urdf/hc10.xacro", "joint_6_t", "hc10"),
+            ("my_cell)/urdf/ur10e.urdf.xacro", "elbow_joint", "ur10e"),
+            ("tm_description)/xacro/robot.urdf.xacro", "joint_6", "tm5_900"),
+        ],
+    ),
 )
 def test_a_whole_robot_of_an_absent_package_is_the_shipped_one_that_its_file_names(
     tmp_path, file, joint, shipped

@@ -75,12 +75,9 @@ LACKING = {
 }
 
 
-@pytest.mark.parametrize(
-    ("source", "name", "line", "code_without"),
-    slow_but([LACKING["message"]], [*LACKING.values()]),
-    ids=LACKING,
-)
-def test_a_run_drafts_what_it_lacks(example, source, name, line, code_without):
+@pytest.mark.parametrize("what", slow_but(["message"], list(LACKING)))
+def test_a_run_drafts_what_it_lacks(example, what):
+    source, name, line, code_without = LACKING[what]
     example.write("c.py", source)
     # A setting switches it off, as `--no-draft` does for the controllers of other tests.
     settings = example.write("pyproject.toml", "[tool.tracerisk]\ndraft = false\n")

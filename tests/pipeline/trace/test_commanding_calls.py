@@ -50,7 +50,7 @@ SAME = {
 }
 
 
-@pytest.mark.parametrize("way", slow_but(("generator", "wrapper", "timer", "retry"), [*SAME]))
+@pytest.mark.parametrize("way", slow_but(("generator", "timer"), [*SAME]))
 def test_the_same_motions_are_complete_however_they_are_called(example, way):
     example.write("cell.py", CELL + SAME[way])
     outcome = example.run("run", "cell.py")
@@ -76,7 +76,9 @@ IN_VAIN = {
 }
 
 
-@pytest.mark.parametrize("way", IN_VAIN)
+@pytest.mark.parametrize(
+    "way", slow_but(("turned back", "generator that nobody iterates", "branch"), [*IN_VAIN])
+)
 def test_a_call_that_commanded_nothing_is_reported_however_it_is_written(example, way):
     source, words = IN_VAIN[way]
     example.write("cell.py", CELL + source)

@@ -92,7 +92,7 @@ def exact(tree, *, is_left):
         )
 
 
-@pytest.mark.parametrize("seed", slow_but_every(25, range(1000)))
+@pytest.mark.parametrize("seed", slow_but_every(50, range(1000)))
 def test_random_trees_are_those_of_all_sets_of_failed_events(seed):
     tree = drawn_tree(random.Random(seed))
     now, ever = exact(tree, is_left=True), exact(tree, is_left=False)
