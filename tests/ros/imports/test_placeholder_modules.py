@@ -21,7 +21,9 @@ POSTURE = (0.1, -0.7, 0.3)
 
 @pytest.fixture
 def absent():
-    with PlaceholderFinder(["absent", "numpy"], PlaceholderValues(lambda: POSTURE, lambda: 7)):
+    with PlaceholderFinder.of_values(
+        ["absent", "numpy"], PlaceholderValues(lambda: POSTURE, lambda: 7)
+    ):
         import absent
 
         yield absent
@@ -44,7 +46,7 @@ def test_what_is_there_stays_and_what_nobody_names_is_missing(absent):
 
 
 def test_after_its_block_a_placeholder_is_no_module_any_more():
-    with PlaceholderFinder(["absent"], PlaceholderValues(lambda: POSTURE, lambda: 7)):
+    with PlaceholderFinder.of_values(["absent"], PlaceholderValues(lambda: POSTURE, lambda: 7)):
         import absent
     assert "absent" not in sys.modules
     with pytest.raises(ModuleNotFoundError):
@@ -104,6 +106,11 @@ IMPORTS = {
         "`pip install roslibpy` in the environment in which tracerisk runs gives the real one",
     ),
     "of its own module": ("from beside import absent_library", LINE, "put it beside"),
+    "of a device": (
+        "import serial as absent_library",
+        LINE,
+        "it speaks to a serial port, past ROS; nothing that the program sends or reads there",
+    ),
     "in a function": ("pass", f"import absent_library\n    {LINE}", "put it beside"),
 }
 

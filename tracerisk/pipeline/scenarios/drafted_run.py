@@ -98,8 +98,9 @@ def _may_need_draft(
     is_whole = trace.is_usable and trace.end.cause != "raised"
     if (is_whole and trace.functions) or trace.end.cause in OF_THE_MACHINE:
         return False
-    if trace.end.cause == "not_importable":
-        return any(draft.section == "modules" for run in runs for draft in run.drafts)
+    is_module_missing = any(draft.section == "modules" for run in runs for draft in run.drafts)
+    if trace.end.cause == "not_importable" or is_module_missing:
+        return is_module_missing
     if trace.end.cause != "raised" and any(
         draft.is_instead for run in runs for draft in run.drafts
     ):

@@ -34,6 +34,7 @@ from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.reached_poses import BOX
 from tracerisk.ros.drafts.said_around import ranges_said, said_at, said_in_callback
 from tracerisk.ros.drafts.usable_values import UsableValues
+from tracerisk.ros.imports.window_modules import WINDOW_MODULES, window_words
 from tracerisk.ros.messages.fields import (
     action_parts,
     fields_of,
@@ -347,6 +348,8 @@ def _answer(lack: Lack) -> _Made:
 
 
 def _module(lack: Lack) -> _Made:
+    if lack.need.name in WINDOW_MODULES:
+        return {"module": lack.need.name}, window_words(lack.need.name)
     words = f"a placeholder, whose numbers are a posture of {lack.values.robot.name}"
     remedy = f"; {lack.need.type_name}" if lack.need.type_name else ""
     return {"module": lack.need.name}, f"{words}{remedy}"

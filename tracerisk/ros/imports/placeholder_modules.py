@@ -11,8 +11,9 @@ from __future__ import annotations
 import importlib.abc
 import importlib.machinery
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -185,28 +186,38 @@ class PlaceholderModule(ModuleType):
 
     __path__: list[str]
 
-    def __init__(self, name: str, values: PlaceholderValues) -> None:
+    def __init__(self, name: str, made: Callable[[str], Any], starred: Sequence[str] = ()) -> None:
         super().__init__(name, f"A placeholder for {name}.")
         self.__path__ = []
-        self._values = values
+        self.__all__ = list(starred)
+        self._made = made
 
     def __getattr__(self, name: str) -> Any:
-        if name == "__all__":
-            return []
         if name.startswith("__"):
             raise AttributeError(f"module '{self.__name__}' has no attribute '{name}'")
-        made = _of(f"{self.__name__}.{name}", self._values)
+        made = self._made(f"{self.__name__}.{name}")
         # An exception that is caught is the one that was imported.
         setattr(self, name, made)
         return made
 
 
+@dataclass(slots=True, eq=False)
 class PlaceholderFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Serves modules that nothing else finds, by their top `names`, within its block."""
+    """Serves modules that nothing else finds, by their top names, within its block."""
 
-    def __init__(self, names: Sequence[str], values: PlaceholderValues) -> None:
-        self._names = frozenset(names)
-        self._values = values
+    names: Collection[str]
+    """The top names of the modules."""
+    made: Callable[[str], Any]
+    """The function that returns what has a dotted name in them."""
+    starred: Callable[[str], Sequence[str]] = lambda _: ()
+    """The function that returns the names that `import *` takes of a module."""
+    is_first: bool = False
+    """Whether they are served though they are there."""
+
+    @classmethod
+    def of_values(cls, names: Collection[str], values: PlaceholderValues) -> Self:
+        """Return the finder of plain placeholders."""
+        return cls(names, partial(_of, values=values))
 
     def find_spec(
         self,
@@ -216,7 +227,7 @@ class PlaceholderFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     ) -> importlib.machinery.ModuleSpec | None:
         """Return the spec of a module that has one of the names, or lies below it."""
         top = fullname.partition(".")[0]
-        if top not in self._names:
+        if top not in self.names:
             return None
         if top != fullname and not is_placeholder(top):
             return None
@@ -224,14 +235,14 @@ class PlaceholderFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> ModuleType:
         """Return the module."""
-        return PlaceholderModule(spec.name, self._values)
+        return PlaceholderModule(spec.name, self.made, self.starred(spec.name))
 
     def exec_module(self, module: ModuleType) -> None:
         """Do nothing: the module has no code."""
 
     def __enter__(self) -> Self:
-        # Behind all that finds a real one.
-        sys.meta_path.append(self)
+        # Else behind all that finds a real one.
+        sys.meta_path.insert(0 if self.is_first else len(sys.meta_path), self)
         return self
 
     def __exit__(self, *_: object) -> None:

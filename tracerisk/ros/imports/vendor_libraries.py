@@ -48,10 +48,8 @@ FROM_INDEX = frozenset({"pymoveit2"})
 """The libraries for controllers that tracerisk requires: their releases give way as stand-ins."""
 
 # What each speaks to, after its own documentation; none of them goes through ROS.
-_HARDWARE = {
-    "bluetooth": "a Bluetooth device",
+_ROBOTS = {
     "bosdyn": "the robot over the network",
-    "can": "a CAN bus",
     "cri_lib": "the robot over the network",
     "dobot_api": "the robot over the network",
     "dynamixel_sdk": "servos on a serial port",
@@ -66,20 +64,26 @@ _HARDWARE = {
     "pyniryo2": "the robot over the network",
     "pydobot": "the robot on a serial port",
     "pymycobot": "the robot on a serial port",
-    "pyrealsense2": "a camera",
     "robodk": "the robot over the network",
     "rtde_control": "the robot over the network",
     "rtde_io": "the robot over the network",
     "rtde_receive": "the robot over the network",
     "scservo_sdk": "servos on a serial port",
+    "urx": "the robot over the network",
+    "xarm": "the robot over the network",
+}
+
+# Devices beside a robot, or in it: what commands the arm through one of them moves nothing.
+_DEVICES = {
+    "RPi": "the pins of a Raspberry Pi",
+    "bluetooth": "a Bluetooth device",
+    "can": "a CAN bus",
+    "pyrealsense2": "a camera",
     "serial": "a serial port",
     "smbus": "an I2C bus",
     "smbus2": "an I2C bus",
     "spidev": "an SPI bus",
-    "RPi": "the pins of a Raspberry Pi",
-    "urx": "the robot over the network",
     "usb": "a USB device",
-    "xarm": "the robot over the network",
 }
 
 # Libraries that no package index has, and where their sources are.
@@ -180,10 +184,15 @@ def remedy(name: str, provided: Collection[str]) -> Remedy:
 
     `provided` are the names that have stand-ins.
     """
-    if name in _HARDWARE:
+    if name in _ROBOTS:
         return Remedy(
-            f"it speaks to {_HARDWARE[name]}, past ROS, and tracerisk simulates robots behind "
+            f"it speaks to {_ROBOTS[name]}, past ROS, and tracerisk simulates robots behind "
             "ROS only; command the arm through its ROS driver"
+        )
+    if name in _DEVICES:
+        return Remedy(
+            f"it speaks to {_DEVICES[name]}, past ROS; nothing that the program sends or reads "
+            "there is simulated"
         )
     if name in REMOVED_MODULES:
         return Remedy(REMOVED_MODULES[name])
@@ -212,9 +221,10 @@ def remedy(name: str, provided: Collection[str]) -> Remedy:
 def may_stand_in(name: str, provided: Collection[str]) -> bool:
     """Return whether a placeholder may stand for a top-level module that nobody has.
 
-    None does for what commands the robot, past ROS or in its own way, and for what is ROS's.
+    None does for what commands the robot, past ROS or in its own way, and for what is ROS's. For a
+    device one does, such as a serial port of a gripper: nothing moves by it.
     """
-    known = {*_HARDWARE, *_REPOSITORIES, *REMOVED_MODULES, *provided}
+    known = {*_ROBOTS, *_REPOSITORIES, *REMOVED_MODULES, *provided}
     return name not in known and missing_module(name, provided) is None
 
 
@@ -229,11 +239,11 @@ def distributions() -> Mapping[str, str]:
 
 
 def missing_module(name: str, provided: Collection[str]) -> str | None:
-    """Return what to say of a top-level module that nobody has, None for what is not ROS's.
+    """Return what to say of a top-level module that nobody has, None for what is no robot's.
 
     `provided` are the names that have stand-ins.
     """
-    is_known = name in _HARDWARE or name in _REPOSITORIES
+    is_known = name in _ROBOTS or name in _REPOSITORIES
     if not is_known and (_ROS_LIKE.fullmatch(name) is None or name in distributions()):
         return None
     return f"No module named '{name}': {remedy(name, provided).words}"

@@ -22,6 +22,7 @@ from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.placeholder_modules import PlaceholderFinder, PlaceholderValues
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, giving_way
+from tracerisk.ros.imports.window_modules import WINDOW_MODULES, Windows, window_finder
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +37,8 @@ class Imports:
     """Finds libraries of an overlay and of an installed ROS."""
     placeholders: PlaceholderFinder
     """Finds the modules for which the scenario has placeholders."""
+    windows: PlaceholderFinder
+    """Finds the libraries for windows that the scenario names."""
     own: ControllerFinder
     """Finds the controller's own modules, which are traced."""
     missing: MissingModules
@@ -72,12 +75,13 @@ def build_imports(
         is_library=Libraries(script, project, request.states).holds,
         replaced=request.replaced_bytes,
     )
-    placeholders = PlaceholderFinder(
-        [name for name, _ in world.scenario.modules],
-        PlaceholderValues(lambda: watches.values.posture, lambda: world.scheduler.now_ns),
-    )
+    scheduler = world.scheduler
+    values = PlaceholderValues(lambda: watches.values.posture, lambda: scheduler.now_ns)
+    named = {name for name, _ in world.scenario.modules}
+    placeholders = PlaceholderFinder.of_values(named - WINDOW_MODULES, values)
+    windows = window_finder(named & WINDOW_MODULES, Windows(values, scheduler.sleep))
     missing = MissingModules(script, root, stand_ins.provides)
-    return Imports(stand_ins, beside, installed, placeholders, own, missing)
+    return Imports(stand_ins, beside, installed, placeholders, windows, own, missing)
 
 
 def _installed_libraries(

@@ -72,6 +72,7 @@ def controller_surroundings(
         imports.beside.active(),
         imports.installed.active(),
         imports.placeholders,
+        imports.windows,
         answered_xacro(graph.runtime),
         removed_numpy_names(),
         removed_python_names(request.distro.name),
