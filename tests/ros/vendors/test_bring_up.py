@@ -325,6 +325,33 @@ def test_files_of_the_workspace_that_start_controllers_count(run, tmp_path, what
     assert bool(ran.findings) == (what not in STARTED)
 
 
+PLAIN = "joint_trajectory_controller"
+TRAJECTORY = f"""
+import rclpy
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+rclpy.init()
+node = rclpy.create_node("cell")
+joints = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
+point = JointTrajectoryPoint(positions=[0.0, -1.57, 0.0, -1.57, 0.0, 0.2])
+point.time_from_start.sec = 2
+publisher = node.create_publisher(JointTrajectory, "/{PLAIN}/joint_trajectory", 1)
+rclpy.spin_once(node, timeout_sec=1)
+names = [f"{{joint}}_joint" for joint in joints]
+publisher.publish(JointTrajectory(joint_names=names, points=[point]))
+rclpy.spin_once(node, timeout_sec=3)
+"""
+
+
+def test_the_plain_controller_that_a_program_means_is_assumed_to_run(run):
+    ran = run(TRAJECTORY)
+    assert abs(wrist(ran) - 0.2) < 0.01
+    (words,) = ran.findings
+    assert f"controller '{PLAIN}' is assumed to run in place of 'scaled_{PLAIN}'" in words
+    both = run(f"{TRAJECTORY}\n'scaled_{PLAIN}'\n")
+    assert abs(wrist(both)) < 0.01
+    assert "does not start it" in both.findings[0]
+
+
 def test_a_controller_that_nobody_describes_takes_its_messages(run):
     ran = run(ROS_2 + "send('/my_controller/commands', [0.0, -1.57, 0.0, -1.57, 0.0, 0.2])\n")
     assert ran.findings == []

@@ -53,6 +53,12 @@ class BringUp:
         """Its package and its controllers."""
         return frozenset({self.driver, *self.active, *self.inactive, *self.loadable})
 
+    @property
+    def held_for_trajectories(self) -> str | None:
+        """The controller of plain trajectories that it loads without starting it, if it does."""
+        plain = "/JointTrajectoryController"
+        return next((name for name, kind in self.inactive.items() if kind.endswith(plain)), None)
+
     def starting(self, name: str) -> BringUp:
         """Return it with a controller of those that it holds in the place of its first."""
         first = next(iter(self.active))

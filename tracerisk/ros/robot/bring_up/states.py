@@ -248,4 +248,24 @@ class ControllerStates:
             and arm.intersection(declared.joints)
             for name, declared in robot_controllers(runtime).items()
         )
-        return None if has_own else made
+        return None if has_own else self._with_the_one_named(made, files)
+
+    def _with_the_one_named(self, made: BringUp, files: LaunchedControllers) -> BringUp:
+        """Return a bring-up, with a controller that the program means in the place of the first.
+
+        It is the plain one for trajectories, which simulators start instead of the driver's own,
+        where nothing names that one or switches controllers: an assumption of the run.
+        """
+        first, held = next(iter(made.active)), made.held_for_trajectories
+        if held is None or not files.name(held):
+            return made
+        if files.name(first) or files.name("SwitchController"):
+            return made
+        if self._runtime.recorder is not None:
+            self._runtime.recorder.finding(
+                "answer_assumed",
+                f"controller '{held}' is assumed to run in place of '{first}', which {made.driver} "
+                "starts by default: nothing in the workspace starts either",
+                object_name=held,
+            )
+        return made.starting(held)
