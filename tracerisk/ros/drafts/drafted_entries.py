@@ -29,7 +29,7 @@ from tracerisk.ros.drafts.json_texts import json_texts
 from tracerisk.ros.drafts.known_answers import known_answers
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES, picture
-from tracerisk.ros.drafts.pictures.seen_in_pictures import seen_in_pictures
+from tracerisk.ros.drafts.pictures.seen_in_pictures import seen_in_pictures, takes_pixels
 from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.reached_poses import BOX
 from tracerisk.ros.drafts.said_around import ranges_said, said_at, said_in_callback
@@ -136,10 +136,10 @@ def _topic(lack: Lack) -> _Made:
         return entry, "the values that the code knows, in turn"
     if _SENSOR.match(need.type_name):
         words = _typed_text(need.type_name, compared.values, values)
-        seen = seen_in_pictures(lack.place) if need.type_name in PICTURES else None
-        if seen is not None:
-            parts = [field.name for field in fields_of(made)]
-            message = picture(need.type_name, parts, values.robot.base_link, need.name, seen)
+        is_large = seen_in_pictures(lack.place) is not None or takes_pixels(lack.place)
+        if need.type_name in PICTURES and is_large:
+            parts, frame = [field.name for field in fields_of(made)], values.robot.base_link
+            message = picture(need.type_name, parts, frame, need.name, is_large=True)
         return {**entry, "rate": 10.0, "until": 60.0, "message": message}, words
     # A command finds that what was seen has come already.
     after = 2.0 if _COMMAND.match(need.type_name) else 1.0

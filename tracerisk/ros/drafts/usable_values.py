@@ -21,7 +21,12 @@ from tracerisk.ros.drafts.named_numbers import (
     units_of,
     units_said,
 )
-from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES, cloud, picture
+from tracerisk.ros.drafts.pictures.drafted_pictures import (
+    PICTURES,
+    box_in_picture,
+    cloud,
+    picture,
+)
 from tracerisk.ros.drafts.posture_numbers import numbers_of, says_no_place
 from tracerisk.ros.drafts.reached_poses import BOX, ReachedPoses
 from tracerisk.ros.messages.fields import (
@@ -53,6 +58,8 @@ _FAILS = re.compile(r"err|fault|fail|status|state|index|idx|(^|_)id$", re.IGNORE
 _NUMBERS = re.compile(r"(^|_)ids?$", re.IGNORECASE)
 _SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK", "ADD")
 _GOAL = re.compile(r"(^|[/_])(goals?|targets?|desired|cmd|ctrl|commands?)([/_]|$)")
+_LIKELY = re.compile(r"(^|_)(score|conf(idence)?|prob(ability)?|likelihood)$", re.IGNORECASE)
+_SURE = 0.9  # how likely what somebody has seen is what it is said to be
 _SOME = 0.5  # what stands for a number of a list in which others are compared
 _LONGEST = 64  # as long as a list is drafted
 # Who sends a goal for the arm's joints leaves these out: the server's own count then.
@@ -177,6 +184,9 @@ class UsableValues(ReachedPoses):
             return picture(kind, parts, self.robot.base_link, name)
         if kind == "sensor_msgs/PointCloud2":
             return {"header": header, **cloud(self.pose.position)}
+        if kind == "vision_msgs/BoundingBox2D":
+            center = next(field for field in fields_of(message_class) if field.name == "center")
+            return box_in_picture([field.name for field in fields_of(center.message)])
         if kind == "shape_msgs/SolidPrimitive":
             return {"type": constants_of(message_class)["BOX"], "dimensions": list(BOX)}
         if kind == "sensor_msgs/JointState":
@@ -301,6 +311,8 @@ class UsableValues(ReachedPoses):
             return float(place.numbers[0])
         if owner.startswith("geometry_msgs/"):
             return 0.0 if owner == "geometry_msgs/Vector3" else 0.1
+        if _LIKELY.search(field.name):
+            return _SURE
         numbered = _NUMBERED.match(field.name)
         if numbered is not None and not 0 < int(numbered[1]) <= len(self.posture):
             return 0.0

@@ -5,11 +5,16 @@ from types import ModuleType
 
 import pytest
 
-from tracerisk.errors import ScenarioError
+from tracerisk.errors import Location, ScenarioError
 from tracerisk.ros.drafts.pictures import drafted_pictures
+from tracerisk.ros.drafts.pictures.seen_in_pictures import takes_pixels
+from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.message import MessageTemplate
+from tracerisk.twin.motion.kinematics import Kinematics
+from tracerisk.twin.robots.robot import load_robot
 
 ENTRY = "publish:\n  - topic: /image\n    type: sensor_msgs/Image\n    message: {}\n"
 
@@ -26,6 +31,13 @@ def opencv(monkeypatch):
     cv2 = ModuleType("cv2")
     cv2.aruco = aruco
     monkeypatch.setitem(sys.modules, "cv2", cv2)
+
+
+@pytest.fixture(scope="module")
+def values():
+    robot = load_robot("panda")
+    kinematics = Kinematics(robot)
+    return UsableValues(robot, kinematics.forward, kinematics.inverse)
 
 
 @pytest.fixture
@@ -88,6 +100,33 @@ def test_what_cannot_be_drawn_is_refused_at_its_place(image, opencv, message, ex
         image(message)
     assert expected in str(error.value)
     assert "s.yaml:4:" in str(error.value)
+
+
+@pytest.mark.parametrize("interfaces", [Interfaces, Interfaces2])
+def test_what_others_have_seen_is_likely_and_stands_in_a_large_picture(values, interfaces):
+    made = interfaces().message("vision_msgs/Detection2DArray")
+    (detection,) = values.fields(made)["detections"]
+    box, (result,) = detection["bbox"], detection["results"]
+    at = box["center"].get("position", box["center"])
+    assert (at["x"], at["y"], box["size_x"], box["size_y"]) == (576.0, 120.0, 64.0, 48.0)
+    assert result.get("hypothesis", result)["score"] == 0.9
+    parts = ["height", "width"]
+    large = drafted_pictures.picture("sensor_msgs/CameraInfo", parts, "camera", "", is_large=True)
+    assert large == {"height": 480, "width": 640}
+
+
+@pytest.mark.parametrize(
+    ("source", "does"),
+    [
+        ("node.create_subscription(Detection2DArray, topic, on, 1)", True),
+        ("def on(message):\n    return message.bbox.center", True),
+        ("node.create_subscription(Detection3DArray, topic, on, 1)", False),
+    ],
+)
+def test_a_source_that_is_told_of_pixels_gets_pictures_that_have_them(tmp_path, source, does):
+    path = tmp_path / "pick.py"
+    path.write_text(source)
+    assert takes_pixels(Location(str(path), 1)) == does
 
 
 def test_markers_need_opencv(image, monkeypatch):

@@ -18,6 +18,7 @@ _FAR_MM = 500  # depth of each pixel
 _FOCAL = 1.25  # of the width
 _PLACES = ((0.25, 0.25), (0.5, 0.5), (0.75, 0.75))
 """Where it is seen in turn, as shares of the width and the height."""
+_BESIDE = (0.9, 0.25)  # the place of what somebody else has seen, as shares of both
 _SIDE, _STEP_M = 5, 0.03  # points along a side of a patch, and from one to the next [m]
 # A camera that is called a depth camera or sensor sends colours on its `image_raw`, too.
 _DEPTH = re.compile(r"depth(?!_?(camera|cam|sensor)\b)", re.IGNORECASE)
@@ -25,14 +26,14 @@ _MONO = re.compile(r"mono|gr[ae]y|infra|(^|[/_])ir([/_]|$)", re.IGNORECASE)
 
 
 def picture(
-    type_name: str, names: Iterable[str], frame: str, topic: str, seen: Seen | None = None
+    type_name: str, names: Iterable[str], frame: str, topic: str, *, is_large: bool = False
 ) -> dict[str, Any]:
     """Return the fields of one of the `PICTURES` that is sent on a topic in a camera's `frame`.
 
     `names` are the fields that the message has: each ROS writes the matrices of a camera its way.
-    It is as large as pictures with what is `seen` are, if that is given.
+    It is as large as a camera's if `is_large`, for what is seen in it or has pixels as its place.
     """
-    size = _SMALL if seen is None else _LARGE
+    size = _LARGE if is_large else _SMALL
     made = {"header": {"stamp": "now", "frame_id": frame}, **PICTURES[type_name](topic, size)}
     keys = [*names, PICTURE]
     return {name: made[key] for name in keys for key in (name, name.lower()) if key in made}
@@ -50,6 +51,18 @@ def with_seen(message: Mapping[str, Any], seen: Seen) -> Iterator[dict[str, Any]
         else:
             disc = {"color": list(seen.color), "at": at}
             yield {**message, PICTURE: {**plain, "discs": [disc]}}
+
+
+def box_in_picture(center: Iterable[str]) -> dict[str, Any]:
+    """Return a vision_msgs/BoundingBox2D in a large picture [pixels].
+
+    `center` are the fields of its centre, which each distribution writes its way. It is aside, so
+    that what stands there in front of a camera at the arm's base is beside the base.
+    """
+    (right, down), (width, height) = _BESIDE, _LARGE
+    at = {"x": right * width, "y": down * height}
+    place = {"position": at} if "position" in center else at
+    return {"center": {**place, "theta": 0.0}, "size_x": width / 10, "size_y": height / 10}
 
 
 def _image(topic: str, size: tuple[int, int]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from tracerisk.instrument.source.literals.called_functions import source_tree
 
 _DICTIONARY = re.compile(r"DICT_\w+")
 _NUMBER = re.compile(r"(^|_)ids?$|(marker|tag|aruco)_?(id|number)", re.IGNORECASE)
+_BOX = re.compile(r"Detection2D(Array)?|BoundingBox(es|2D)?|bbox", re.IGNORECASE)
 _FAMILIES = {
     "tag36h11": "DICT_APRILTAG_36h11",
     "tag36h10": "DICT_APRILTAG_36h10",
@@ -52,6 +53,13 @@ def seen_in_pictures(place: Location | None) -> Seen | None:
         return Seen(dictionary, next(_numbers(tree), 0))
     color = next(_colors(tree), None)
     return None if color is None else Seen(color=color)
+
+
+def takes_pixels(place: Location | None) -> bool:
+    """Return whether the source at `place` is told by others where something is in pictures."""
+    tree = source_tree(place)
+    names = (last_name(node) for node in ast.walk(tree)) if tree is not None else ()
+    return any(_BOX.fullmatch(name) for name in names)
 
 
 def _dictionaries(tree: ast.Module) -> Iterator[str]:
