@@ -128,3 +128,26 @@ def test_a_robot_of_the_settings_assumes_the_groups_that_only_pymoveit2_names(
     controller = api.load_controller(tmp_path / "pick.py")
     robot = choose_robot(controller, Settings(robot="panda")).robot
     assert robot.assumes_names is assumes
+
+
+COUNTING = (
+    "# OpenManipulator\nNAMES = ['joint1', 'joint2', 'joint3', 'joint4', 'joint5', 'joint6']\n"
+)
+ELSEWHERE = {
+    "more joints": COUNTING + "GROUP = 'open_manipulator'\n",
+    "another model": "topic = '/open_manipulator_p/goal_joint_space_path'\n",
+    "another arm of its maker": (
+        "# mechArm 270\nfrom mycobot_communication.msg import MycobotSetAngles\n"
+    ),
+}
+
+
+@pytest.mark.parametrize("script", ELSEWHERE.values(), ids=ELSEWHERE)
+def test_an_arm_that_is_not_shipped_is_no_shipped_one(tmp_path, script):
+    robot, words = chosen_by(project(tmp_path, script))
+    assert (robot, "name it with --robot" in words) == ("generic", True)
+
+
+def test_the_arm_itself_stays_what_its_source_names(tmp_path):
+    script = COUNTING.replace(", 'joint5', 'joint6'", "") + "GROUP = 'open_manipulator'\n"
+    assert chosen_by(project(tmp_path, script))[0] == "open_manipulator_x"

@@ -15,6 +15,7 @@ from tracerisk.pipeline.robot.evidence import (
     CLEAR,
     DESCRIBED,
     DRIVER,
+    JOINTS,
     LAUNCHED,
     LEAST,
     NAMES,
@@ -43,7 +44,7 @@ from tracerisk.twin.robots.generic import is_finger_name
 from tracerisk.twin.robots.index import shipped_names
 from tracerisk.twin.robots.names_in_source import LaunchedDescription, Spoken
 from tracerisk.twin.robots.prefix import prefix_in
-from tracerisk.twin.robots.robot_names import Hint, mentioned
+from tracerisk.twin.robots.robot_names import Hint, another_arm, mentioned
 from tracerisk.twin.workspace.described_robots import DescribedRobot, WorkspaceRobots
 from tracerisk.twin.workspace.robot_of_workspace import find_workspace_robots
 
@@ -138,6 +139,7 @@ class Gathering:
         if prefix:
             # Without it the joints that the controller lists are none of a shipped arm's.
             evidence = [one for one in evidence if one.points > 0 or one.robot not in self.shipped]
+        evidence += self._of_other_arms()
         fitting = self._fitting(evidence)
         own = _copies(robots, plain)
         for hint in robot_hints(self._controller):
@@ -166,6 +168,16 @@ class Gathering:
         """Return the shipped robots of which a name may speak: those against which nothing does."""
         against = {one.robot for one in evidence if one.points < 0}
         return frozenset(self.shipped) - against
+
+    def _of_other_arms(self) -> Iterator[Evidence]:
+        """Yield what speaks against shipped robots: the source names another of their maker's."""
+        own = self._controller
+        text = f"{own.path.name} {own.source.decode(errors='replace')}"
+        for name in self.shipped:
+            other = another_arm(text, name)
+            if other is not None:
+                words = f"its source names another arm, {other}"
+                yield Evidence(name, words, own.path.name, None, -JOINTS, "name")
 
     def _of_description(
         self, found: DescribedRobot, named: Sequence[Evidence], *, is_only: bool

@@ -114,10 +114,11 @@ def evidence_of_parts(robots: Sequence[Parts], speech: Speech) -> Iterator[Evide
             yield _evidence(key, _PARTS, sorted(places), speech, points)
         is_named = one.joints or (places and not one.parts.own)
         # Modules are written for more than one robot.
-        if listed and not is_named and speech.share == 1.0:
-            against = -JOINTS * min(1.0, len(listed) / _FEWEST)
+        lacking = listed if not is_named else _counted_on(one.parts, listed)
+        if lacking and speech.share == 1.0:
+            against = -JOINTS * min(1.0, len(lacking) / (_FEWEST if not is_named else 1))
             words = "lists joints that it lacks"
-            yield _evidence(key, words, sorted(listed), speech, against)
+            yield _evidence(key, words, sorted(lacking), speech, against)
 
 
 def _evidence(
@@ -156,6 +157,14 @@ def _named(parts: Parts, speech: Speech) -> _Named:
         or (parts.own and bool(listed) and listed <= joints)
     )
     return _Named(parts, joints | stems, places, is_telling)
+
+
+def _counted_on(parts: Parts, listed: Collection[str]) -> frozenset[str]:
+    """Return the listed joints that count on from those of a shipped arm: `joint5` of four."""
+    shared = parts.joints & set(listed)
+    if parts.own or not shared or not all(map(is_number, shared)):
+        return frozenset()
+    return frozenset(name for name in listed if is_number(name) and name not in parts.joints)
 
 
 def _proper(one: _Named) -> frozenset[str]:

@@ -35,6 +35,12 @@ _PLAIN = frozenset({
 _NUMBERED = frozenset({"axis", "j", "joint", "link"})
 
 
+OTHERS_OF_MAKER: Mapping[str, tuple[str, ...]] = {
+    "mycobot": ("mecharm", "mypalletizer", "myarm", "mybuddy", "ultraarm"),
+}
+"""Arms that are not shipped, and speak in the messages of those whose name begins so."""
+
+
 @dataclass(frozen=True, slots=True)
 class Hint:
     """Texts of one weight that may name the robot."""
@@ -73,6 +79,13 @@ def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
     # Of several robots that are called so, the one that is also named in full is meant.
     more = (names for phrase, names in shared.items() if not named.issuperset(phrase.split()))
     return frozenset(texts.union(*more))
+
+
+def another_arm(text: str, robot: str) -> str | None:
+    """Return the arm of a robot's maker that a text names, and that is not shipped."""
+    said = text.lower()
+    others = (OTHERS_OF_MAKER[name] for name in OTHERS_OF_MAKER if robot.startswith(name))
+    return next((other for names in others for other in names if other in said), None)
 
 
 def words_in(strings: Iterable[str]) -> frozenset[str]:
