@@ -18,7 +18,7 @@ from tracerisk.instrument.source.literals.compared_values import (
 )
 from tracerisk.instrument.source.literals.filled_messages import largest_given, listed_names
 from tracerisk.instrument.source.literals.known_keys import known_keys
-from tracerisk.ros.controller.needs import KEYS, Need, NeedKind
+from tracerisk.ros.controller.needs import KEYS, WINDOW_MODULES, Need, NeedKind
 from tracerisk.ros.drafts.asked_results import used_as
 from tracerisk.ros.drafts.commanding_messages import commands_something
 from tracerisk.ros.drafts.draft import WELL
@@ -34,7 +34,6 @@ from tracerisk.ros.drafts.posture_numbers import roll_pitch_yaw
 from tracerisk.ros.drafts.reached_poses import BOX
 from tracerisk.ros.drafts.said_around import ranges_said, said_at, said_in_callback
 from tracerisk.ros.drafts.usable_values import UsableValues
-from tracerisk.ros.imports.window_modules import WINDOW_MODULES, window_words
 from tracerisk.ros.messages.fields import (
     action_parts,
     fields_of,
@@ -349,7 +348,9 @@ def _answer(lack: Lack) -> _Made:
 
 def _module(lack: Lack) -> _Made:
     if lack.need.name in WINDOW_MODULES:
-        return {"module": lack.need.name}, window_words(lack.need.name)
+        words = f"windows of {lack.need.name} without a screen: each button is pressed once, "
+        words += "in the order in which they were made, and the window is closed"
+        return {"module": lack.need.name}, words
     words = f"a placeholder, whose numbers are a posture of {lack.values.robot.name}"
     remedy = f"; {lack.need.type_name}" if lack.need.type_name else ""
     return {"module": lack.need.name}, f"{words}{remedy}"

@@ -27,12 +27,6 @@ from tracerisk.ros.imports.placeholder_modules import (
     PlaceholderValues,
 )
 
-WINDOW_MODULES = frozenset({
-    "PyQt4", "PyQt5", "PyQt6", "PySide2", "PySide6", "customtkinter", "python_qt_binding",
-    "tkinter", "ttkbootstrap",
-})  # fmt: skip
-"""The libraries for windows, by their top names."""
-
 _STARRED: Mapping[str, str] = {
     "tkinter": (
         "BooleanVar Button Canvas Checkbutton DoubleVar Entry Frame IntVar Label LabelFrame "
@@ -179,14 +173,7 @@ class Widget(Placeholder):
 
     def __init__(self, name: str, windows: Windows, owner: Widget | None = None) -> None:
         super().__init__(name, windows.values)
-        parts: dict[str, object] = {
-            "_windows": windows,
-            "_owner": owner,
-            "_parts": {},
-            "_slots": [],
-            "_state": {},
-        }
-        vars(self).update(parts)
+        vars(self).update(_windows=windows, _owner=owner, _parts={}, _slots=[], _state={})
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
@@ -287,14 +274,6 @@ def widget_of(name: str, windows: Windows, owner: Widget | None = None) -> Any:
     if last[:1].isupper() and last.endswith(("Error", "Exception")):
         return type(last, (Exception,), {})
     return Widget(name, windows, owner)
-
-
-def window_words(name: str) -> str:
-    """Return what a draft says of a library for windows."""
-    return (
-        f"windows of {name} without a screen: each button is pressed once, in the order in which "
-        "they were made, and the window is closed"
-    )
 
 
 def needs_screen(error: BaseException) -> bool:

@@ -18,11 +18,12 @@ from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.prefixes import python_folders
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.ros.controller.needs import WINDOW_MODULES
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.placeholder_modules import PlaceholderFinder, PlaceholderValues
 from tracerisk.ros.imports.vendor_libraries import VENDOR_LIBRARIES, giving_way
-from tracerisk.ros.imports.window_modules import WINDOW_MODULES, Windows, window_finder
+from tracerisk.ros.imports.window_modules import Windows, window_finder
 
 
 @dataclass(frozen=True, slots=True)
