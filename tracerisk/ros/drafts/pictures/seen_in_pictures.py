@@ -56,7 +56,7 @@ def seen_in_pictures(place: Location | None) -> Seen | None:
 
 
 def takes_pixels(place: Location | None) -> bool:
-    """Return whether the source at `place` is told by others where something is in pictures."""
+    """Return whether the source at `place` gets places in pictures from other nodes."""
     tree = source_tree(place)
     names = (last_name(node) for node in ast.walk(tree)) if tree is not None else ()
     return any(_BOX.fullmatch(name) for name in names)
