@@ -37,6 +37,7 @@ GROUPS = {
         "lsp": "serve an editor: figures, findings and fixes where you write",
         "robots": "list the robots that are shipped, or show what one of them has",
         "drivers": "list drivers, or check the description of one",
+        "headers": "make C++ headers of messages that this machine lacks",
         "schema": "print a JSON Schema, by which editors complete and check files",
         "docs": "print a page of the documentation, or list all pages",
         "doctor": "check that everything that tracerisk needs works here",

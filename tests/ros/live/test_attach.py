@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.common import trace_json
-from tracerisk.ros.live.message_modules import make_missing_modules
+from tracerisk.ros.live.messages.modules import make_missing_modules
 from tracerisk.ros.messages.ros1 import Interfaces
 
 PROBE = Path(__file__).parents[3] / "probe"

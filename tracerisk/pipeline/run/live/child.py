@@ -41,7 +41,7 @@ from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.graph.runtime import activate
 from tracerisk.ros.live.bridge import Bridge, frames_of
 from tracerisk.ros.live.loopback import leave_network
-from tracerisk.ros.live.message_modules import make_missing_modules
+from tracerisk.ros.live.messages.modules import make_missing_modules
 from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.robot.commands import TwinCommands

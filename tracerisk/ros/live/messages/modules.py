@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.errors import DependencyError
 from tracerisk.ros.live.loopback import loopback_environment
+from tracerisk.ros.live.messages.texts import write_texts
 from tracerisk.ros.live.real_ros import python_of_ros, start
 
 if TYPE_CHECKING:
@@ -48,18 +49,10 @@ def make_missing_modules(interfaces: Interfaces, sources: Iterable[bytes], folde
                 messages.add(f"{package}/{name}")
         services |= {f"{package}/{n}" for n in interfaces.service_names(package) if n in words}
     texts_folder = folder / "texts"
-    closure = _with_parts(interfaces, messages, services)
-    for name in closure:
-        package, short = name.split("/")
-        _write(texts_folder / package / "msg" / f"{short}.msg", _text(interfaces, name))
-    for name in services:
-        package, short = name.split("/")
-        request, response = (_text(interfaces, name + part) for part in ("Request", "Response"))
-        _write(texts_folder / package / "srv" / f"{short}.srv", f"{request}---\n{response}")
-    also = _missing({word.split("/")[0] for word in closure})
+    also = _missing(write_texts(interfaces, messages, services, texts_folder))
     asked = json.dumps([str(texts_folder), str(folder), sorted({*missing, *also})])
     made = start(
-        "tracerisk.ros.live.message_modules",
+        "tracerisk.ros.live.messages.modules",
         asked,
         environment=loopback_environment(os.environ),
         pass_fds=(),
@@ -108,36 +101,6 @@ def _missing(packages: Iterable[str]) -> list[str]:
     )
     loads: list[str] = json.loads(done.stdout)
     return loads
-
-
-def _with_parts(interfaces: Interfaces, messages: set[str], services: set[str]) -> list[str]:
-    waiting = sorted(messages)
-    parts = [f"{name}{part}" for name in sorted(services) for part in ("Request", "Response")]
-    names: set[str] = set()
-    while waiting or parts:
-        is_part = not waiting
-        name = parts.pop() if is_part else waiting.pop()
-        if name in names:
-            continue
-        if not is_part:
-            names.add(name)
-        for field in interfaces.message(name)._fields:
-            if field.message is not None:
-                waiting.append(field.base)
-    return sorted(names)
-
-
-def _text(interfaces: Interfaces, name: str) -> str:
-    constants, _ = interfaces._definition(*name.split("/"))
-    lines = [f"{kind} {constant}={value}" for constant, kind, value in constants]
-    fields = interfaces.message(name)._fields
-    lines += [f"{field.type_text} {field.name}" for field in fields]
-    return "".join(f"{line}\n" for line in lines)
-
-
-def _write(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

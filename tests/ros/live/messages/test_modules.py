@@ -4,7 +4,7 @@ import json
 import subprocess
 from pathlib import Path
 
-from tracerisk.ros.live.message_modules import make_missing_modules
+from tracerisk.ros.live.messages.modules import make_missing_modules
 from tracerisk.ros.messages.ros1 import Interfaces
 
 SOURCE = b"""

@@ -1,0 +1,72 @@
+"""C++ headers that a machine lacks are made from our texts, with the sums of the public ones."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.ros.live.messages.test_modules import PUBLIC
+from tracerisk.errors import DependencyError, InputError
+from tracerisk.pipeline.run.live.headers import headers_for
+from tracerisk.ros.live.messages.headers import include_folders, make_headers
+from tracerisk.ros.messages.ros1 import Interfaces
+
+SOURCE = b"""
+#include <ros/ros.h>
+#include <control_msgs/FollowJointTrajectoryAction.h>
+  #  include "control_msgs/QueryTrajectoryState.h"
+#include <geometry_msgs/Pose.h>
+#include <cell_msgs/Unknown.h>
+"""
+
+
+def sum_of(header: Path) -> str:
+    first, second = re.findall(r"static_value[12] = 0x(\w{16})ULL", header.read_text())[:2]
+    return first + second
+
+
+def test_headers_are_made_with_their_parts_and_the_public_sums(real_ros, tmp_path):
+    del real_ros
+    present = tmp_path / "present"
+    for package in ("std_msgs", "geometry_msgs", "actionlib_msgs"):
+        (present / package).mkdir(parents=True)
+    out = tmp_path / "made"
+    try:
+        packages = make_headers(Interfaces(), [SOURCE], out, [present])
+    except DependencyError as error:
+        pytest.skip(str(error))
+    assert packages == ("control_msgs", "trajectory_msgs")
+    assert sorted(path.name for path in out.iterdir()) == ["control_msgs", "trajectory_msgs"]
+    made = out / "control_msgs"
+    action = made / "FollowJointTrajectoryAction.h"
+    assert sum_of(action) == PUBLIC["FollowJointTrajectoryAction"]
+    assert "#include <control_msgs/FollowJointTrajectoryActionGoal.h>" in action.read_text()
+    assert (made / "FollowJointTrajectoryActionGoal.h").is_file()
+    assert (out / "trajectory_msgs" / "JointTrajectoryPoint.h").is_file()
+    service = (made / "QueryTrajectoryState.h").read_text()
+    assert PUBLIC["QueryTrajectoryState"] in service
+
+
+def test_nothing_is_made_where_nothing_is_missing(tmp_path):
+    present = tmp_path / "present"
+    (present / "control_msgs").mkdir(parents=True)
+    (present / "geometry_msgs").mkdir(parents=True)
+    assert make_headers(Interfaces(), [SOURCE], tmp_path / "made", [present]) == ()
+    assert not (tmp_path / "made").exists()
+
+
+def test_headers_are_looked_for_where_compilers_and_builds_have_them():
+    folders = include_folders(
+        {"CPATH": "/a:/b", "CMAKE_PREFIX_PATH": "/ws/devel:/opt/ros/noetic", "HOME": "/c"}
+    )
+    listed = [str(folder) for folder in folders]
+    assert listed[:4] == ["/a", "/b", "/ws/devel/include", "/opt/ros/noetic/include"]
+    assert "/usr/include" in listed
+
+
+def test_what_is_no_source_is_refused(tmp_path):
+    (tmp_path / "pick.py").touch()
+    with pytest.raises(InputError, match="neither a C or C\\+\\+ source nor a folder with any"):
+        headers_for([tmp_path / "pick.py"], tmp_path / "made")
+    with pytest.raises(InputError, match="neither a C or C\\+\\+ source nor a folder with any"):
+        headers_for([tmp_path], tmp_path / "made")

@@ -1,0 +1,50 @@
+"""C++ headers of the messages that sources include and a machine lacks."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from tracerisk.common.dependencies import require_linux
+from tracerisk.common.text.bounded import file_bytes
+from tracerisk.errors import InputError, Location, readable
+from tracerisk.instrument.source.language import is_c
+from tracerisk.pipeline.workspace.controller import load_controller
+from tracerisk.pipeline.workspace.prefixes import with_interfaces
+from tracerisk.pipeline.workspace.workspace import workspace_of
+from tracerisk.ros.live.messages.headers import include_folders, make_headers
+from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.vendors.driver_search import definitions_of, shipped_drivers
+
+
+def headers_for(named: Sequence[Path], out: Path) -> tuple[str, ...]:
+    """Make in `out` the headers that C++ sources, or those in folders, include and nobody has.
+
+    Return the packages that were made, sorted.
+
+    Raises:
+        InputError: a name is neither that of a folder nor of a C or C++ source, or there is none.
+        DependencyError: there is no ROS 1, or no gencpp.
+    """
+    require_linux("making headers of messages")
+    files: list[Path] = []
+    for path in named:
+        found = sorted(item for item in path.rglob("*") if is_c(item.name)) if path.is_dir() else []
+        if not found and not (is_c(path.name) and path.is_file()):
+            raise InputError(
+                "is neither a C or C++ source nor a folder with any; name what includes the "
+                "headers of messages",
+                Location(str(path)),
+            )
+        files += found or [path]
+    sources = []
+    for path in files:
+        with readable(path):
+            sources.append(file_bytes(path))
+    controller = load_controller(files[0])
+    workspace = workspace_of(controller, controller.settings)
+    more, installed = definitions_of(shipped_drivers()), with_interfaces(workspace.installed)
+    interfaces = Interfaces(workspace.interfaces, more, installed)
+    folders = [folder for folder in include_folders(os.environ) if folder != out]
+    return make_headers(interfaces, sources, out, folders)

@@ -1,0 +1,131 @@
+"""C++ headers of message packages that a machine lacks, made by gencpp from our texts."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Collection, Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import DependencyError
+from tracerisk.ros.live.loopback import loopback_environment
+from tracerisk.ros.live.messages.texts import write_texts
+from tracerisk.ros.live.real_ros import python_of_ros, start
+
+if TYPE_CHECKING:
+    from tracerisk.ros.messages.ros1 import Interfaces
+
+_INCLUDE = re.compile(rb"^[ \t]*#[ \t]*include[ \t]*[<\"](\w+)/(\w+)\.h[>\"]", re.MULTILINE)
+_NO_GENCPP = 3
+"""The code with which the generator ends where there is no gencpp."""
+
+
+def include_folders(environment: Mapping[str, str]) -> tuple[Path, ...]:
+    """Return the folders in which a compiler or a catkin build finds headers of messages."""
+    listed = [
+        Path(name)
+        for variable in ("CPATH", "CPLUS_INCLUDE_PATH")
+        for name in environment.get(variable, "").split(os.pathsep)
+        if name
+    ]
+    prefixes = environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
+    built = [Path(name, "include") for name in prefixes if name]
+    ros = sorted(Path("/opt/ros").glob("*/include"))
+    return (*listed, *built, *ros, Path("/usr/include"), Path("/usr/local/include"))
+
+
+def make_headers(
+    interfaces: Interfaces, sources: Iterable[bytes], out: Path, folders: Collection[Path]
+) -> tuple[str, ...]:
+    """Make below `out` the headers that sources include and none of the folders holds.
+
+    Headers of all that they are made of are made too, where their package is missing. Return the
+    packages, sorted.
+
+    Raises:
+        DependencyError: there is no ROS 1, or no gencpp.
+    """
+    messages: set[str] = set()
+    services: set[str] = set()
+    for source in sources:
+        for package, name in (pair for pair in _INCLUDE.findall(source)):
+            _add_named(interfaces, package.decode(), name.decode(), folders, messages, services)
+    if not messages and not services:
+        return ()
+    with tempfile.TemporaryDirectory(prefix="tracerisk-") as texts:
+        packages = write_texts(interfaces, messages, services, Path(texts))
+        packages |= {name.split("/")[0] for name in services}
+        missing = [name for name in sorted(packages) if not _has(name, folders)]
+        asked = json.dumps([texts, str(out), missing])
+        environment = loopback_environment(os.environ)
+        made = start(__name__, asked, environment=environment, pass_fds=()).wait()
+    if made == _NO_GENCPP:
+        raise DependencyError(
+            f"gencpp makes C++ headers of messages, and {python_of_ros()} has none. On Debian and "
+            "Ubuntu: apt install python3-gencpp"
+        )
+    if made != 0:
+        raise DependencyError(f"gencpp could not make the headers of {', '.join(missing)}")
+    return tuple(missing)
+
+
+def _add_named(
+    interfaces: Interfaces,
+    package: str,
+    name: str,
+    folders: Collection[Path],
+    messages: set[str],
+    services: set[str],
+) -> None:
+    """Add what a header `package/name.h` is of, where it is of a message that is missing."""
+    if package not in interfaces.packages or _has(package, folders):
+        return
+    if name in interfaces.service_names(package):
+        services.add(f"{package}/{name}")
+    elif name in interfaces.message_names(package):
+        messages.add(f"{package}/{name}")
+
+
+def _has(package: str, folders: Collection[Path]) -> bool:
+    return any((folder / package).is_dir() for folder in folders)
+
+
+def main() -> None:
+    """Generate the headers; runs under the Python of ROS, with three values in JSON."""
+    texts, out, packages = json.loads(sys.argv[1])
+    sys.path.append("/opt/ros/noetic/lib/python3/dist-packages")
+    try:
+        tools: Any = importlib.import_module("genmsg.template_tools")
+        importlib.import_module("gencpp")
+    except ImportError:
+        sys.exit(_NO_GENCPP)
+    shares = (Path("/opt/ros/noetic/share/gencpp"), Path("/usr/share/gencpp"))
+    templates = next((share for share in shares if share.is_dir()), None)
+    if templates is None:
+        sys.exit(_NO_GENCPP)
+    search = [
+        f"{path.name}:{path / 'msg'}" for path in Path(texts).iterdir() if (path / "msg").is_dir()
+    ]
+    for package in packages:
+        place = Path(out, package)
+        place.mkdir(parents=True, exist_ok=True)
+        for kind in ("msg", "srv"):
+            for file in sorted(Path(texts, package, kind).glob(f"*.{kind}")):
+                tools.generate_from_file(
+                    str(file),
+                    package,
+                    str(place),
+                    str(templates),
+                    search,
+                    {"msg.h.template": "@NAME@.h"},
+                    {"srv.h.template": "@NAME@.h"},
+                )
+
+
+if __name__ == "__main__":
+    main()
