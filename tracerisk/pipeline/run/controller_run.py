@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import subprocess
@@ -24,6 +25,7 @@ from tracerisk.common.sandbox.process import (
 )
 from tracerisk.common.sandbox.process import start as start_process
 from tracerisk.config import Settings
+from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.run.child_output import PassingOn, place_in
 from tracerisk.pipeline.run.ended_run import (
     PLAIN,
@@ -34,6 +36,7 @@ from tracerisk.pipeline.run.ended_run import (
 )
 from tracerisk.pipeline.run.run_folders import run_folders
 from tracerisk.pipeline.trace.run_files import (
+    COMMAND_ENVIRONMENT,
     EVENTS,
     ROBOT,
     STACKS,
@@ -266,6 +269,9 @@ def _run_child(
     sandbox = Sandbox(mode="off") if is_live else settings.limits.sandbox
     start = StartMark()
     own = start.environment(Limit("cpu_limit_s", settings.cpu_limit_s))
+    if is_live and is_c(request.controller):
+        # Nodes run as if the user had started them; ours do not see it.
+        own[COMMAND_ENVIRONMENT] = json.dumps(dict(os.environ))
     if request.written is not None:
         temporary = Path(request.written, TEMPORARY)
         temporary.mkdir()

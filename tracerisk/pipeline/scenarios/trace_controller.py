@@ -41,10 +41,11 @@ def trace_controller(
     Raises SourceError, RobotError, HardwareError before anything runs, InputError where a file
     that it read was changed meanwhile, and as `require_runs`.
     """
-    if not controller.is_python:
+    if not controller.is_python and live_speed is None:
         raise InputError(
-            "is C or C++, which is not run on the twin; give the log or trace of its own run: "
-            "`tracerisk annotate FILE --log LOG` or `--trace TRACE`",
+            "is C or C++: --live runs its node on the twin, "
+            f"`tracerisk run {controller.path} --live -- COMMAND`; or give the log or trace of its "
+            "own run: `tracerisk annotate FILE --log LOG` or `--trace TRACE`",
             Location(str(controller.path)),
         )
     require_runs("running a controller")
@@ -100,6 +101,8 @@ def _read_ahead(controller: Controller) -> None:
     from tracerisk.adder.sources.positions import function_sites
     from tracerisk.instrument.source.call_graph import call_graph
 
+    if not controller.is_python:
+        return
     with contextlib.suppress(TraceRiskError):
         call_graph(controller.source, controller.file)
     function_sites(controller.source)

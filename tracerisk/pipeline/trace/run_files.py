@@ -25,6 +25,8 @@ MOST_ROWS = 8 * 1024**3
 
 EVENTS = "events.jsonl"
 """The recorder's events."""
+COMMAND_ENVIRONMENT = "TRACERISK_COMMAND_ENVIRONMENT"
+"""The variable that holds the environment of the user for compiled nodes, as JSON."""
 TEMPORARY = ".temporary"
 """The folder for temporary files, in that of what the controller writes; no path has its name."""
 STACKS = "stacks.txt"

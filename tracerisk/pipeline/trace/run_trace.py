@@ -21,6 +21,7 @@ from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.source.call_graph import CallGraph, call_graph
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.motion_reach import motion_reaching, uncovered
+from tracerisk.pipeline.trace.c_coverage import c_coverage
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
 from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran
@@ -95,7 +96,9 @@ def make_trace(ran: Ran, *, beside: Recording | None = None, is_replayed: bool =
             declared = read_declared(ran.folder)
             replay = packed_run(shown, robot, scene, declared, activity)
     coverage = Coverage(0, 0)
-    if beside is None:
+    if beside is None and not controller.is_python:
+        coverage = c_coverage(recording)
+    elif beside is None:
         libraries = Libraries(controller.path, controller.project, settings.states)
         coverage = _coverage(controller, recording, libraries)
     collided = collisions(robot, attribution, visits)

@@ -54,6 +54,8 @@ class Bridge:
 
     `message` and `service` classes come from `interfaces`. `report` gets the words for what cannot
     be passed on, `acts` the number of the controller's thread that has sent what comes next.
+    `sender` (an attribute) returns the functions that sent what has come, by its topic or service,
+    its bytes, and whether these begin with a header; at first those that `sent` has noted.
     """
 
     def __init__(
@@ -70,6 +72,7 @@ class Bridge:
         self._relay = relay
         self._report = report
         self._acts = acts
+        self.sender: Callable[[str, bytes, bool], tuple[Frame, ...]] = self._reported
         self._making = False
         self._stacks: dict[str, deque[tuple[tuple[Frame, ...], int]]] = {}
         self._on_behalf: dict[Any, tuple[Frame, ...]] = {}
@@ -127,6 +130,10 @@ class Bridge:
         now_ns = EPOCH_NS + self._runtime.scheduler.now_ns
         message.clock.secs, message.clock.nsecs = divmod(now_ns, 1_000_000_000)
         self._relay.send({"do": "publish", "topic": CLOCK}, _bytes(message))
+
+    def listen(self, topic: str) -> None:
+        """Receive in real ROS what is published on a topic."""
+        self._relay.send({"do": "subscribe", "topic": topic})
 
     def give_parameters(self) -> None:
         """Set all parameters of the graph at the master, and what the twin offers besides."""
@@ -200,7 +207,7 @@ class Bridge:
             subscription not in theirs and not subscription.by_controller
             for subscription in self._graph.subscriptions(topic)
         ):
-            self._relay.send({"do": "subscribe", "topic": topic})
+            self.listen(topic)
 
     def _subscriber(self, topic: str, caller: str, type_name: str) -> None:
         if topic in (CLOCK, *_OF_LOGGING):
@@ -226,10 +233,13 @@ class Bridge:
 
     def _message(self, topic: str, caller: str, body: bytes) -> None:
         publication = self._publications.get((topic, caller))
-        stack = self._sender(body)
+        kind: Any = None
+        if publication is not None:
+            kind = self._interfaces.message(publication.type_name)
+        stack = self.sender(topic, body, kind is not None and _has_header(kind))
         if publication is None:
             return
-        message: Any = self._interfaces.message(publication.type_name)()
+        message: Any = kind()
         message.deserialize(body)
         with self._acting_for(stack):
             publication.publish(message)
@@ -268,7 +278,7 @@ class Bridge:
         )
 
     def _call(self, name: str, number: int, body: bytes) -> None:
-        stack = self._sender(body)
+        stack = self.sender(name, body, False)
 
         def answer() -> None:
             server = self._graph.services.find(name, self._types.get(name))
@@ -297,7 +307,7 @@ class Bridge:
 
     # Stacks
 
-    def _sender(self, body: bytes) -> tuple[Frame, ...]:
+    def _reported(self, name: str, body: bytes, has_header: bool) -> tuple[Frame, ...]:  # noqa: ARG002
         of = digest(body)
         known = self._stacks.get(of)
         if not known:
@@ -332,6 +342,10 @@ class Bridge:
         if name not in self._silent:
             self._silent.add(name)
             self._report(message)
+
+
+def _has_header(kind: Any) -> bool:
+    return bool(kind._fields) and kind._fields[0].base == "std_msgs/Header"
 
 
 def _bytes(message: Any) -> bytes:

@@ -19,6 +19,7 @@ _CLONE_NEWNET = 0x40000000
 _SIOCGIFFLAGS = 0x8913
 _SIOCSIFFLAGS = 0x8914
 _IFF_UP = 0x1
+_LOOPBACK = "127.0.0.1"
 _INHERITED = ("ROS_", "RMW_", "FASTRTPS_", "CYCLONEDDS_")
 
 
@@ -33,14 +34,31 @@ def loopback_environment(environment: Mapping[str, str], master: str = "") -> di
         if not name.startswith(_INHERITED) and not name.startswith("PYTHON")
     }
     own = {
-        "ROS_HOSTNAME": "127.0.0.1",
-        "ROS_IP": "127.0.0.1",
+        "ROS_HOSTNAME": _LOOPBACK,
+        "ROS_IP": _LOOPBACK,
         "ROS_DISTRO": "noetic",
         "ROS_VERSION": "1",
         "PYTHONUNBUFFERED": "1",
         "TZ": "UTC",
     }
     return {**kept, **own, **({"ROS_MASTER_URI": master} if master else {})}
+
+
+def command_environment(environment: Mapping[str, str], master: str) -> dict[str, str]:
+    """Return the environment of a command of the user's, whose nodes speak to `master` alone.
+
+    It is the user's own, so that packages, plugins and libraries are found as ever, but for the
+    addresses.
+    """
+    own = {
+        "ROS_MASTER_URI": master,
+        "ROS_HOSTNAME": _LOOPBACK,
+        "ROS_IP": _LOOPBACK,
+        # Else a node that prints into a pipe shows its lines when it ends.
+        "ROSCONSOLE_STDOUT_LINE_BUFFERED": "1",
+        "PYTHONUNBUFFERED": "1",
+    }
+    return {**environment, **own}
 
 
 def leave_network() -> bool:

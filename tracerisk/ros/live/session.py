@@ -19,7 +19,8 @@ from typing import Any
 
 from tracerisk.errors import DependencyError, LimitError
 from tracerisk.ros.live.link import Link
-from tracerisk.ros.live.loopback import loopback_environment
+from tracerisk.ros.live.loopback import command_environment, loopback_environment
+from tracerisk.ros.live.process_tree import ProcessTree
 from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
 
 STEP_NS = 2_000_000
@@ -50,6 +51,16 @@ class Program:
     """Parameters that the node finds under its own name."""
 
 
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command that starts compiled nodes, or a launch file."""
+
+    words: tuple[str, ...]
+    """The program and its arguments."""
+    environment: Mapping[str, str]
+    """The environment in which the user gave it, with what is added for its nodes."""
+
+
 class Session:
     """A master with a relay, and later a controller; both end with the session.
 
@@ -66,10 +77,13 @@ class Session:
         self.master = self._ready()
         self.controller: Link | None = None
         self._controller_process: subprocess.Popen[bytes] | None = None
+        self._tree: ProcessTree | None = None
 
     @property
     def controller_code(self) -> int | None:
         """The return code of the controller's process; None while it lives."""
+        if self._tree is not None:
+            return self._tree.code
         return None if self._controller_process is None else self._controller_process.poll()
 
     def begin(self, program: Program) -> None:
@@ -80,6 +94,11 @@ class Session:
         self.controller, self._controller_process = start_linked(
             "tracerisk.ros.live.controller_process", environment=environment, **asked
         )
+
+    def begin_command(self, command: Command) -> None:
+        """Start a command in the place of a controller."""
+        environment = command_environment(command.environment, self.master)
+        self._tree = ProcessTree(command.words, environment, [self._relay_process.pid])
 
     def settle(self) -> bool:
         """Take what has come until nothing stirs; False once the controller has ended.
@@ -96,8 +115,9 @@ class Session:
                 raise DependencyError(
                     "the node of the twin on ROS 1 has ended: see what it printed"
                 )
+            has_ended = self._tree is not None and self._tree.code is not None
             if not came and self._sleeps() and not self._has_input():
-                return True
+                return not has_ended
             if came:
                 began = time.monotonic()
             elif time.monotonic() - began > _STUCK_S:
@@ -112,7 +132,9 @@ class Session:
         self._wait(seconds)
 
     def close(self) -> None:
-        """End both processes, the controller's by an interrupt at first."""
+        """End all processes, the controller's by an interrupt at first."""
+        if self._tree is not None:
+            self._tree.end()
         for process, signals in (
             (self._controller_process, (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)),
             (self._relay_process, (signal.SIGTERM, signal.SIGKILL)),
@@ -157,6 +179,8 @@ class Session:
         pids = [self._relay_process.pid]
         if self._controller_process is not None:
             pids.insert(0, self._controller_process.pid)
+        if self._tree is not None:
+            pids += self._tree.pids
         return all(_all_sleep(pid) for _ in range(2) for pid in pids)
 
 

@@ -1,4 +1,4 @@
-"""The process of a live run's twin: it serves a controller that runs on real rospy.
+"""The process of a live run's twin: it serves a controller, or nodes, that run on real ROS 1.
 
 Started as the process of a run on stand-ins is, and leaves the same recording. Its network has
 loopback alone, where the kernel allows that.
@@ -6,23 +6,28 @@ loopback alone, where the kernel allows that.
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.sandbox import kernel_features as kernel
 from tracerisk.common.sandbox.limited_process import mark_start
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, file_text
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.recording import CELL
+from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.run.assembly.graph import build_graph
 from tracerisk.pipeline.run.assembly.world import build_world
 from tracerisk.pipeline.run.child import recorded
+from tracerisk.pipeline.run.live.nodes import LOG, LOG_TYPE, CompiledNodes
 from tracerisk.pipeline.run.live.watch import RemoteThreads
 from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.trace.run_files import (
@@ -60,6 +65,7 @@ _EXIT_S = 5.0
 
 def main() -> int:
     """Run the request named on the command line; the exit code says whether anything ran."""
+    kernel.adopt_orphans()
     request = RunRequest.loads(file_text(sys.argv[1], most=MOST_WRITTEN))
     is_alone = leave_network()
 
@@ -88,6 +94,7 @@ class _LiveRun:
         self._end: dict[str, Any] | None = None
         self._ended_wall: float | None = None
         self._refused: dict[str, Any] | None = None
+        self._nodes: CompiledNodes | None = None
         world.tracer.add_file(str(script), script.resolve().relative_to(root.resolve()).as_posix())
 
     def run(self) -> None:
@@ -95,13 +102,16 @@ class _LiveRun:
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as modules:
             self._run(Path(modules))
 
-    def _run(self, modules: Path) -> None:
+    def _program(self, modules: Path) -> Program:
+        """Return the Python program to run, with the modules of messages that ROS lacks."""
         request, script = self._request, Path(self._request.controller)
         entry = find_entry_point(script, file_bytes(script), Path(request.root))
         sources = [file_bytes(path) for path in sorted(Path(request.root).rglob("*.py"))]
         has_made = make_missing_modules(self._interfaces, sources, modules)
         launch = request.launch or NOTHING_LAUNCHED
-        program = Program(
+        if entry is not None:
+            self._recorder.note(ENTRY, function=entry.function, named_in=entry.named_in)
+        return Program(
             str(script),
             request.root,
             request.argv,
@@ -117,6 +127,15 @@ class _LiveRun:
             dict(launch.environment),
             dict(private_of(self._runtime.parameters)),
         )
+
+    def _run(self, temporary: Path) -> None:
+        begin: Callable[[Session], None]
+        if is_c(self._request.controller):
+            self._nodes = CompiledNodes(self._request, self._recorder, temporary)
+            begin = self._nodes.begin
+        else:
+            program = self._program(temporary)
+            begin = functools.partial(Session.begin, program=program)
         session = Session(os.environ)
         try:
             with activate(self._runtime):
@@ -128,29 +147,31 @@ class _LiveRun:
                     self._threads.acts,
                 )
                 session.on_relay, session.on_controller = self._of_relay, self._of_controller
+                if self._nodes is not None:
+                    self._bridge.sender = self._nodes.sender
                 self._give_parameters()
                 mark_start()
                 began = time.perf_counter()
-                over = self._lived(session, program, entry)
+                over = self._lived(session, begin)
         finally:
             session.close()
         if self._refused is not None:
             self._recorder.note("failed", **self._refused)
             return
         self._scheduler.outlast()
+        if self._nodes is not None:
+            self._nodes.report_attribution()
         self._report_end(over, session.controller_code)
         self._recorder.note(GRAPH_USE, counts=dict(sorted(self._runtime.graph.counts.items())))
         self._recorder.note(CELL, **self._graph.cell.note())
         self._twin.close()
         WallTime(time.perf_counter() - began, 0.0).write(Path(self._request.folder))
 
-    def _lived(self, session: Session, program: Program, entry: Any) -> RunOver | None:
+    def _lived(self, session: Session, begin: Callable[[Session], None]) -> RunOver | None:
         def live() -> None:
             self._bridge.tick()
             session.settle()
-            session.begin(program)
-            if entry is not None:
-                self._recorder.note(ENTRY, function=entry.function, named_in=entry.named_in)
+            begin(session)
             self._move_on(session)
 
         try:
@@ -169,6 +190,13 @@ class _LiveRun:
                 # Calls at its exit may still command something; its own end takes no time.
                 session.wait_wall(_EXIT_POLL_S)
                 continue
+            if self._nodes is not None:
+                self._nodes.settled()
+                if self._nodes.is_awaited:
+                    session.wait_wall(_EXIT_POLL_S)
+                    continue
+                if self._nodes.missing:
+                    self._threads.end("no_motion", self._nodes.missing)
             self._scheduler.sleep(STEP_NS)
             self._bridge.tick()
             self._watch.time_passed()
@@ -188,6 +216,15 @@ class _LiveRun:
         return time.monotonic() - self._ended_wall < _EXIT_S
 
     def _of_relay(self, header: dict[str, Any], body: bytes) -> None:
+        if self._nodes is not None and header["is"] == "publisher":
+            self._nodes.registered(header["caller"])
+            if header["name"] == LOG:
+                self._bridge.listen(LOG)
+        elif self._nodes is not None and header.get("topic") == LOG:
+            line = self._interfaces.message(LOG_TYPE)()
+            line.deserialize(body)
+            self._nodes.logged(line)
+            return
         if header["is"] in ("message", "call"):
             self._threads.stirred()
         self._bridge.take(header, body)
@@ -249,6 +286,8 @@ class _LiveRun:
                 self._end["message"],
                 None if place is None else Location(*place),
             )
+        elif self._nodes is not None:
+            self._nodes.report_end(code)
         else:
             message = f"the controller's process ended with code {code} and gave no reason"
             self._recorder.run_ended("died", message)

@@ -2,36 +2,47 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, SandboxError
-from tracerisk.pipeline.launch.choose import choose_launch
+from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
 from tracerisk.pipeline.run.controller_run import run_controller
 from tracerisk.pipeline.run.ended_run import RunOptions
+from tracerisk.pipeline.run.live.command import check_command
+from tracerisk.pipeline.run.live.compiled import function_main
 from tracerisk.pipeline.trace.sensors import elements_of
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.ros.live.real_ros import python_of_ros
 from tracerisk.trace import LOST, MEASURED, Trace
 
-_MEASURED = f"{MEASURED} live, on real rospy with the twin as a node"
 _LOST = (
     "repeatability: threads, connections and waits on the wall clock take the time that they take",
     "other nodes of the workspace, drafted values and answers to input(): none are given",
     "transforms, messages and services waited for in vain: no reason of the verdict speaks of it",
     "services and actions of the controller itself: no scenario calls them",
 )
+_LOST_OF_COMPILED = (
+    "what functions do besides commanding: the probe of a compiled node sees a function when it "
+    "sends something, so one that ran and sent nothing counts as one that never ran",
+    "exceptions that the node caught: errors that it logs are known (ROS_ERROR, ROS_FATAL)",
+    "visits: calls of a function are told apart by lines and loops of the source",
+)
+
 
 
 def trace_live(controller: Controller, settings: Settings, options: RunOptions) -> Trace:
-    """Run the controller once on real rospy, and return what the run showed.
+    """Run the controller once on real ROS 1, and return what the run showed.
+
+    One in C or C++ is run by the command that its settings give as arguments.
 
     Raises:
-        InputError: the controller is not of ROS 1.
+        InputError: the controller is not of ROS 1, or no command starts its node.
         DependencyError: there is no rospy.
         SandboxError: settings require a sandbox, which a live run has not.
     """
@@ -45,11 +56,17 @@ def trace_live(controller: Controller, settings: Settings, options: RunOptions) 
             "the sandbox is required, and --live runs the controller outside of it, on a network "
             "of its own; leave out one of the two"
         )
+    if not controller.is_python:
+        check_command(settings.args, str(controller.path), os.environ)
+        function_main(controller.source, str(controller.path))
     python_of_ros()
     settings = with_scenario(settings)
-    launch = choose_launch(controller, settings)
+    # What starts compiled nodes gives them what their launch file says.
+    launch = choose_launch(controller, settings) if controller.is_python else NOTHING_CHOSEN
     choice = choose_launched_robot(controller, settings, launch)
     bind(load_hardware(settings, choice.robot.name), elements_of(choice.robot, settings))
     done = run_controller(controller, choice.robot, settings, launch, options)
-    assumptions = (_MEASURED, *(f"{LOST} {name}" for name in _LOST))
+    lost = _LOST if controller.is_python else (*_LOST, *_LOST_OF_COMPILED)
+    measured = f"{MEASURED} live, on real {'rospy' if controller.is_python else 'ROS 1'}"
+    assumptions = (f"{measured} with the twin as a node", *(f"{LOST} {name}" for name in lost))
     return replace(done.trace, assumptions=(*assumptions, *done.trace.assumptions))

@@ -1,0 +1,57 @@
+"""The command that starts compiled nodes: what may stand there, and what else it has to say."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from tracerisk.errors import DependencyError, InputError, Location
+
+_LAUNCH = (".launch", ".launch.xml")
+_OWN_ADDRESS = re.compile(r"__(?:master|ip|hostname):=")
+
+
+def command_words(given: Sequence[str]) -> tuple[str, ...]:
+    """Return the program and arguments of a command; a launch file is started by roslaunch."""
+    if given[0].endswith(_LAUNCH) and Path(given[0]).is_file():
+        return ("roslaunch", *given)
+    return tuple(given)
+
+
+def check_command(given: Sequence[str], controller: str, environment: Mapping[str, str]) -> None:
+    """Refuse what starts no node of a run.
+
+    `controller` is the C or C++ source that it belongs to, as messages call it.
+
+    Raises:
+        InputError: there is no command, or no program of its name, or it names a master.
+        DependencyError: it needs roslaunch, which is not there.
+    """
+    if not given:
+        raise InputError(
+            "is C or C++, whose node is started by a command: "
+            f"`tracerisk run {controller} --live -- COMMAND`, where COMMAND is its executable, "
+            "`rosrun PACKAGE NODE`, `roslaunch PACKAGE FILE` or a launch file",
+            Location(controller),
+        )
+    for word in given:
+        if _OWN_ADDRESS.match(word):
+            raise InputError(
+                f"{word} names where a node finds others; leave it out: a live run has its own "
+                "master on loopback"
+            )
+    program = command_words(given)[0]
+    if shutil.which(program, path=environment.get("PATH")) is not None:
+        return
+    if program == "roslaunch":
+        raise DependencyError(
+            "roslaunch, which starts launch files, is not in PATH; source setup.bash of ROS, or on "
+            "Debian and Ubuntu: apt install python3-roslaunch"
+        )
+    there = "is there and cannot be executed" if Path(program).exists() else "is not there"
+    raise InputError(
+        f"the program {program} of the command {there}; build it, source setup.bash of its "
+        "workspace, or give its path"
+    )

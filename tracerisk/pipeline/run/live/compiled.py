@@ -1,0 +1,282 @@
+"""Which functions of compiled nodes issued a message or a call, as the preloaded probe saw them."""
+
+from __future__ import annotations
+
+import itertools
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tracerisk.adder.sources.c_source import CFunction, CSource, parse_c
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.text.bounded import file_bytes
+from tracerisk.errors import InputError, Location, TraceRiskError
+from tracerisk.instrument.native.calls import Call
+from tracerisk.instrument.native.calls import Frame as NativeFrame
+from tracerisk.instrument.native.following import CallFollower
+from tracerisk.instrument.source.language import is_c
+from tracerisk.instrument.tracer import Frame, RootKind
+from tracerisk.pipeline.workspace.controller import from_root
+
+if TYPE_CHECKING:
+    from tree_sitter import Node
+
+MAIN = QualifiedName("main")
+_LOOPS = frozenset({"for_statement", "for_range_loop", "while_statement", "do_statement"})
+
+
+def function_main(source: bytes, file: str) -> CFunction:
+    """Return the function with which a node begins.
+
+    Raises:
+        InputError: the source has none.
+    """
+    for function in parse_c(source, file).functions:
+        if function.name == MAIN:
+            return function
+    raise InputError(
+        "has no main(); name the source in which the node begins, for what no other function is "
+        "known to have done belongs to it",
+        Location(file),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Active:
+    """A function that was active at a command."""
+
+    ref: FunctionRef
+    """The function."""
+    line: int
+    """The line on which it begins."""
+    at: int
+    """The line of it that was executed."""
+    loops: tuple[tuple[int, int], ...]
+    """The first and last line of each loop of it around that line."""
+
+
+class CompiledCalls:
+    """Says which functions of compiled nodes issued what the twin receives.
+
+    `file` is that of the probe, `main` the name of the source with `main()`, from `root`.
+    `on_function` and `on_source` get each function and source when they are first seen.
+    """
+
+    def __init__(
+        self,
+        file: Path,
+        root: Path,
+        main: str,
+        on_function: Callable[[FunctionRef, int], None],
+        on_source: Callable[[str, bytes], None],
+    ) -> None:
+        self._follower = CallFollower(file)
+        self._root = root.resolve()
+        self._on_function, self._on_source = on_function, on_source
+        self._sources: dict[str, CSource | None] = {}
+        self._met: set[FunctionRef] = set()
+        self._pending: defaultdict[str, list[Call]] = defaultdict(list)
+        self._late: set[int] = set()
+        self._latest: dict[str, tuple[Frame, ...]] = {}
+        self._before: dict[int, list[tuple[_Active, int]]] = {}
+        self._next = itertools.count(1).__next__
+        source = self._source(main)
+        assert source is not None
+        function = function_main(source.source, main)
+        self._main = _Active(FunctionRef(main, MAIN), function.line, function.line, ())
+        self._of_main = (self._frame(self._main, self._next(), is_first=True),)
+        self.n_unknown = 0
+        """How many messages and calls have no other function than `main`."""
+        self.n_known = 0
+        """How many have the functions that issued them."""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is missing of names and lines, and why, a sentence each."""
+        return tuple(self._follower.notes)
+
+    @property
+    def has_reported(self) -> bool:
+        """Whether the probe was loaded by any process."""
+        return bool(self._follower.programs)
+
+    def stack(self, name: str, number: int | None) -> tuple[Frame, ...]:
+        """Return the functions behind what came on a topic or service, the outermost first.
+
+        `number` is that of the message's header, by which roscpp counts those of a publisher.
+        """
+        self._take()
+        call = self._call(self._pending[name], number)
+        frames = () if call is None else self._frames(call)
+        if call is None and number is not None:
+            frames = self._latest.get(name, ())  # what is latched goes out again
+        if frames:
+            self.n_known += 1
+            self._latest[name] = frames
+            return frames
+        self.n_unknown += 1
+        return self._of_main
+
+    def settled(self) -> None:
+        """Forget what was sent and reached nobody, now that nothing is under way."""
+        self._take()
+        late: set[int] = set()
+        for calls in self._pending.values():
+            calls[:] = [call for call in calls if id(call) not in self._late]
+            late.update(id(call) for call in calls if call.kind != "call")
+        self._late = late
+
+    def _take(self) -> None:
+        for call in self._follower.new():
+            if call.kind != "end":
+                topic = f"{call.name}/goal" if call.kind == "goal" else call.name
+                self._pending[topic].append(call)
+
+    def _call(self, calls: list[Call], number: int | None) -> Call | None:
+        """Take out of what is pending on one name the command that has come."""
+        fit = [call for call in calls if number is None or call.seq == number]
+        if not fit:
+            return None
+        call = fit[0]
+        if call.kind == "call":
+            # A thread waits for each: what it called before has reached nobody.
+            newest = {one.tid: one for one in calls}
+            call = next(one for one in calls if newest[one.tid] is one)
+        # What the same process sent earlier was lost on its way.
+        calls[:] = [
+            one
+            for one in calls
+            if one is not call and (one.pid != call.pid or one.seq > call.seq or number is None)
+        ]
+        return call
+
+    # From the probe's frames to ours
+
+    def _frames(self, call: Call) -> tuple[Frame, ...]:
+        active: list[_Active] = []
+        for native in call.stack:
+            known = self._known(native)
+            # A lambda belongs to the function that holds it.
+            if known is not None and not (active and active[-1].ref == known.ref):
+                active.append(known)
+        if not active:
+            return ()
+        before = self._before.get(call.tid, [])
+        n_same = _n_same([one for one, _ in before], active)
+        numbered = [
+            (one, before[place][1] if place < n_same else self._next())
+            for place, one in enumerate(active)
+        ]
+        self._before[call.tid] = numbered
+        is_main = call.tid == call.pid
+        return tuple(
+            self._frame(one, number, is_first=place == 0, is_main=is_main)
+            for place, (one, number) in enumerate(numbered)
+        )
+
+    def _frame(
+        self, active: _Active, activation: int, *, is_first: bool, is_main: bool = True
+    ) -> Frame:
+        if active.ref not in self._met:
+            self._met.add(active.ref)
+            self._on_function(active.ref, active.line)
+        root: RootKind | None = None
+        if is_first:
+            root = "main" if is_main else "thread"
+        return Frame(active.ref, active.line, activation, (active.at, 0), root)
+
+    def _known(self, native: NativeFrame) -> _Active | None:
+        """Return a function of the controller's own sources; None for what is none of these."""
+        file = self._file(native)
+        source = None if file is None else self._source(file)
+        if source is None or file is None:
+            return None
+        named = [one for one in source.functions if one.name == native.function]
+        around = [one for one in named or source.functions if _holds(source, one, native.line)]
+        function = max(around, key=lambda one: one.start, default=named[-1] if named else None)
+        if function is None:
+            return None
+        at = native.line or function.line
+        loops = tuple(_loops(source, function, at))
+        return _Active(FunctionRef(file, function.name), function.line, at, loops)
+
+    def _file(self, native: NativeFrame) -> str | None:
+        """Return the name from the root of the source of a function; None for one elsewhere."""
+        if not native.file:
+            # A build without lines: the source with main() may still have a function of the name.
+            own = self._sources[self._main.ref.file]
+            is_own = own is not None and any(one.name == native.function for one in own.functions)
+            return self._main.ref.file if is_own else None
+        return self.own_file(native.file)
+
+    def own_file(self, file: str) -> str | None:
+        """Return the name from the root of a source as a compiler was given it.
+
+        `None` where it is none below the root.
+        """
+        for path in (Path(file), self._root / file):
+            if path.is_file() and path.resolve().is_relative_to(self._root):
+                return from_root(self._root, path.resolve())
+        return None
+
+    def _source(self, file: str) -> CSource | None:
+        if file not in self._sources:
+            source = None
+            if is_c(file):
+                content = file_bytes(self._root / file)
+                try:
+                    source = parse_c(content, file)
+                except TraceRiskError:
+                    source = None  # no text: nobody can write blocks into it
+                else:
+                    self._on_source(file, content)
+            self._sources[file] = source
+        return self._sources[file]
+
+
+def _n_same(before: Sequence[_Active], now: Sequence[_Active]) -> int:
+    """Return how many of the outermost activations are still those of the command before.
+
+    Where a function goes on to a later line it is the same; where it is at the same line again, or
+    at an earlier one, it is only if a loop of it leads there.
+    """
+    if not before:
+        return 0
+    place = 0
+    while place < min(len(before), len(now)) and before[place] == now[place]:
+        place += 1
+    if place == len(before) or place == len(now):
+        place -= 1
+    elif before[place].ref != now[place].ref:
+        return place
+    elif now[place].at > before[place].at:
+        return place + 1
+    while not _is_in_one_loop(before[place], now[place]):
+        if place == 0:
+            # A callback is called anew by the library; main() is called once.
+            return int(now[0].ref.name == MAIN)
+        place -= 1
+    return place + 1
+
+
+def _is_in_one_loop(one: _Active, other: _Active) -> bool:
+    return one.ref == other.ref and not set(one.loops).isdisjoint(other.loops)
+
+
+def _holds(source: CSource, function: CFunction, line: int) -> bool:
+    return source.line_of(function.begins) <= line <= source.line_of(function.end - 1)
+
+
+def _loops(source: CSource, function: CFunction, line: int) -> Iterator[tuple[int, int]]:
+    """Yield the first and last line of each loop of a function around one of its lines."""
+    waiting: list[Node] = [source.tree.root_node]
+    while waiting:
+        node = waiting.pop()
+        first, last = node.start_point.row + 1, node.end_point.row + 1
+        if not first <= line <= last:
+            continue
+        if node.type in _LOOPS and function.start <= node.start_byte < function.end:
+            yield first, last
+        waiting += node.named_children

@@ -1,0 +1,150 @@
+"""The compiled nodes of a live run: their command, the probe within them, and how they end."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.errors import Location
+from tracerisk.instrument.native.calls import VARIABLE
+from tracerisk.pipeline.run.live.command import command_words
+from tracerisk.pipeline.run.live.compiled import CompiledCalls
+from tracerisk.pipeline.run.live.probe import built_probe
+from tracerisk.pipeline.trace.run_files import COMMAND_ENVIRONMENT, STARTED
+from tracerisk.ros.graph.failures import ERROR_LOGGED, plain_line
+from tracerisk.ros.live.session import Command
+from tracerisk.trace import EndCause
+
+if TYPE_CHECKING:
+    from tracerisk.instrument.recorder import Recorder
+    from tracerisk.instrument.tracer import Frame
+    from tracerisk.pipeline.trace.run_files import RunRequest
+    from tracerisk.ros.live.session import Session
+
+_READY_S = 60.0
+"""How long the first node may take to register with the master, wall time [s]."""
+LOG = "/rosout"
+"""The topic on which nodes log."""
+LOG_TYPE = "rosgraph_msgs/Log"
+_PRELOAD = "LD_PRELOAD"
+
+
+class CompiledNodes:
+    """Starts the command of a request, and says which functions sent what comes of its nodes."""
+
+    def __init__(self, request: RunRequest, recorder: Recorder, temporary: Path) -> None:
+        self._recorder = recorder
+        self._words = command_words(request.argv)
+        self._environment: dict[str, str] = json.loads(os.environ.pop(COMMAND_ENVIRONMENT))
+        self._probe = built_probe(self._environment, temporary)
+        self._file = temporary / "calls.jsonl"
+        root = Path(request.root)
+        main = Path(request.controller).resolve().relative_to(root.resolve()).as_posix()
+        self._calls = CompiledCalls(
+            self._file, root, main, recorder.function_ran, recorder.source_compiled
+        )
+        self._registered: set[str] = set()
+        self._began = time.monotonic()
+
+    def begin(self, session: Session) -> None:
+        """Start the command in the environment of the user, with the probe before its libraries."""
+        environment = self._environment
+        if self._probe is not None:
+            preloaded = [str(self._probe), *filter(None, [environment.get(_PRELOAD)])]
+            environment |= {_PRELOAD: ":".join(preloaded), VARIABLE: str(self._file)}
+        self._recorder.note(STARTED)
+        session.begin_command(Command(self._words, environment))
+
+    def registered(self, caller: str) -> None:
+        """Note that a node has registered with the master."""
+        self._registered.add(caller)
+
+    def settled(self) -> None:
+        """Note that nothing is under way between nodes and twin."""
+        self._calls.settled()
+
+    @property
+    def is_awaited(self) -> bool:
+        """Whether no node is there yet: time begins with the first one."""
+        return not self._registered and not self._is_late
+
+    @property
+    def missing(self) -> str:
+        """Why no node is expected any more, where none has come in all the time; else empty."""
+        if self._registered or not self._is_late:
+            return ""
+        return (
+            f"no node has registered with the run's master in {_READY_S:g} s: "
+            f"does `{' '.join(self._words)}` start a node of ROS 1, and does nothing in it name "
+            "another master (ROS_MASTER_URI of a script, <machine> or <env> of a launch file)?"
+        )
+
+    @property
+    def _is_late(self) -> bool:
+        return time.monotonic() - self._began > _READY_S
+
+    def sender(self, name: str, body: bytes, has_header: bool) -> tuple[Frame, ...]:
+        """Return the functions that sent what has come on a topic or to a service."""
+        number = int.from_bytes(body[:4], "little") if has_header else None
+        return self._calls.stack(name, number)
+
+    def logged(self, line: Any) -> None:
+        """Record a line of the log that is an error, and that a source of the controller wrote."""
+        if line.level < line.ERROR:
+            return
+        file = self._calls.own_file(line.file)
+        if file is None:
+            return
+        first = (line.msg.strip().splitlines() or [""])[0]
+        severity = "FATAL" if line.level >= line.FATAL else "ERROR"
+        self._recorder.failed(
+            ERROR_LOGGED,
+            f"it logged {severity}: {first}",
+            Location(file, line.line),
+            asker=(file, line.line),
+            object_name=plain_line(first),
+        )
+
+    def report_end(self, code: int | None) -> None:
+        """Record how the command has ended by itself."""
+        cause, message = self._ended(code)
+        self._recorder.run_ended(cause, message)
+
+    def report_attribution(self) -> None:
+        """Record what of the functions is not known, and why."""
+        calls, main = self._calls, "main()"
+        for note in calls.notes:
+            self._recorder.finding("not_simulated", f"functions: {note}")
+        if not calls.n_unknown:
+            return
+        of = calls.n_known + calls.n_unknown
+        if self._probe is None:
+            why = "no probe was loaded into the nodes, for there is no C compiler (cc) to build it"
+        elif not calls.has_reported:
+            why = "the probe was loaded into no process: a statically linked node does not load it"
+        else:
+            why = "no function of a source below the root is known to have sent them"
+        self._recorder.finding(
+            "not_simulated",
+            f"functions: {calls.n_unknown} of {of} messages and calls count as those of {main}: "
+            f"{why}",
+        )
+
+    def _ended(self, code: int | None) -> tuple[EndCause, str]:
+        words = self._words[0]
+        if code is None:
+            return "died", f"{words} did not end"
+        if code < 0:
+            try:
+                name = signal.Signals(-code).name
+            except ValueError:
+                name = f"signal {-code}"
+            return "died", f"{words} was ended by {name}"
+        if code == 0:
+            return "ended", f"{words} ended"
+        hint = "" if self._registered else "; no node of it has registered with the run's master"
+        return "exited", f"{words} ended with code {code}{hint}"

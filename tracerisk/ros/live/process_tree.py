@@ -1,0 +1,92 @@
+"""A command and all processes that descend from it: whether they sleep, and their end."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from tracerisk.ros.live.real_ros import end_process
+
+_LOOK_S = 0.02
+"""How often processes that have come are looked for [s]."""
+_GRACE_S = 2.0
+_POLL_S = 0.02
+
+
+class ProcessTree:
+    """The processes of a command, by whomever they were started.
+
+    To know those whose parents have ended, this process must adopt orphans; `others` are processes
+    that it started for itself.
+    """
+
+    def __init__(
+        self, command: Sequence[str], environment: Mapping[str, str], others: Sequence[int]
+    ) -> None:
+        self._others = frozenset(others)
+        self._seen: tuple[int, ...] = ()
+        self._seen_at = 0.0
+        self._process = subprocess.Popen(
+            command, env=dict(environment), stdin=subprocess.DEVNULL, close_fds=True
+        )
+
+    @property
+    def code(self) -> int | None:
+        """The return code of the command, negative for a signal; None while it lives."""
+        return self._process.poll()
+
+    @property
+    def pids(self) -> tuple[int, ...]:
+        """The processes that live, as seen a moment ago."""
+        if time.monotonic() - self._seen_at > _LOOK_S:
+            self._look()
+        return self._seen
+
+    def end(self) -> None:
+        """End all processes: the command by an interrupt, then what is left by stronger signals."""
+        end_process(self._process, signal.SIGINT)
+        for number in (signal.SIGTERM, signal.SIGKILL):
+            self._look()
+            for pid in self._seen:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, number)
+            until = time.monotonic() + _GRACE_S
+            while self._seen and time.monotonic() < until:
+                time.sleep(_POLL_S)
+                self._look()
+
+    def _look(self) -> None:
+        self._seen = tuple(
+            pid for pid in _descendants(os.getpid(), self._others) if not self._is_reaped(pid)
+        )
+        self._seen_at = time.monotonic()
+
+    def _is_reaped(self, pid: int) -> bool:
+        """Return whether a process has ended; one that we have adopted is taken off the table."""
+        if pid == self._process.pid:
+            return self._process.poll() is not None
+        with contextlib.suppress(ChildProcessError):
+            return os.waitpid(pid, os.WNOHANG)[0] == pid
+        return False
+
+
+def _descendants(of: int, but: frozenset[int]) -> list[int]:
+    """Return the processes that descend from one, without others and what descends from these."""
+    children: dict[int, list[int]] = {}
+    for name in os.listdir("/proc"):  # noqa: PTH208 - looked at often
+        if name.isdecimal():
+            with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+                line = Path("/proc", name, "stat").read_bytes()
+                parent = int(line[line.rindex(b")") + 2 :].split()[1])
+                children.setdefault(parent, []).append(int(name))
+    waiting, pids = [of], []
+    while waiting:
+        inner = [pid for pid in children.get(waiting.pop(), ()) if pid not in but]
+        waiting += inner
+        pids += inner
+    return sorted(pids)
