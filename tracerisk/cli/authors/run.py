@@ -6,6 +6,7 @@ import argparse
 
 from tracerisk.cli.reporting.against import add_against, check_against
 from tracerisk.cli.running.fault import add_fault, check_fault_options, run_faults
+from tracerisk.cli.running.live_command import name_source
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.solving.hardware_spread import add_run_uncertainty, check_run_uncertainty
@@ -56,6 +57,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
+    name_source(options)
     check_fault_options(options)
     check_run_uncertainty(options)
     check_against(options)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk import api
+from tracerisk.cli.running.live_command import name_source
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, scenario_advice, show, write_file
 from tracerisk.cli.shared.progress import progress_bar
@@ -52,6 +53,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
+    name_source(options)
     if options.recording is not None:
         trace = _read(options)
     elif options.controller is None:

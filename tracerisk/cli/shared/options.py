@@ -79,10 +79,13 @@ def add_run_options(parser: argparse.ArgumentParser, *, needs_file: bool = True)
         "controller",
         metavar="FILE",
         nargs=None if needs_file else "?",
-        help="the controller's Python file",
+        help="the controller's Python file; with --live also a C++ source or an executable",
     )
     parser.add_argument(
-        "argv", metavar="ARG", nargs="*", help="arguments for the controller, after --"
+        "argv",
+        metavar="ARG",
+        nargs="*",
+        help="arguments for the controller, after --; of a C++ source the command that starts it",
     )
     group = parser.add_argument_group("the run")
     group.add_argument(
@@ -320,12 +323,12 @@ def add_edit_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_live(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a run on real rospy."""
-    group = parser.add_argument_group("on real rospy")
+    """Add the options of a run on real ROS 1."""
+    group = parser.add_argument_group("on real ROS 1")
     group.add_argument(
         "--live",
         action="store_true",
-        help="run it on the installed rospy, with the twin as a node on loopback; writes no source",
+        help="run it on the installed ROS 1, with the twin as a node on loopback; writes no source",
     )
     group.add_argument(
         "--speed",

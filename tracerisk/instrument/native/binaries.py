@@ -64,6 +64,13 @@ class Binary:
             address: lines.get(address) or self._by_symbol(address) for address in sorted(addresses)
         }
 
+    def file_of(self, symbol: str) -> str:
+        """Return the source of a function by its mangled name; empty if it is not known."""
+        begins = (known.begins for known in self._symbols if known.name == symbol)
+        address = next(begins, None)
+        places = () if address is None else self.places([address])[address]
+        return places[-1].file if places else ""
+
     def _by_symbol(self, address: int) -> tuple[Place, ...]:
         at = bisect.bisect_right(self._begins, address) - 1
         if at < 0 or address >= self._symbols[at].begins + self._symbols[at].size:
