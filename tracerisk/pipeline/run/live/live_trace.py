@@ -35,7 +35,6 @@ _LOST_OF_COMPILED = (
 )
 
 
-
 def trace_live(controller: Controller, settings: Settings, options: RunOptions) -> Trace:
     """Run the controller once on real ROS 1, and return what the run showed.
 

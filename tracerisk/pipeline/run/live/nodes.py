@@ -9,11 +9,11 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.errors import Location
+from tracerisk.errors import DependencyError, Location
 from tracerisk.instrument.native.calls import VARIABLE
+from tracerisk.instrument.native.library import build_probe
 from tracerisk.pipeline.run.live.command import command_words
 from tracerisk.pipeline.run.live.compiled import CompiledCalls
-from tracerisk.pipeline.run.live.probe import built_probe
 from tracerisk.pipeline.trace.run_files import COMMAND_ENVIRONMENT, STARTED
 from tracerisk.ros.graph.failures import ERROR_LOGGED, plain_line
 from tracerisk.ros.live.session import Command
@@ -40,7 +40,12 @@ class CompiledNodes:
         self._recorder = recorder
         self._words = command_words(request.argv)
         self._environment: dict[str, str] = json.loads(os.environ.pop(COMMAND_ENVIRONMENT))
-        self._probe = built_probe(self._environment, temporary)
+        self._probe: Path | None = None
+        self._without_probe = ""
+        try:
+            self._probe = build_probe(temporary)
+        except DependencyError as error:
+            self._without_probe = error.message
         self._file = temporary / "calls.jsonl"
         root = Path(request.root)
         main = Path(request.controller).resolve().relative_to(root.resolve()).as_posix()
@@ -123,7 +128,7 @@ class CompiledNodes:
             return
         of = calls.n_known + calls.n_unknown
         if self._probe is None:
-            why = "no probe was loaded into the nodes, for there is no C compiler (cc) to build it"
+            why = f"no probe was loaded into the nodes: {self._without_probe}"
         elif not calls.has_reported:
             why = "the probe was loaded into no process: a statically linked node does not load it"
         else:

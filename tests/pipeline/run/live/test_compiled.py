@@ -1,0 +1,155 @@
+"""Whose functions a compiled node's messages are: by what the probe wrote, lines and loops."""
+
+import json
+
+import pytest
+
+from tracerisk.errors import InputError
+from tracerisk.pipeline.run.live.compiled import CompiledCalls, function_main
+
+SOURCE = """\
+namespace cell {
+struct Cell {
+  void swing();
+  void home() { swing(); }
+};
+void Cell::swing()
+{
+  arm.sendGoal(goal);
+}
+void sweep()
+{
+  for (int i = 0; i < 3; ++i) {
+    arm.sendGoal(goal);
+  }
+}
+}  // namespace cell
+void heard(const Message&) { pub.publish(stop); }
+int main()
+{
+  cell::Cell cell;
+  cell.home();
+  for (;;) {
+    cell.swing();
+  }
+}
+"""
+SWING, SWEEP, HOME = ("cell::Cell::swing", 8), ("cell::sweep", 13), ("cell::Cell::home", 4)
+GOAL = "/arm/goal"
+
+
+class Node:
+    """What a probe writes of a node, and who reads it."""
+
+    def __init__(self, folder):
+        (folder / "pick.cpp").write_text(SOURCE)
+        self.file, self.source = folder / "calls.jsonl", str(folder / "pick.cpp")
+        self.counts, self.met, self.lines = {}, [], []
+        self.calls = CompiledCalls(
+            self.file, folder, "pick.cpp", lambda ref, line: self.met.append((ref.name, line)),
+            lambda file, content: None,
+        )  # fmt: skip
+
+    def send(self, *stack, name=GOAL, tid=7, pid=7, file=None, kind="publish"):
+        """Note what a node sent with a stack of names and lines; return its number."""
+        seq = self.counts.get((pid, name), 0)
+        self.counts[pid, name] = seq + 1
+        if kind == "publish" and name.endswith("/goal"):
+            kind, name = "goal", name.removesuffix("/goal")
+        frames = [[function, file or self.source, line] for function, line in stack]
+        entry = {"t": 1, "pid": pid, "tid": tid, "kind": kind, "name": name, "seq": seq}
+        self.lines.append(json.dumps({**entry, "stack": frames}) + "\n")
+        self.file.write_text("".join(self.lines))
+        return seq
+
+    def sent(self, *stack, **given):
+        """Send, and return the functions to which it is ascribed, with their activations."""
+        number = self.send(*stack, **given)
+        return self.received(number, given.get("name", GOAL))
+
+    def received(self, number, name=GOAL):
+        frames = self.calls.stack(name, number)
+        return [(frame.function.name, frame.site[0], frame.activation) for frame in frames]
+
+
+@pytest.fixture
+def node(tmp_path):
+    return Node(tmp_path)
+
+
+def activations(*stacks):
+    return [[number for *_, number in stack] for stack in stacks]
+
+
+def test_functions_have_the_names_and_lines_of_the_source(node):
+    frames = node.sent(("main", 21), HOME, SWING)
+    assert [(name, line) for name, line, _ in frames] == [("main", 21), HOME, SWING]
+    assert node.met[-2:] == [("cell::Cell::home", 4), ("cell::Cell::swing", 6)]
+
+
+def test_a_lambda_and_what_is_installed_belong_to_the_function_that_holds_them(node):
+    frames = node.sent(("main", 21), ("main", 23))
+    assert [(name, line) for name, line, _ in frames] == [("main", 21)]
+    frames = node.sent(("main", 21), file="/usr/include/ros/publisher.h")
+    assert [name for name, *_ in frames] == ["main"]
+    assert node.calls.n_unknown == 1
+
+
+def test_a_call_on_a_later_line_is_another_activation_of_the_same_caller(node):
+    one, two = node.sent(("main", 21), SWING), node.sent(("main", 23), SWING)
+    (main, swing), (also_main, other) = activations(one, two)
+    assert main == also_main
+    assert swing != other
+
+
+def test_a_loop_of_the_callers_calls_anew(node):
+    (main, swing), (also_main, other) = activations(
+        *(node.sent(("main", 23), SWING) for _ in range(2))
+    )
+    assert main == also_main
+    assert swing != other
+
+
+def test_a_loop_of_the_function_itself_is_one_activation(node):
+    one, two = (node.sent(("main", 23), SWEEP) for _ in range(2))
+    assert activations(one) == activations(two)
+
+
+def test_a_callback_of_a_thread_is_called_anew_each_time(node):
+    one, two = (node.sent(("heard", 17), tid=9) for _ in range(2))
+    assert one[0][2] != two[0][2]
+
+
+def test_what_was_lost_before_it_reached_anybody_shifts_nothing(node):
+    node.send(("main", 21), HOME, SWING)
+    number = node.send(("main", 23), SWING)
+    assert [name for name, *_ in node.received(number)] == ["main", "cell::Cell::swing"]
+    # What is latched comes again, with the number that it had.
+    assert [name for name, *_ in node.received(number)] == ["main", "cell::Cell::swing"]
+
+
+def test_messages_without_a_header_are_taken_in_their_order_once_those_lost_are_forgotten(node):
+    node.send(("main", 21), HOME, name="/speed")
+    node.calls.settled()
+    node.calls.settled()
+    node.send(("main", 23), SWING, name="/speed")
+    frames = node.received(None, "/speed")
+    assert [name for name, *_ in frames] == ["main", "cell::Cell::swing"]
+
+
+def test_a_call_of_a_service_that_reached_nobody_is_not_taken_for_the_next(node):
+    node.send(("main", 21), HOME, name="/ik", kind="call")
+    node.send(("main", 23), SWING, name="/ik", kind="call")
+    frames = node.received(None, "/ik")
+    assert [name for name, *_ in frames] == ["main", "cell::Cell::swing"]
+
+
+def test_what_nobody_saw_belongs_to_main_and_is_counted(node):
+    assert [(name, line) for name, line, _ in node.received(0)] == [("main", 18)]
+    assert (node.calls.n_known, node.calls.n_unknown) == (0, 1)
+    assert not node.calls.has_reported
+
+
+def test_a_source_without_main_is_refused():
+    with pytest.raises(InputError, match=r"has no main\(\); name the source in which the node"):
+        function_main(b"void pick() {}\n", "pick.cpp")
