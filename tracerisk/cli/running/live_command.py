@@ -37,7 +37,7 @@ def name_source(options: argparse.Namespace) -> None:
 
     file = Binary(program).file_of("main")
     if not file or not Path(file).is_file():
-        there = f"says {file}, which is not there" if file else "does not say"
+        there = f"names {file}, which is not there," if file else "does not say"
         raise InputError(
             f"{given} {there} from which source it was built: compile with -g, with addr2line of "
             f"binutils installed, or {remedy} -- {command}`"

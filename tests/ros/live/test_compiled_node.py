@@ -1,0 +1,93 @@
+"""A C++ node, compiled here, moves the twin: its functions, verdict, blocks; nothing gets out."""
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parent / "programs" / "pick.cpp"
+LIBRARIES = ("actionlib", "roscpp", "roscpp_serialization", "rosconsole", "rostime")
+FLAGS = ("-g", "-O0", "-Iinclude", "-I/opt/ros/noetic/include", "-L/opt/ros/noetic/lib")
+AFTER = """\
+  cell.home();
+  ROS_ERROR("lost %d parts", 2);
+  ROS_INFO("master %s", ros::master::getURI().c_str());
+  ros::Duration(0.2).sleep();
+  return 3;
+"""
+
+
+@pytest.fixture(scope="module")
+def lived(tmp_path_factory, example_in, real_ros):
+    """A node that logs an error and ends with 3, run in an environment that points to a robot."""
+    del real_ros
+    compiler = shutil.which("c++")
+    if compiler is None:
+        pytest.skip("no C++ compiler")
+    example = example_in(tmp_path_factory.mktemp("compiled"))
+    example.write("pyproject.toml", "")
+    text = SOURCE.read_text().replace("  cell.home();\n  return 0;\n", AFTER)
+    assert AFTER in text
+    text = text.replace("  void place();\n", "  void place();\n  void park() { swing(1.0, 1.0); }\n")
+    example.write("pick.cpp", text)
+    made = example.run("headers", "pick.cpp", "-o", "include")
+    if made.code:
+        pytest.skip(made.err)
+    linked = [f"-l{name}" for name in LIBRARIES] + ["-lboost_system", "-lboost_thread", "-lpthread"]
+    built = subprocess.run(
+        [compiler, *FLAGS, "pick.cpp", "-o", "pick", *linked],
+        cwd=example.folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if "ros/ros.h: No such file" in built.stderr:
+        pytest.skip("no roscpp")
+    assert built.returncode == 0, built.stderr
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_MASTER_URI", "http://192.0.2.1:11311")
+        patch.setenv("ROS_IP", "192.0.2.2")
+        done = example.run(
+            *("trace", "--live", "--speed", "10", "--robot", "panda", "-o", "live.json"),
+            *("--log", "live.log", "--", os.path.join(".", "pick")),
+        )
+    example.write("printed.txt", done.out + done.err)
+    assert done.code == 1, done.out + done.err
+    return example
+
+
+def test_the_published_log_names_the_functions_of_the_node(lived):
+    text = lived.read("live.log").decode()
+    assert "Function:cell::Cell::pick()\nActiveComponents:gripper,electric_motor\n" in text
+    assert "CallSequence:cell::Cell::pick(),cell::Cell::place(),cell::Cell::home()" in text
+
+
+def test_the_verdict_is_as_strict_as_on_the_stand_ins(lived):
+    trace = json.loads(lived.read("live.json").decode())
+    assert trace["end"]["cause"] == "exited"
+    reasons = {reason["code"]: reason["message"] for reason in trace["verdict"]["reasons"]}
+    assert reasons["run-exited"].endswith("pick ended with code 3")
+    assert reasons["error-logged"] == "it logged ERROR: lost 2 parts"
+    assert reasons["never-ran"].startswith("cell::Cell::park can command hardware and never ran")
+    assert not [line for line in trace["findings"] if "functions:" in line["message"]]
+
+
+def test_the_node_has_a_master_on_loopback_alone(lived):
+    printed = lived.read("printed.txt").decode()
+    assert "master http://127.0.0.1:" in printed
+    assert "192.0.2" not in printed
+
+
+def test_blocks_are_written_into_the_functions_of_the_author(lived):
+    done = lived.run("annotate", "pick.cpp", "--trace", "live.json")
+    assert done.code == 0, done.err
+    text = lived.read("pick.cpp").decode()
+    names = ("cell::Cell::home", "cell::Cell::pick", "cell::Cell::place")
+    assert [f"name = {name}\n" in text for name in names] == [True] * 3
+    assert text.count("RiskAnnotation") == 3
+    solved = lived.run("solve", "pick.cpp")
+    assert solved.code == 0, solved.err
+    assert "cell::Cell::pick" in solved.out
