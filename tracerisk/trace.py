@@ -28,6 +28,8 @@ DRAFTED = "drafted:"
 
 MEASURED = "measured:"
 """What the assumption begins with that a trace is of a real robot, or of a run on real ROS."""
+LIVE = f"{MEASURED} live"
+"""What it begins with where the trace is of a run on real ROS."""
 LOST = "lost:"
 """What an assumption begins with that says what the recording of a robot does not hold."""
 
@@ -427,6 +429,11 @@ class Trace:
     def is_measured(self) -> bool:
         """Whether it is of a real robot or of a run on real ROS: no run on stand-ins gives it."""
         return any(assumption.startswith(MEASURED) for assumption in self.assumptions)
+
+    @property
+    def is_live(self) -> bool:
+        """Whether it is of a run on real ROS."""
+        return any(assumption.startswith(LIVE) for assumption in self.assumptions)
 
     @property
     def lost(self) -> tuple[str, ...]:

@@ -115,7 +115,7 @@ def test_blocks_that_no_lock_knows_are_reported(case):
     outcome = case.run("check", "copy.cpp")
     assert outcome.code == 1
     assert "tracerisk.lock knows nothing of its 5 risk blocks" in outcome.out
-    assert "`tracerisk annotate copy.cpp --log LOG`" in outcome.out
+    assert "`tracerisk annotate copy.cpp --trace TRACE`" in outcome.out
 
 
 def test_an_edited_value_is_reported(case):
@@ -171,9 +171,10 @@ def test_a_log_whose_short_name_fits_several_functions_is_refused(case):
 
 
 @pytest.mark.parametrize("verb", ["run", "trace"])
-def test_cpp_is_not_run_and_it_is_said_what_to_do(case, verb):
+def test_cpp_is_run_live_alone_and_it_is_said_what_to_do(case, verb):
     refused = case.run(verb, "cell.cpp")
     assert refused.code == 2
+    assert "`tracerisk run cell.cpp --live -- COMMAND`" in refused.err
     assert "tracerisk annotate FILE --log LOG" in refused.err
 
 

@@ -31,7 +31,9 @@ def lived(tmp_path_factory, example_in, real_ros):
     example.write("pyproject.toml", "")
     text = SOURCE.read_text().replace("  cell.home();\n  return 0;\n", AFTER)
     assert AFTER in text
-    text = text.replace("  void place();\n", "  void place();\n  void park() { swing(1.0, 1.0); }\n")
+    text = text.replace(
+        "  void place();\n", "  void place();\n  void park() { swing(1.0, 1.0); }\n"
+    )
     example.write("pick.cpp", text)
     made = example.run("headers", "pick.cpp", "-o", "include")
     if made.code:
@@ -51,7 +53,7 @@ def lived(tmp_path_factory, example_in, real_ros):
         patch.setenv("ROS_MASTER_URI", "http://192.0.2.1:11311")
         patch.setenv("ROS_IP", "192.0.2.2")
         done = example.run(
-            *("trace", "--live", "--speed", "10", "--robot", "panda", "-o", "live.json"),
+            *("trace", "--live", "--speed", "20", "--robot", "panda", "-o", "live.json"),
             *("--log", "live.log", "--", os.path.join(".", "pick")),
         )
     example.write("printed.txt", done.out + done.err)
@@ -68,7 +70,7 @@ def test_the_published_log_names_the_functions_of_the_node(lived):
 def test_the_verdict_is_as_strict_as_on_the_stand_ins(lived):
     trace = json.loads(lived.read("live.json").decode())
     assert trace["end"]["cause"] == "exited"
-    reasons = {reason["code"]: reason["message"] for reason in trace["verdict"]["reasons"]}
+    reasons = {reason["code"]: reason["words"] for reason in trace["verdict"]["reasons"]}
     assert reasons["run-exited"].endswith("pick ended with code 3")
     assert reasons["error-logged"] == "it logged ERROR: lost 2 parts"
     assert reasons["never-ran"].startswith("cell::Cell::park can command hardware and never ran")

@@ -53,6 +53,14 @@ def tokens(source: bytes, *, is_java: bool = False) -> Iterator[Token]:
         yield Token(start, at, is_comment=source.startswith(b"//", start))
 
 
+def strings_in(source: bytes) -> Iterator[str]:
+    """Yield the plain strings of a C or C++ source, in its order, as they are written."""
+    for token in tokens(source):
+        text = source[token.start : token.end]
+        if not token.is_comment and len(text) > 1 and text[:1] == text[-1:] == b'"':
+            yield text[1:-1].decode("utf-8", "replace")
+
+
 def _text_block_end(source: bytes, at: int) -> int:
     while (end := source.find(b'"""', at)) > 0 and source[end - 1 : end] == b"\\":
         at = end + 1

@@ -47,8 +47,8 @@ def with_remedy(finding: CheckFinding, controller: Path) -> CheckFinding:
     if finding.remedy:
         return finding
     file = as_typed(controller)
-    # C and C++ are not run: their trace comes from a log.
-    annotate = f"tracerisk annotate {file} --log LOG"
+    # No refresh runs C and C++: their trace comes from a live run, or their run from a log.
+    annotate = f"tracerisk annotate {file} --trace TRACE"
     remedy = _REMEDIES[finding.kind].format(
         file=file,
         refresh=annotate if is_c(controller.name) else f"tracerisk refresh {file}",

@@ -154,8 +154,9 @@ def run_inputs(
         prefixes=_prefixes_of(listed, controller, settings),
         variables=variable_digests(settings),
     )
-    if trace.is_measured:
+    if trace.is_measured and (controller.is_python or not trace.is_live):
         # No run of the twin gives this trace again: blocks that are made of it are never fresh.
+        # A compiled controller has no other run on the twin than a live one.
         inputs = replace(inputs, settings={**inputs.settings, _MEASURED: True})
     used = evidence_digest(controller, settings, inputs.fingerprint)
     return replace(inputs, evidence=used)

@@ -21,7 +21,8 @@ from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.source.call_graph import CallGraph, call_graph
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.motion_reach import motion_reaching, uncovered
-from tracerisk.pipeline.trace.c_coverage import c_coverage
+from tracerisk.pipeline.trace.compiled.coverage import c_coverage
+from tracerisk.pipeline.trace.compiled.includes import included_files
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
 from tracerisk.pipeline.trace.outcome.run_outcome import run_outcome
 from tracerisk.pipeline.trace.recorded_run import Ran
@@ -241,7 +242,9 @@ def _inputs(controller: Controller, recording: Recording) -> tuple[str, ...]:
     names = [name for name in given.get("modules", ()) if name.isidentifier()]
     real = (file for name in names for file in (f"{name}.py", f"{name}/__init__.py"))
     folder, root = controller.path.resolve().parent, controller.root.resolve()
-    return (*_launched(recording)["inputs"], *(from_root(root, folder / file) for file in real))
+    included = () if controller.is_python else included_files(recording.sources, root)
+    files = [*included, *(from_root(root, folder / file) for file in real)]
+    return (*_launched(recording)["inputs"], *files)
 
 
 def _launched(recording: Recording) -> Mapping[str, Any]:

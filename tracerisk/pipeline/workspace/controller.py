@@ -198,6 +198,10 @@ def string_literals(controller: Controller) -> tuple[str, ...]:
     from tracerisk.instrument.source.literals.named_literals import counted_names
     from tracerisk.instrument.source.python_source import parse_source, texts_in
 
+    if not controller.is_python:
+        from tracerisk.instrument.source.c_tokens import strings_in
+
+        return tuple(strings_in(controller.source))
     tree = controller.tree
     if tree is None:
         # It knows how to say what is wrong, and of Python 2.

@@ -406,7 +406,7 @@ def not_assessed(diff: RiskDiff) -> str:
 def _remedy(diff: RiskDiff) -> str:
     """Return the command that makes the blocks those of the later version."""
     if is_c(diff.name):
-        return f"`tracerisk annotate {diff.name} --log LOG` writes them again"
+        return f"`tracerisk annotate {diff.name} --trace TRACE` (or `--log LOG`) writes them again"
     verb = "refresh" if diff.verdicts is not None else "run"
     return f"`tracerisk {verb} {diff.name}` writes them again"
 

@@ -19,7 +19,7 @@ from tracerisk.pipeline.run.live.compiled import function_main
 from tracerisk.pipeline.trace.sensors import elements_of
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.ros.live.real_ros import python_of_ros
-from tracerisk.trace import LOST, MEASURED, Trace
+from tracerisk.trace import LIVE, LOST, Trace
 
 _LOST = (
     "repeatability: threads, connections and waits on the wall clock take the time that they take",
@@ -31,7 +31,7 @@ _LOST_OF_COMPILED = (
     "what functions do besides commanding: the probe of a compiled node sees a function when it "
     "sends something, so one that ran and sent nothing counts as one that never ran",
     "exceptions that the node caught: errors that it logs are known (ROS_ERROR, ROS_FATAL)",
-    "visits: calls of a function are told apart by lines and loops of the source",
+    "visits: calls of a function are distinguished by the lines and loops of the source",
 )
 
 
@@ -66,6 +66,6 @@ def trace_live(controller: Controller, settings: Settings, options: RunOptions) 
     bind(load_hardware(settings, choice.robot.name), elements_of(choice.robot, settings))
     done = run_controller(controller, choice.robot, settings, launch, options)
     lost = _LOST if controller.is_python else (*_LOST, *_LOST_OF_COMPILED)
-    measured = f"{MEASURED} live, on real {'rospy' if controller.is_python else 'ROS 1'}"
+    measured = f"{LIVE}, on real {'rospy' if controller.is_python else 'ROS 1'}"
     assumptions = (f"{measured} with the twin as a node", *(f"{LOST} {name}" for name in lost))
     return replace(done.trace, assumptions=(*assumptions, *done.trace.assumptions))

@@ -4,7 +4,7 @@ from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Frame
-from tracerisk.pipeline.trace.c_coverage import c_coverage
+from tracerisk.pipeline.trace.compiled.coverage import c_coverage
 
 SOURCE = b"""\
 void Cell::send(double to) { pub_.publish(message(to)); }

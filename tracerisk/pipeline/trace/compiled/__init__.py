@@ -1,0 +1,1 @@
+"""What traces of compiled controllers need besides."""
