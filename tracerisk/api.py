@@ -343,8 +343,10 @@ def gather_evidence(
     from tracerisk.common.campaign import DEFAULT_CAMPAIGN
     from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.evidence.campaign import gather
+    from tracerisk.pipeline.workspace.controller import forbid_compiled
 
     require_runs("trying failures")
+    forbid_compiled(path, "trying failures")
     return gather(Path(path), settings, options or DEFAULT_CAMPAIGN, cells=cells, until=until)
 
 
@@ -366,8 +368,10 @@ def sweep(
     from tracerisk.common.campaign import DEFAULT_CAMPAIGN
     from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.evidence.sweep import Factor, parse_factor, sweep
+    from tracerisk.pipeline.workspace.controller import forbid_compiled
 
     require_runs("sweeping over runs")
+    forbid_compiled(path, "sweeping over runs")
     if isinstance(over, Mapping):
         factors = [Factor(name, tuple(values)) for name, values in over.items()]
     else:
@@ -393,8 +397,10 @@ def mutate(
     from tracerisk.common.campaign import DEFAULT_CAMPAIGN
     from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.mutation.campaign import MOST, mutate
+    from tracerisk.pipeline.workspace.controller import forbid_compiled
 
     require_runs("running changes of a controller")
+    forbid_compiled(path, "running changes of a controller")
     most = MOST if most is None else most
     return mutate(Path(path), settings, options or DEFAULT_CAMPAIGN, most=most)
 
@@ -437,8 +443,10 @@ def evidence_replays(
 
     from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.pictures.evidence_replays import write_replays
+    from tracerisk.pipeline.workspace.controller import forbid_compiled
 
     require_runs("replaying failures")
+    forbid_compiled(path, "replaying failures")
     return write_replays(Path(path), found, Path(folder), settings, progress=progress)
 
 
@@ -461,6 +469,7 @@ def run_with_faults(
     """
     from tracerisk.common.dependencies import require_runs
     from tracerisk.errors import InputError
+    from tracerisk.pipeline.workspace.controller import forbid_compiled
     from tracerisk.trace import RunFailedError
     from tracerisk.twin.faults.fault import parse_fault
 
@@ -470,6 +479,7 @@ def run_with_faults(
     controller = load_controller(path)
     loaded = load_settings(controller, settings)
     require_runs("running a controller")
+    forbid_compiled(path, "a run with a fault")
     from tracerisk.pipeline.run.ended_run import RunOptions
     from tracerisk.pipeline.run.fault_run import nominal_run, run_with_faults
     from tracerisk.pipeline.scenarios.trace_controller import nothing_commanded

@@ -178,6 +178,15 @@ def test_cpp_is_run_live_alone_and_it_is_said_what_to_do(case, verb):
     assert "tracerisk annotate FILE --log LOG" in refused.err
 
 
+@pytest.mark.parametrize(
+    "verb", [("evidence",), ("mutate",), ("run", "--fault", "panda_hand:stuck@1")]
+)
+def test_what_repeats_runs_exactly_refuses_cpp(case, verb):
+    refused = case.run(*verb, "cell.cpp")
+    assert refused.code == 2
+    assert "is C or C++, whose node runs live alone" in refused.err
+
+
 def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
     monkeypatch.setattr(dependencies, "is_installed", lambda name: "tree-sitter" not in name)
     with pytest.raises(DependencyError, match=r"pip install 'tracerisk\[cpp\]'"):

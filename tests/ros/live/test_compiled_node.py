@@ -1,7 +1,6 @@
 """A C++ node, compiled here, moves the twin: its functions, verdict, blocks; nothing gets out."""
 
 import json
-import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -54,7 +53,7 @@ def lived(tmp_path_factory, example_in, real_ros):
         patch.setenv("ROS_IP", "192.0.2.2")
         done = example.run(
             *("trace", "--live", "--speed", "20", "--robot", "panda", "-o", "live.json"),
-            *("--log", "live.log", "--", os.path.join(".", "pick")),
+            *("--log", "live.log", "--", "./pick"),
         )
     example.write("printed.txt", done.out + done.err)
     assert done.code == 1, done.out + done.err

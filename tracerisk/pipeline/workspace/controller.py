@@ -169,6 +169,16 @@ def load_controller(path: Path | str, project: Project | None = None) -> Control
     return Controller(script, project, file, source)
 
 
+def forbid_compiled(path: Path | str, purpose: str) -> None:
+    """Raise InputError for a controller in C or C++, no run of which can be repeated exactly."""
+    if is_c(Path(path).name):
+        raise InputError(
+            f"is C or C++, whose node runs live alone, and {purpose} repeats runs exactly; "
+            f"`tracerisk run {path} --live -- COMMAND` shows one run",
+            Location(str(path)),
+        )
+
+
 def _forbid_made(source: bytes, shown: str) -> None:
     """Raise InputError for a script that a build wrote to start another one."""
     if b"catkin" not in source and b"EASY-INSTALL" not in source:
