@@ -324,7 +324,7 @@ def add_edit_options(parser: argparse.ArgumentParser) -> None:
 
 def add_live(parser: argparse.ArgumentParser) -> None:
     """Add the options of a run on real ROS 1."""
-    group = parser.add_argument_group("on real ROS 1")
+    group = parser.add_argument_group("a live run")
     group.add_argument(
         "--live",
         action="store_true",
