@@ -62,6 +62,7 @@ _OF_FINDING = {
     "unused": UNUSED_INPUT,
     "answer_assumed": "input-assumed",
     "file_elsewhere": "input-assumed",
+    "functions_assumed": "input-assumed",
     "companion_failed": "companion-failed",
 }
 _OF_COMMANDS = frozenset({"execution_failure", "goal_rejected"})

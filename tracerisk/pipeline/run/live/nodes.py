@@ -13,7 +13,7 @@ from tracerisk.errors import DependencyError, Location
 from tracerisk.instrument.native.calls import VARIABLE
 from tracerisk.instrument.native.library import build_probe
 from tracerisk.pipeline.run.live.command import command_words
-from tracerisk.pipeline.run.live.compiled import CompiledCalls
+from tracerisk.pipeline.run.live.compiled import MAIN, CompiledCalls
 from tracerisk.pipeline.trace.run_files import COMMAND_ENVIRONMENT, STARTED
 from tracerisk.ros.graph.failures import ERROR_LOGGED, plain_line
 from tracerisk.ros.live.session import Command
@@ -134,9 +134,10 @@ class CompiledNodes:
         else:
             why = "no function of a source below the root is known to have sent them"
         self._recorder.finding(
-            "not_simulated",
+            "functions_assumed",
             f"functions: {calls.n_unknown} of {of} messages and calls count as those of {main}: "
             f"{why}",
+            object_name=MAIN,
         )
 
     def _ended(self, code: int | None) -> tuple[EndCause, str]:

@@ -1,0 +1,56 @@
+"""What is recorded of compiled nodes whose functions are not known, and of how they end."""
+
+import json
+from types import SimpleNamespace
+
+import pytest
+
+from tracerisk.instrument.recorder import Recorder
+from tracerisk.pipeline.run.live.nodes import CompiledNodes
+
+
+@pytest.fixture
+def made(tmp_path, monkeypatch):
+    """Nodes for which no compiler makes the probe, and what reads their recording."""
+    monkeypatch.setenv("CC", "no-such-compiler")
+    monkeypatch.setenv("TRACERISK_COMMAND_ENVIRONMENT", "{}")
+    source = tmp_path / "pick.cpp"
+    source.write_text("int main() { return 0; }\n")
+    request = SimpleNamespace(argv=("./pick",), controller=str(source), root=str(tmp_path))
+    with (tmp_path / "events.jsonl").open("wb", buffering=0) as stream:
+        nodes = CompiledNodes(request, Recorder(stream, clock=lambda: 0), tmp_path)
+
+        def recorded(event):
+            lines = (tmp_path / "events.jsonl").read_text().splitlines()
+            return [entry for entry in map(json.loads, lines) if entry["event"] == event]
+
+        yield nodes, recorded
+
+
+def test_without_a_probe_everything_is_assumed_to_be_of_main(made):
+    nodes, recorded = made
+    (frame,) = nodes.sender("/speed", b"", False)
+    assert (frame.function.name, frame.line, frame.root) == ("main", 1, "main")
+    nodes.report_attribution()
+    (finding,) = recorded("finding")
+    assert (finding["kind"], finding["object"]) == ("functions_assumed", "main")
+    assert finding["message"].startswith(
+        "functions: 1 of 1 messages and calls count as those of main(): no probe was loaded into "
+        "the nodes: the compiler no-such-compiler cannot be run"
+    )
+
+
+@pytest.mark.parametrize(
+    ("code", "cause", "message"),
+    [
+        (0, "ended", "./pick ended"),
+        (3, "exited", "./pick ended with code 3; no node of it has registered with the run's"),
+        (-11, "died", "./pick was ended by SIGSEGV"),
+    ],
+)
+def test_the_end_of_the_command_is_that_of_the_run(made, code, cause, message):
+    nodes, recorded = made
+    nodes.report_end(code)
+    (end,) = recorded("end")
+    assert end["cause"] == cause
+    assert end["message"].startswith(message)
