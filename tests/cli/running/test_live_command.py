@@ -34,7 +34,7 @@ def test_an_executable_with_debug_information_names_its_source(node):
     (node.folder / "src/pick.cpp").rename(node.folder / "src/moved.cpp")
     done = node.run("trace", "--live", "--", "./pick", "--left")
     assert done.code == 2
-    assert "src/pick.cpp, which is not there from which source it was built" in done.err
+    assert "src/pick.cpp, which is not there: build it again, or name the source" in done.err
 
 
 @needs_compiler

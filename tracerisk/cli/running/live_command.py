@@ -37,11 +37,13 @@ def name_source(options: argparse.Namespace) -> None:
 
     file = Binary(program).file_of("main")
     if not file or not Path(file).is_file():
-        there = f"names {file}, which is not there," if file else "does not say"
-        raise InputError(
-            f"{given} {there} from which source it was built: compile with -g, with addr2line of "
-            f"binutils installed, or {remedy} -- {command}`"
+        there = (
+            f"was built from {file}, which is not there: build it again"
+            if file
+            else "does not say from which source it was built: compile with -g, with addr2line of "
+            "binutils installed"
         )
+        raise InputError(f"{given} {there}, or {remedy} -- {command}`")
     options.controller = os.path.relpath(file)
     options.argv = [given, *options.argv]
 
