@@ -66,6 +66,8 @@ EndCause = Literal[
 UNUSED = "unused"
 """The kind of a finding on what of a scenario nobody made use of; `object` is an entry that nobody
 has confirmed."""
+NOTHING_TO_GRASP = "nothing_to_grasp"
+"""The kind of a finding on where a gripper closed on nothing, and that was no fault."""
 NOTES: frozenset[str] = frozenset(
     {
         "assumed_name",
@@ -75,7 +77,7 @@ NOTES: frozenset[str] = frozenset(
         "distro_assumed",
         "handled_late",
         "not_simulated",
-        "nothing_to_grasp",
+        NOTHING_TO_GRASP,
         "other_frame",
         "other_link",
         "qos_misfit",

@@ -249,8 +249,11 @@ def kind_of(verdict: Verdict | None) -> str:
     return UNKNOWN_VERDICT if verdict is None else verdict.kind
 
 
-def verdict_line(verdict: Verdict | None) -> str:
-    """Return a verdict in one line, its coverage included; `None` is an unknown one."""
+def verdict_line(verdict: Verdict | None, *, others_follow: bool = False) -> str:
+    """Return a verdict in one line, its coverage included; `None` is an unknown one.
+
+    Where the other reasons follow on lines of their own, their number is left out.
+    """
     if verdict is None:
         return UNKNOWN_VERDICT
     ran, number = verdict.coverage.ran, verdict.coverage.all
@@ -258,5 +261,5 @@ def verdict_line(verdict: Verdict | None) -> str:
     reported = verdict.deciding_reasons
     if not reported:
         return f"{verdict.kind}, {covered}"
-    more = f" (and {len(reported) - 1} more)" if len(reported) > 1 else ""
+    more = f" (and {len(reported) - 1} more)" if len(reported) > 1 and not others_follow else ""
     return f"{verdict.kind}: {reported[0]}{more}; {covered}"

@@ -47,12 +47,14 @@ def render_assessment(
     tables: Sequence[RenderableType] = (),
     paper: Paper = PAPER,
     band: str = "",
+    following: Sequence[str] = (),
 ) -> str:
     """Return an assessment as text, the same for the same input on every machine.
 
     `exposures` are the seconds active where a run is known; `findings` and `assumptions` are
     the caller's lines, shown before those of the assessment; `tables` the caller's, shown below
-    that of the components. `band` is a sentence on the uncertainty of the figure.
+    that of the components. `band` is a sentence on the uncertainty of the figure, `following`
+    are lines on what to do next.
     It has 60 columns at least; from 110 on there are bars.
     """
     from rich.text import Text
@@ -71,6 +73,8 @@ def render_assessment(
         for table in tables:
             console.print(table)
         _print_lines(console, "Assumptions", (*assumptions, *assessment.assumptions))
+        for line in following:
+            console.print(Text(filled(line, console.width)))
 
     return rendered(write, paper).rstrip("\n") + "\n"
 
@@ -139,7 +143,7 @@ def render_brief(
         if lines:
             console.print(_list(lines))
         for line in following:
-            console.print(Text(line))
+            console.print(Text(filled(line, console.width)))
 
     return rendered(write, paper)
 

@@ -99,7 +99,7 @@ def test_a_run_on_a_terminal_is_brief_and_says_what_next(example, quick):
     text = on_a_terminal(example.folder, "run", "controller.py")
     assert "commit the blocks" in " ".join(text.split())
     assert len(text.splitlines()) <= 25
-    assert "tracerisk run controller.py -v" in text
+    assert "Next: of `tracerisk run controller.py`, `-v` prints" in " ".join(text.split())
     assert "Assumptions" not in text
     whole = on_a_terminal(example.folder, "run", "controller.py", "-v")
     assert "Assumptions" in whole

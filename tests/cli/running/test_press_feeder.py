@@ -206,7 +206,7 @@ def test_a_call_that_the_base_did_not_miss_fails_the_check(ran, repository):
     data = json.loads(good[lock])
     (entry,) = data["controllers"].values()
     reasons = entry["trace"]["verdict"]["reasons"]
-    words = "self.go led to no command here, elsewhere it did"
+    words = "this call of self.go led to no command; another did"
     missed = {"code": "missed-call", "verdict": "partial", "words": words, "object": "self.go"}
     reasons.append({**reasons[0], **missed})
     changed = {lock: json.dumps(data).encode()}

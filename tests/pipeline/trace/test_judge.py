@@ -462,7 +462,7 @@ def test_a_call_that_led_to_no_command_is_reported_first_and_may_be_accepted():
     missed = MissedCommand("pick", "self.arm.go", HERE)
     verdict = judge(recorded(missed=(missed,)))
     assert verdict_line(verdict) == (
-        "partial: self.arm.go led to no command here, elsewhere it did (cell.py:12, in pick); "
+        "partial: this call of self.arm.go led to no command; another did (cell.py:12, in pick); "
         "3 of 3 functions with commands ran"
     )
     accepted = Acceptance("missed-call", "pick", "self.arm.go", "a second try")
@@ -470,7 +470,7 @@ def test_a_call_that_led_to_no_command_is_reported_first_and_may_be_accepted():
     branch = MissedCommand("pick", "self.arm.go", HERE, was_executed=False)
     verdict = judge(recorded(missed=(branch,)), [accepted])
     assert verdict_line(verdict) == (
-        "partial: self.arm.go was not executed here, elsewhere it led to a command "
+        "partial: this call of self.arm.go never ran; another led to a command "
         "(cell.py:12, in pick); 3 of 3 functions with commands ran"
     )
     assert [reason.code for reason in verdict.reasons] == ["never-called"]

@@ -18,7 +18,7 @@ from tracerisk.cli.shared.output import (
 )
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import note_draft
-from tracerisk.cli.shared.verdict import as_typed, verdict_details, verdict_exit, verdict_json
+from tracerisk.cli.shared.verdict import as_typed, verdict_exit, verdict_json, verdict_lines
 from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
@@ -86,10 +86,11 @@ def run(options: argparse.Namespace) -> int:
         )
         if done.annotated is not None:
             note_draft(done.annotated.trace, quiet=options.quiet)
-        note(f"{path}: {verdict_line(as_typed(done.verdict, path))}", quiet=options.quiet)
-        if verdict_exit(done.verdict) != ExitCode.FINE:
-            for line in verdict_details(as_typed(done.verdict, path)):
-                note(f"  {line}", quiet=options.quiet)
+        verdict = as_typed(done.verdict, path)
+        is_fine = verdict_exit(verdict) == ExitCode.FINE
+        first, *details = [verdict_line(verdict)] if is_fine else verdict_lines(verdict)
+        for line in (f"{path}: {first}", *(f"  {detail}" for detail in details)):
+            note(line, quiet=options.quiet)
         note(f"{path}: {_state(done, path)}", quiet=options.quiet)
     note_unread_hardware(paths, projects, quiet=options.quiet)
     forgotten = _forget(gone, paths, options)

@@ -32,7 +32,7 @@ from tracerisk.cli.reporting.report_pictures import (
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show, write_file
 from tracerisk.cli.shared.sources import decoded, model_of_sources, read_file, read_profile
-from tracerisk.cli.shared.verdict import sources_verdict, verdict_details
+from tracerisk.cli.shared.verdict import sources_verdict
 from tracerisk.common import trace_json
 from tracerisk.common.text.digests import sha256
 from tracerisk.config import Settings, controller_root
@@ -166,9 +166,7 @@ def _write_page(
     assessment = api.solve(model)
     verdicts = sources_verdict(files)
     assert verdicts is not None, "the files are sources"
-    lines = list(verdicts.lines)
-    for verdict in verdicts.by_controller.values():
-        lines += verdict_details(verdict)
+    lines = verdicts.all_lines
     lines += [f"{finding.kind}: {finding.text}" for finding in outrun]
     more = history_shown(options.files[0]) if options.history else ()
     run = _run_of(kept, trace, recorded, options)

@@ -14,8 +14,7 @@ from tracerisk.cli.reporting.report_input import (
     worlds_shown,
 )
 from tracerisk.cli.shared.output import write_file
-from tracerisk.cli.shared.verdict import as_typed, verdict_details
-from tracerisk.common.verdict import verdict_line
+from tracerisk.cli.shared.verdict import as_typed, verdict_lines
 from tracerisk.pipeline.pictures.run_section import replay_of, run_section
 from tracerisk.report.html.report import render_report
 
@@ -52,7 +51,7 @@ def write_page(options: argparse.Namespace, done: Assessed, band: Band | None) -
             now=recorded,
             sources=done.sources,
         ),
-        verdict=(verdict_line(verdict), *verdict_details(verdict)),
+        verdict=tuple(verdict_lines(verdict)),
         band="" if band is None else band.words,
         record=record_of(
             run,

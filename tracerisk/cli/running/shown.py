@@ -36,11 +36,12 @@ from tracerisk.cli.shared.run_report import (
 from tracerisk.cli.shared.verdict import print_verdict, verdict_exit, verdict_json
 from tracerisk.cli.solving.figure_options import print_what_if, what_if_data
 from tracerisk.common import trace_json
+from tracerisk.common.verdict import GAPS
 from tracerisk.errors import ExitCode
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.formats.assessment_json import assessment_to_json
 from tracerisk.report.terminal import render_assessment, render_brief
-from tracerisk.trace import Trace
+from tracerisk.trace import NOTHING_TO_GRASP, Trace
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.assessed import Assessed
@@ -104,15 +105,17 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
         note(line, quiet=options.quiet)
     if not (options.diff or options.quiet):
         exposures, findings = annotated.computed.exposures_by_name, finding_lines(typed)
-        band = "" if done.band is None else done.band.words
-        if sys.stdout.isatty() and not options.verbose:
-            following = _following(options, typed)
+        words = [_caution(typed), "" if done.band is None else done.band.words]
+        band = " ".join(filter(None, words))
+        is_brief = sys.stdout.isatty() and not options.verbose
+        following = _following(options, typed, is_brief=is_brief)
+        if is_brief:
             text = render_brief(assessment, exposures, findings, following, paper(), band)
         else:
             assumed = (*trace.assumptions, *annotated.computed.assumptions)
             tables = done.figures.tables(terminal_width())
             text = render_assessment(
-                assessment, exposures, findings, assumed, tables, paper(), band
+                assessment, exposures, findings, assumed, tables, paper(), band, following
             )
         print_text(text)
     if not options.diff:
@@ -121,28 +124,50 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
     return int(code)
 
 
-def _following(options: argparse.Namespace, trace: Trace) -> list[str]:
+def _following(options: argparse.Namespace, trace: Trace, *, is_brief: bool) -> list[str]:
     """Return what to do next, a line each."""
     name = options.controller
+    lines = []
     reasons = () if trace.verdict is None else trace.verdict.open_reasons
     if any(reason.code == "robot-assumed" or reason.object == "robot" for reason in reasons):
-        return [
+        lines.append(
             f"Next: name the robot, `tracerisk run {name} --robot NAME`, or in the settings by "
             "`tracerisk init --robot NAME`; `tracerisk robots` lists those that are known, "
             "`tracerisk docs howto-robot` says how to give your own."
-        ]
+        )
+    if any(finding.kind == NOTHING_TO_GRASP for finding in trace.findings):
+        lines.append(
+            "Next: put objects where the finding says that a gripper closed on nothing; "
+            "`tracerisk docs howto-scenario` shows how."
+        )
     if trace.verdict is not None and trace.verdict.is_bad:
-        what = "went wrong" if trace.end.is_good else "was cut short"
-        return [
-            f"Next: mend what the verdict names, then `tracerisk run {name} -v`, which prints all "
-            f"findings. Until then the figure is of a run that {what}."
-        ]
+        again = f"`tracerisk run {name}` again"
+        if is_brief:
+            again = f"`tracerisk run {name} -v`, which prints all findings"
+        lines.append(f"Next: mend what {'else ' if lines else ''}the verdict names, then {again}.")
+    if lines:
+        return lines
+    if reasons and all(reason.code in GAPS for reason in reasons):
+        lines.append(
+            "Note: what never ran has no part in the figure; `tracerisk check` passes that, unless "
+            "`min_coverage` is set or a change made it so."
+        )
     if options.check or options.diff:
-        return [f"Next: `tracerisk run {name}` writes the blocks; nothing is written yet."]
+        return [*lines, f"Next: `tracerisk run {name}` writes the blocks; nothing is written yet."]
+    verbose = "`-v` prints components and assumptions, " if is_brief else ""
     return [
-        f"Next: `tracerisk run {name} -v` prints components and assumptions, `--explain FUNCTION` "
-        "a figure by hand, `--report OUT.html` the replay; commit the blocks with tracerisk.lock."
+        *lines,
+        f"Next: of `tracerisk run {name}`, {verbose}`--explain FUNCTION` a figure by hand, "
+        "`--report OUT.html` the replay; commit the blocks with tracerisk.lock.",
     ]
+
+
+def _caution(trace: Trace) -> str:
+    """Return what the figure of a run that went wrong is of; empty for all others."""
+    if trace.verdict is None or not trace.verdict.is_bad:
+        return ""
+    what = "went wrong" if trace.end.is_good else "was cut short"
+    return f"That is of what ran: the run {what}, and its figure passes no limit."
 
 
 def _notes(options: argparse.Namespace, done: Assessed, trace: Trace) -> list[str]:
@@ -153,4 +178,8 @@ def _notes(options: argparse.Namespace, done: Assessed, trace: Trace) -> list[st
         keeps_files=keeps_files(options),
         is_changed=done.annotated.is_changed,
     )
+    if done.annotated.is_changed and not keeps_files(options):
+        blocks += "; lines named here are those of the file with them"
+        if trace.verdict is not None and trace.verdict.is_bad:
+            blocks += f"; `tracerisk check` refuses them, for the run is {trace.verdict.kind}"
     return [headline(trace), *object_lines(trace), blocks]

@@ -17,13 +17,12 @@ from tracerisk.cli.reporting.overview import is_report, overview_row, reports_in
 from tracerisk.cli.reporting.report_input import evidence_shown, report_input, run_shown
 from tracerisk.cli.serving.model_changes import Answer, Choices, answer, choices_of, read_change
 from tracerisk.cli.serving.sections import links_section, live_section, what_if_section
-from tracerisk.cli.shared.verdict import verdict_details
+from tracerisk.cli.shared.verdict import verdict_lines
 from tracerisk.cli.shared.watching import State, state_of
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.text.bounded import file_bytes
-from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.pipeline.check.cached_run import KeptRun, kept_run
 from tracerisk.pipeline.freshness.known_controllers import lock_folders
@@ -268,7 +267,7 @@ def _hardware(kept: KeptRun | None) -> Hardware | None:
 
 
 def _verdict_lines(known: KnownController) -> tuple[str, ...]:
-    return (verdict_line(known.verdict), *verdict_details(known.verdict))
+    return tuple(verdict_lines(known.verdict))
 
 
 def _values(query: str) -> dict[str, list[str]]:

@@ -30,8 +30,13 @@ def print_verdict(verdict: Verdict | None, options: argparse.Namespace) -> None:
     if quiet and verdict_exit(verdict) == ExitCode.FINE:
         return
     # Where a diff of the sources is on standard output, nothing else is.
-    lines = (verdict_line(verdict), *(f"  {line}" for line in verdict_details(verdict)))
-    show(*lines, to_errors=quiet or not is_text)
+    first, *details = verdict_lines(verdict)
+    show(first, *(f"  {line}" for line in details), to_errors=quiet or not is_text)
+
+
+def verdict_lines(verdict: Verdict | None) -> list[str]:
+    """Return a verdict with all its reasons, a line each."""
+    return [verdict_line(verdict, others_follow=True), *_verdict_details(verdict)]
 
 
 def as_typed(verdict: Verdict | None, source: str | Path) -> Verdict | None:
@@ -39,7 +44,7 @@ def as_typed(verdict: Verdict | None, source: str | Path) -> Verdict | None:
     return None if verdict is None else verdict.with_files(from_here(controller_root(Path(source))))
 
 
-def verdict_details(verdict: Verdict | None) -> list[str]:
+def _verdict_details(verdict: Verdict | None) -> list[str]:
     """Return the reasons of a verdict that its line leaves out, a line each.
 
     Each begins with the verdict that it would make by itself.
@@ -81,9 +86,17 @@ class SourcesVerdict:
     """The verdicts of the runs behind sources."""
 
     lines: tuple[str, ...]
-    """The lines to print."""
+    """The lines to print where nothing else is said of the verdicts."""
     by_controller: Mapping[str, Verdict | None]
     """The verdict of each controller; `None` where its lock keeps none."""
+
+    @property
+    def all_lines(self) -> list[str]:
+        """The lines, and those of all reasons."""
+        lines = list(source_verdict_lines(self.by_controller, others_follow=True))
+        for verdict in self.by_controller.values():
+            lines += _verdict_details(verdict)
+        return lines
 
     def data(self) -> dict[str, Any]:
         """Return what `--json` says of them."""

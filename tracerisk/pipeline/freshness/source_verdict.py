@@ -37,9 +37,17 @@ def source_verdicts(
     return verdicts
 
 
-def source_verdict_lines(verdicts: Mapping[str, Verdict | None]) -> Sequence[str]:
-    """Return the verdicts in words, a line each; alike ones in one line."""
-    lines = {name: verdict_line(verdict) for name, verdict in verdicts.items()}
+def source_verdict_lines(
+    verdicts: Mapping[str, Verdict | None], *, others_follow: bool = False
+) -> Sequence[str]:
+    """Return the verdicts in words, a line each; alike ones in one line.
+
+    Where all their reasons follow, the lines leave out how many there are.
+    """
+    lines = {
+        name: verdict_line(verdict, others_follow=others_follow)
+        for name, verdict in verdicts.items()
+    }
     if len(set(lines.values())) == 1:
         return list(lines.values())[:1]
     return [f"{name}: {line}" for name, line in lines.items()]

@@ -375,9 +375,9 @@ def _of_coverage(coverage: Coverage) -> Iterator[Reason]:
 
 def _of_missed(missed: Sequence[MissedCommand]) -> Iterator[Reason]:
     for call in missed:
-        words = f"{call.call} was not executed here, elsewhere it led to a command"
+        words = f"this call of {call.call} never ran; another led to a command"
         if call.was_executed:
-            words = f"{call.call} led to no command here, elsewhere it did"
+            words = f"this call of {call.call} led to no command; another did"
         yield _reason(
             MISSED_CALL if call.was_executed else NEVER_CALLED,
             words,

@@ -39,7 +39,7 @@ from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.ros.scenario.file.marks import Unconfirmed
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
-from tracerisk.trace import UNUSED, EndCause, Finding, Visit
+from tracerisk.trace import NOTHING_TO_GRASP, UNUSED, EndCause, Finding, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
@@ -56,7 +56,6 @@ if TYPE_CHECKING:
     from tracerisk.twin.robots.robot import Robot
     from tracerisk.twin.robots.robot_parts import Gripper, Joint
 
-NOTHING_TO_GRASP = "nothing_to_grasp"
 _BY_ITSELF: frozenset[EndCause] = frozenset({"raised", "exited"})
 """How a controller ends itself badly; what it brought about until then is known."""
 _SAME_PLACE = 0.05  # of its range: a command that moves a gripper by less neither opens nor closes
