@@ -9,12 +9,12 @@ from argparse import Namespace
 import pytest
 
 from tests.conftest import program
-from tracerisk.cli.running.shown import _following
+from tracerisk.cli.running.shown import _caution, _following
 from tracerisk.common.text.paper import Paper
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.prm.hybrid.solve import solve
 from tracerisk.report.terminal import render_assessment, render_brief
-from tracerisk.trace import RunEnd, Trace
+from tracerisk.trace import NOTHING_TO_GRASP, Finding, RunEnd, Trace
 
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 
@@ -130,8 +130,36 @@ def test_only_a_run_that_did_not_end_by_itself_was_cut_short(is_good, what):
     verdict = Verdict("faulted", (Reason("planning-failed", "faulted", "no plan"),))
     trace = Trace("c.py", "panda", "empty", end, (), (), (), verdict=verdict)
     options = Namespace(controller="c.py", check=False, diff=False)
-    (line,) = _following(options, trace)
-    assert line.endswith(f"Until then the figure is of a run that {what}.")
+    assert _caution(trace).startswith(f"That is of what ran: the run {what},")
+    (line,) = _following(options, trace, is_brief=True)
+    assert line.endswith("then `tracerisk run c.py -v`, which prints all findings.")
+    (line,) = _following(options, trace, is_brief=False)
+    assert line.endswith("then `tracerisk run c.py` again.")
+
+
+def test_a_run_names_all_that_is_to_be_done_next_causes_first():
+    reasons = (
+        Reason("error-logged", "faulted", "it logged ERROR"),
+        Reason("robot-assumed", "partial", "the gripper is assumed", object="gripper"),
+    )
+    empty = Finding(NOTHING_TO_GRASP, "gripper closed on nothing", 4.0)
+    end = RunEnd("exited", "x", 19.1)
+    verdict = Verdict("faulted", reasons)
+    trace = Trace("c.py", "ur5e", "empty", end, (), (), (), findings=(empty,), verdict=verdict)
+    options = Namespace(controller="c.py", check=False, diff=False)
+    lines = _following(options, trace, is_brief=False)
+    words = ["name the robot", "put objects", "mend what else the verdict names"]
+    assert all(word in line for word, line in zip(words, lines, strict=True))
+
+
+@pytest.mark.parametrize(("code", "is_gap"), [("never-ran", True), ("unmet-need", False)])
+def test_what_never_ran_is_said_to_pass_check(code, is_gap):
+    verdict = Verdict("partial", (Reason(code, "partial", "x"),))
+    end = RunEnd("ended", "x", 1.0)
+    trace = Trace("c.py", "panda", "empty", end, (), (), (), verdict=verdict)
+    options = Namespace(controller="c.py", check=False, diff=False)
+    text = " ".join(_following(options, trace, is_brief=False))
+    assert ("`tracerisk check` passes that" in text) is is_gap
 
 
 def test_doctor_on_a_terminal_shows_what_was_set(example, quick):
