@@ -42,7 +42,7 @@ def test_the_commands_write_pages_with_the_sections_that_are_listed(example, qui
     assert against == [run[0], "Since HEAD", *run[1:]]
     for words in both.splitlines()[:2]:  # the third names what another machine has left
         assert example.run(*shlex.split(words.replace("v1.2", "HEAD"))[1:], "--quiet").code == 0
-        assert "It is the same run as at HEAD." in example.read("report.html").decode()
+        assert "The run is that of HEAD." in example.read("report.html").decode()
     assert example.run(*shlex.split(dossier)[1:], "--quiet").code == 0
     with zipfile.ZipFile(example.folder / "dossier.zip") as archive:
         names = archive.namelist()

@@ -38,7 +38,7 @@ def hardware_table(
         cells = (
             [component.name],
             list(_units(component, quantity)),
-            list(_figures(component)),
+            list(figure_lines(component)),
             list(_places(component)),
             list(_source(component, hardware.source, sources)),
         )
@@ -79,7 +79,7 @@ def figure_text(figure: FailureFigure) -> str:
     text += "" if figure.sheet is None else f", of {figure.sheet.text}"
     if figure.error_factor is not None:
         text += f", error factor {figure.error_factor:g}"
-        text += " of the mean" if figure.value_is == "mean" else ""
+        text += " (p95 / p50); the value is the mean" if figure.value_is == "mean" else ""
     return text
 
 
@@ -103,7 +103,8 @@ def _units(component: Component, quantity: int | None) -> Iterator[str]:
         )
 
 
-def _figures(component: Component) -> Iterator[str]:
+def figure_lines(component: Component) -> Iterator[str]:
+    """Yield what counts for one unit, in words: its figures, its load law, its modes."""
     for figure in component.figures:
         yield figure_text(figure)
     if component.age_s:

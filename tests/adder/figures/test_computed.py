@@ -291,3 +291,13 @@ def test_a_description_of_nothing_that_the_robot_has_is_an_error(compute):
     camera = "twin: {sensors: camera, optional: true}"
     with pytest.raises(HardwareError, match="only optional components, of which the robot has no"):
         compute(MOVE, RATE, camera)
+
+
+@pytest.mark.parametrize("active", [0.0, 2.0])
+def test_what_is_in_use_without_a_figure_is_an_assumption(compute, active):
+    elements = (Element("a", "joint"), Element("a/torque", "sensor", "torque", "a"))
+    use = {"a": moved(2.0), "a/torque": moved(active)}
+    trace = replace(trace_of(("move", 2.0, {"a": moved(2.0)})), elements=elements, active=use)
+    lines = compute(trace, RATE, JOINTS).assumptions
+    words = "in use and not counted, for the hardware data has no figure of them: "
+    assert lines == ((f"{words}1 torque sensor (a/torque)",) if active else ())

@@ -60,7 +60,9 @@ def test_with_a_robot_the_units_are_those_of_the_robot(cell):
     assert outcome.json["units"]["arm.motor"] == {"quantity": 7, "elements": joints}
     assert outcome.json["assumed"] == ["gripper"]
     motor = outcome.json["hardware"]["components"]["arm.motor"]
-    assert motor["failure_rate"] == {"value": 5.7e-7, "per": "hour", "error_factor": 3.0}
+    assert motor["failure_rate"] == {"value": 570.0, "unit": "FIT", "error_factor": 3.0}
+    (rate,) = outcome.json["rates"]["arm.motor"]
+    assert (rate["value"], rate["per"]) == (5.7e-7, "hour")
     assert cell.run("hardware", "show", "cell.yaml", "--json").json["units"] is None
 
 

@@ -97,13 +97,29 @@ def test_each_value_that_differs_is_said_with_its_sources(tmp_path: Path, before
         ("[a, b, c]", "[a, c]", ["motor: twin.joints no longer b"]),
         ("[a, b]", "[a, c]", ["motor: twin.joints no longer b and now also c"]),
         ('"*"', "[a, c]", ["motor: twin.joints * -> a, c"]),
+        # It says only that a robot may lack the component.
+        ('"*"', '"*", optional: true', []),
     ],
 )
 def test_of_joints_those_that_differ_are_said(tmp_path: Path, before, after, expected):
     paths = tmp_path / "before.yaml", tmp_path / "after.yaml"
     for path, joints in zip(paths, (before, after), strict=True):
         path.write_text(MOTOR.replace("    quantity: 7\n", "").replace('"*"', joints))
-    assert [line for line in changes(*paths) if ": quantity " not in line] == expected
+    found = changes(*paths)
+    # The number of names is a change only where it was known before.
+    assert [line for line in found if ": quantity " not in line] == expected
+    assert found == expected or before != '"*"'
+
+
+def test_the_same_rate_in_fit_is_no_change(tmp_path: Path):
+    fit = MOTOR.replace("value: 2.1e-7, per: hour", "value: 210, unit: FIT")
+    paths = tmp_path / "before.yaml", tmp_path / "after.yaml"
+    for path, text in zip(paths, (MOTOR, fit), strict=True):
+        path.write_text(text)
+    assert changes(*paths) == []
+    paths[1].write_text(fit.replace("210", "420"))
+    (line,) = changes(*paths)
+    assert line.startswith("motor: failure_rate 2.1e-07/h (IEC 61709) -> 4.2e-07/h of 420 FIT (")
 
 
 ARM = "components:\n  motor: {{probability: {{value: 1e-7, per: minute}}, twin: {{joints: {0}}}}}\n"

@@ -105,8 +105,23 @@ def test_what_was_given_is_shown_beside_the_rate(tmp_path):
     figure = of_yaml(tmp_path, "mttfd: {value: 150, unit: year, dangerous: 0.5, error_factor: 3}")
     assert figure_text(figure) == (
         "1.52207e-06 per hour (rate), of MTTFd 1314000 h = 150 years, 50 % of the failures "
-        "dangerous, error factor 3 of the mean"
+        "dangerous, error factor 3 (p95 / p50); the value is the mean"
     )
+
+
+@pytest.mark.parametrize(
+    ("at", "words"),
+    [
+        ("", "4.5e-07 per hour (rate), of 450 FIT"),
+        (", temperature: {rated: 40, working: 40, activation_energy: 0.5}", "450 FIT at 40 degC"),
+    ],
+)
+def test_a_figure_in_fit_is_shown_as_the_data_sheet_states_it(tmp_path, at, words):
+    figure = of_yaml(tmp_path, f"failure_rate: {{value: 450, unit: FIT{at}}}")
+    assert words in figure_text(figure)
+    assert figure == of_yaml(tmp_path, "failure_rate: {value: 4.5e-7, per: hour}") or at
+    if not at:
+        assert figure_text(of_sysml(tmp_path, "rate = 450 [FIT];")) == figure_text(figure)
 
 
 TWO = "components:\n  a: {twin: {gripper: true}, mtbf: {value: 1e5, unit: hour}}  # mine\n"

@@ -442,7 +442,9 @@ def test_the_guide_has_band_duration_rate_and_versions(with_own_hardware, exampl
     record = json.loads((folder / "record.json").read_text())
     facts = dict(re.findall(r"^\| ([^|]+) \| (.+) \|$", text, re.MULTILINE))
     assert facts["band"] == record["band"]
-    assert record["band"].startswith("By the error factors of power, 90 % of it lies between ")
+    assert record["band"].startswith(
+        "By 2,000 draws from the error factors of power, 90 % of it lies between "
+    )
     seconds = float(facts["duration of the mission T"].removesuffix(" s"))
     trace = json.loads((folder / "trace.json").read_text())
     assert seconds == pytest.approx(trace["end"]["simulated_s"], rel=DIGITS)
@@ -451,6 +453,10 @@ def test_the_guide_has_band_duration_rate_and_versions(with_own_hardware, exampl
     assert rate == pytest.approx(-math.log1p(-risk) / (seconds / 3600.0), rel=1e-3)
     assert record["environment"]["packages"]["mujoco"] in facts["made with"]
     assert "figures of this dossier" not in text
+    assert ("No package index has version" in text) is (".dev" in facts["tracerisk"])
+    assumed = (folder / "assumptions.md").read_text()
+    assert "\n- in use and not counted, for the hardware data has no figure of them: " in assumed
+    assert "## Failure data without a source\n\n" in assumed
     assert "error factor 3" in (folder / "calculation.md").read_text()
     steps = tables(
         (folder / "sheet.md").read_text(),

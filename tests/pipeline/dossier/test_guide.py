@@ -1,8 +1,13 @@
-"""The guide of a dossier warns of a figure that is of no mission."""
+"""The first pages of a dossier warn of a figure of no mission, and of values set by hand."""
+
+from dataclasses import replace
 
 import pytest
 
-from tracerisk.pipeline.dossier.guide import warning_of
+from tracerisk.adder.blocks.override import Override
+from tracerisk.errors import Location
+from tracerisk.pipeline.dossier.guide import by_hand_words, warning_of
+from tracerisk.pipeline.dossier.sheet import sheet
 from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.report.html.report_input import ReportInput
 
@@ -40,3 +45,22 @@ def test_a_figure_of_no_mission_is_marked_with_all_reasons(report, verdict):
 )
 def test_a_figure_of_a_mission_is_not(report, verdict):
     assert warning_of(report(*verdict)) == []
+
+
+@pytest.mark.parametrize(
+    ("reasons", "words"),
+    [
+        ((), ""),
+        (("supplier",), "1 value, none without a reason"),
+        (("supplier", None, None), "3 values, 2 without a reason"),
+    ],
+)
+def test_values_set_by_hand_are_counted_on_the_first_pages(report, reasons, words):
+    pins = tuple(
+        Override("value", "pick.gripper.probability", "1e-9", Location("arm.py", 3), reason=reason)
+        for reason in reasons
+    )
+    by_hand = replace(report(), pins=pins)
+    assert by_hand_words(by_hand) == words
+    assert ("set by hand" in sheet(by_hand)) is bool(words)
+    assert words in sheet(by_hand)

@@ -35,8 +35,8 @@ def test_it_is_that_of_the_lognormal_where_one_figure_counts(hardware):
     assert band.high == pytest.approx(3e-6, rel=0.01)
     assert (band.drawn, band.exact) == (("motor",), ("gripper",))
     assert band.words == (
-        f"By the error factors of motor, 90 % of it lies between {band.low:.2e} and "
-        f"{band.high:.2e}; those of gripper count as exact."
+        "By 2,000 draws from the error factors of motor, 90 % of it lies between "
+        f"{band.low:.1e} and {band.high:.1e}; those of gripper count as exact."
     )
 
 

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from tracerisk.adder.quantify.component_activity import ComponentUse
 from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.hardware.model import Basis, Component
 from tracerisk.common.hardware.units import DANGEROUS_KINDS
+
+if TYPE_CHECKING:
+    from tracerisk.trace import Trace
 
 
 def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
@@ -57,6 +61,31 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
             "median; its mean is higher; `solve --hardware --uncertainty` prints it",
         ),
     )
+
+
+def uncounted(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    """Return which elements were in use that no component describes, in a line; none for none."""
+    described = {name for bound_component in bound for name in bound_component.elements}
+    missing = [
+        element
+        for element in trace.elements
+        if element.kind in ("joint", "gripper", "sensor")
+        and element.name not in described
+        and element.name in trace.active
+        and trace.active[element.name].active_s > 0.0
+    ]
+    if not missing:
+        return ()
+    sorts: dict[str, list[str]] = {}
+    for element in missing:
+        sort = f"{element.sensor} sensor" if element.sensor else element.kind
+        sorts.setdefault(sort, []).append(element.name)
+    listed = ", ".join(
+        f"{len(names)} {sort}{'' if len(names) == 1 else 's'} ({names[0]}"
+        f"{f' to {names[-1]}' if len(names) > 1 else ''})"
+        for sort, names in sorts.items()
+    )
+    return (f"in use and not counted, for the hardware data has no figure of them: {listed}",)
 
 
 def _named(

@@ -122,6 +122,14 @@ def run(options: argparse.Namespace) -> int:
         sys.stdout.flush()
     for line in exceeded:
         note(f"tracerisk: {line}")
+    if not exceeded and options.max_increase is None:
+        bad = [diff.name for diff in result.controllers if _bad_run(diff) is not None]
+        if bad:
+            note(
+                f"exit code 0, though {', '.join(bad)} did not pass: --max-increase R makes that "
+                "an error",
+                quiet=options.quiet,
+            )
     return int(code)
 
 

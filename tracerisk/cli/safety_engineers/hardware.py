@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.actions import add_actions, add_output, deliver, write
-from tracerisk.cli.shared.output import note, note_warnings, print_json, show, terminal_width
+from tracerisk.cli.shared.output import note, note_warnings, print_json, show
 from tracerisk.cli.shared.sources import named_robot
 from tracerisk.common.field.file import read_field
 from tracerisk.common.hardware.binding import bind
@@ -23,6 +23,7 @@ from tracerisk.common.hardware.starting_file import (
     starting_sysml,
     starting_yaml,
 )
+from tracerisk.common.text.columns import columns_of
 from tracerisk.common.text.plain_data import picked
 from tracerisk.config import from_here
 from tracerisk.errors import InputError, Location
@@ -113,7 +114,7 @@ def _show(options: argparse.Namespace) -> int:
         print_json("hardware", action="show", **_shown(hardware, bound))
         return 0
 
-    width = terminal_width() if sys.stdout.isatty() else None
+    width = columns_of(sys.stdout) if sys.stdout.isatty() else None
     show(f"{hardware.file}:", *hardware_table(hardware, bound, width))
     return 0
 
@@ -192,6 +193,13 @@ def _shown(hardware: Hardware, bound: dict[str, BoundComponent] | None) -> dict[
     return {
         "file": hardware.file,
         "hardware": description_data(hardware),
+        "rates": {
+            component.name: [
+                {**picked(figure, "kind", "value", "demand", "standby"), "per": figure.per.value}
+                for figure in component.figures
+            ]
+            for component in hardware.components
+        },
         "warnings": list(hardware.warnings),
         "assumed": [component.name for component in hardware.components if component.is_assumed],
         "units": None

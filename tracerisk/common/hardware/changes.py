@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from typing import Any
 
 from tracerisk.common.hardware.description_data import component_data
 from tracerisk.common.hardware.model import FIGURE_KEYS, Component, FailureFigure, Hardware
+from tracerisk.common.hardware.units import DataSheet
 
 _PER = {"minute": "/min", "hour": "/h"}
 _Sourced = tuple[FailureFigure, str]
@@ -35,7 +37,7 @@ def description_changes(before: Hardware, after: Hardware) -> tuple[str, ...]:
         else:
             changes = [
                 *_changed_figures((old[name], before), (new[name], after)),
-                *_changed_values(_values(old[name]), _values(new[name])),
+                *_changed_values(*_beside_figures(old[name], new[name])),
             ]
             lines += [f"{_placed(new[name])}: {line}" for line in changes]
     return tuple(lines)
@@ -97,7 +99,7 @@ def _changed_figures(
     gone, come = _figures(*before), _figures(*after)
     for key in [key for key in come if key in gone]:
         old, new = gone.pop(key), come.pop(key)
-        if _texts(old) != _texts(new):
+        if _texts(old) != _texts(new) and _rates(old) != _rates(new):
             yield f"{key} {_texts(old, new)} -> {_texts(new)}"
     if gone and come:
         old, new = (list(chain.from_iterable(kinds.values())) for kinds in (gone, come))
@@ -113,6 +115,14 @@ def _figures(component: Component, hardware: Hardware) -> dict[str, list[_Source
         source = figure.source or component.source or hardware.source or "no source"
         figures.setdefault(figure.key, []).append((figure, source))
     return figures
+
+
+def _rates(figures: Sequence[_Sourced]) -> list[_Sourced]:
+    """Return figures as if none was in FIT: the same rate per hour is no other figure."""
+    return [
+        (replace(figure, sheet=None) if figure.sheet == DataSheet(figure.value) else figure, source)
+        for figure, source in figures
+    ]
 
 
 def _texts(figures: Sequence[_Sourced], others: Sequence[_Sourced] = ()) -> str:
@@ -136,6 +146,17 @@ def _in_unit_of(figure: FailureFigure, other: FailureFigure) -> str:
     if other.kind == "probability":
         value = -math.expm1(-value)
     return f" = {value:.4g}{_PER[other.per.value]}"
+
+
+def _beside_figures(
+    before: Component, after: Component
+) -> tuple[dict[str, _Value], dict[str, _Value]]:
+    """Return what is said of both beside their figures; names of all joints are their number."""
+    old, new = _values(before), _values(after)
+    joints = {old.get("twin.joints"), new.get("twin.joints")}
+    if "*" in joints and len(joints) == 2 and "*" in (old["quantity"], new["quantity"]):
+        del old["quantity"], new["quantity"]
+    return old, new
 
 
 def _changed_values(old: Mapping[str, _Value], new: Mapping[str, _Value]) -> Iterator[str]:
@@ -164,7 +185,10 @@ def _values(component: Component) -> dict[str, _Value]:
         usual["redundancy"] = "false"
     data = {**usual, **component_data(component)}
     others = {key: value for key, value in data.items() if key not in (*FIGURE_KEYS, "source")}
-    return dict(_flat(others, ""))
+    values = dict(_flat(others, ""))
+    # It says no more than that a robot may lack the component, and then nothing has its figures.
+    values.pop("twin.optional", None)
+    return values
 
 
 def _flat(value: Any, path: str) -> Iterator[tuple[str, _Value]]:

@@ -15,8 +15,12 @@ def assumed_sources(hardware: Hardware) -> dict[str, str]:
     for component in hardware.components:
         default = component.source or hardware.source
         stated = [figure.source or default for figure in component.figures]
-        stated += component.law_sources
         assumed = [source for source in stated if source is not None and is_assumed(source)]
+        assumed += [
+            source if source in stated else f"{source} (of its load law or modes alone)"
+            for source in component.law_sources
+            if source is not None and is_assumed(source)
+        ]
         if assumed:
             sources_of[component.name] = "; ".join(
                 " ".join(name.split()) for name in dict.fromkeys(assumed)

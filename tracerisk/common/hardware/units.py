@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal, get_args
 
@@ -79,6 +79,8 @@ class DataSheet:
     """The share of failures that are dangerous, for MTTFd and B10d; `None`: they alone count."""
     temperature: Temperature | None = None
     """At which temperature the value holds, and at which the unit works; `None`: the same."""
+    fit: float | None = field(default=None, compare=False)
+    """The rate in FIT, failures per 1e9 hours; `None` where it is not stated so."""
 
     @property
     def figure(self) -> float:
@@ -108,6 +110,7 @@ class DataSheet:
     def text(self) -> str:
         """What the data sheet states, in words: `MTBF 886000 h`."""
         words = []
+        rate = f"{self.value:.10g}" if self.fit is None else f"{self.fit:.10g} FIT"
         if self.kind in CYCLE_KINDS:
             words.append(f"{_NAMES[self.kind]} {self.value:.10g} cycles")
         elif self.kind is not None:
@@ -121,9 +124,11 @@ class DataSheet:
         if self.temperature is not None:
             at = self.temperature
             words.append(
-                f"{f'{self.value:.10g} ' if self.kind is None else ''}at {at.rated:g} degC, works "
+                f"{f'{rate} ' if self.kind is None else ''}at {at.rated:g} degC, works "
                 f"at {at.working:g} degC, {at.activation_energy:g} eV: times {at.factor:.6g}"
             )
+        elif self.kind is None:
+            words.append(rate)
         return ", ".join(words)
 
 

@@ -28,6 +28,7 @@ from tracerisk.prm.hybrid.mission_tree import MissionTree, mission_tree
 from tracerisk.prm.other_models.formats.conversion import logic_of_functions, logic_of_tree
 from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 from tracerisk.report.html.record import report_record
+from tracerisk.report.tables import share_text
 
 if TYPE_CHECKING:
     from tracerisk.adder.blocks.block import RiskBlock
@@ -156,6 +157,11 @@ def _assumptions(report: ReportInput) -> str:
     listed = "".join(f"- {line}\n" for line in lines) or "None beyond the model itself.\n"
     found = (*report.findings, *report.assessment.findings)
     findings = "".join(f"- {line}\n" for line in found) or "Nothing stood out.\n"
+    assumed = "".join(
+        f"- {figure.component} ({share_text(figure.fussell_vesely)} of the figure): "
+        f"{figure.source}\n"
+        for figure in (report.figures.assumed if report.figures is not None else ())
+    )
     pins = "".join(
         f"- {pin.location}: {pin.field} := {pin.value}, computed {pin.computed or 'nothing'}; "
         f"{pin.reason or 'no reason is given'}\n"
@@ -165,6 +171,7 @@ def _assumptions(report: ReportInput) -> str:
     return (
         f"# Assumptions of {report.model.name}\n\n{warning}"
         f"The figures hold if these do.\n\n{listed}\n"
+        f"## Failure data without a source\n\n{assumed or 'None.'}\n\n"
         f"## Findings\n\n{findings}\n"
         f"## Values set by hand\n\n{pins or 'None: every value is computed.'}"
     ).rstrip("\n") + "\n"

@@ -14,6 +14,7 @@ from tracerisk.common.verdict import UNKNOWN_VERDICT
 from tracerisk.pipeline.freshness.run_inputs import UNSET
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.report.explain.words import number
+from tracerisk.report.tables import counted
 
 if TYPE_CHECKING:
     from tracerisk.common.record import Record
@@ -133,6 +134,9 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
             text = f"{rate:.4g} per hour = -ln(1 - figure) / (T / 3600); {_TO_AN_HOUR}"
             yield "mean rate", text
     yield "verdict of the run", "; ".join(report.verdict) or "not known"
+    by_hand = by_hand_words(report)
+    if by_hand:
+        yield "set by hand", f"{by_hand}: `assumptions.md`"
     if report.no_trace:
         yield "run", f"not in this dossier: {report.no_trace}"
     if report.record.variables:
@@ -146,6 +150,14 @@ def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str,
     yield "tracerisk", report.record.version
     yield "made with", environment.words
     yield "commit", _commit(report.record)
+
+
+def by_hand_words(report: ReportInput) -> str:
+    """Return how many values users set in the blocks; empty where all are computed."""
+    if not report.pins:
+        return ""
+    bare = sum(not pin.reason for pin in report.pins)
+    return f"{counted(len(report.pins), 'value')}, {bare or 'none'} without a reason"
 
 
 def _commit(record: Record) -> str:
@@ -212,8 +224,13 @@ def _again(record: Record, controller: str) -> str:
     lines += [f"tracerisk run {source}", f"tracerisk report {source} --dossier dossier.zip"]
     commands = "\n".join(lines)
     why = ""
+    if ".dev" in record.version:
+        why = (
+            f"No package index has version {record.version}, a commit between two releases: "
+            "install that commit instead, as `tracerisk docs howto-ci` says. "
+        )
     if copied:
-        why = "What the commit lacks or has otherwise: these files are copied from here first. "
+        why += "What the commit lacks or has otherwise: these files are copied from here first. "
     if record.variables:
         names = ", ".join(f"`{name}`" for name in record.variables)
         why += f"Set the environment variables {names} as they were: see the digests above. "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from tracerisk.pipeline.dossier.guide import by_hand_words
 from tracerisk.report.explain.words import number
 
 if TYPE_CHECKING:
@@ -37,13 +38,16 @@ def sheet(report: ReportInput) -> str:
     figures = report.assessment.mission
     rows = (f"| {index} | {step} | | | |" for index, step in enumerate(STEPS, start=1))
     record = report.record
+    by_hand = by_hand_words(report)
+    by_hand = f" It rests on values set by hand: {by_hand}." if by_hand else ""
     commit = "" if record is None or record.commit is None else f" at commit {record.commit.id}"
     return "\n".join(
         (
             f"# Before you rely on the figure of {report.model.name}",
             "",
-            f"{number(figures.failure_probability)} a mission ({figures.reading}){commit}. "
-            '"Before you rely on it" in the safety manual (`tracerisk docs safety`) says what each '
+            f"{number(figures.failure_probability)} a mission ({figures.reading}){commit}."
+            f'{by_hand} "Before you rely on it" in the safety manual (`tracerisk docs safety`) '
+            "says what each "
             "step needs, and what follows if it is not done. This is a copy to fill in: of a "
             "dossier whose digests are to hold, keep the filled one beside the archive.",
             "",

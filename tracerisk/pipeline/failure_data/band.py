@@ -39,8 +39,8 @@ class Band:
         """The band as a sentence."""
         exact = f"; those of {', '.join(self.exact)} count as exact" if self.exact else ""
         return (
-            f"By the error factors of {', '.join(self.drawn)}, 90 % of it lies between "
-            f"{self.low:.2e} and {self.high:.2e}{exact}."
+            f"By {SAMPLES:,} draws from the error factors of {', '.join(self.drawn)}, 90 % of it "
+            f"lies between {self.low:.1e} and {self.high:.1e}{exact}."
         )
 
 

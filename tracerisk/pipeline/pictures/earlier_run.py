@@ -80,7 +80,7 @@ def earlier_run(
         if version.file(path) is None:
             return f"{version.name} has no {was or controller.path}."
         if run is not None and run.recorded.fingerprint == fingerprint and recording is None:
-            return f"It is the same run as at {version.name}."
+            return f"The run is that of {version.name}."
         known = _recorded(controller, version, run, recording)
         if isinstance(known, str) and runs and recording is None:
             with tempfile.TemporaryDirectory(prefix="tracerisk-") as folder:

@@ -136,16 +136,13 @@ def _of_failure(diff: RiskDiff, name: str) -> str:
 
 
 def _figures(diff: RiskDiff, links: Links) -> tuple[str, ...]:
-    old, new = diff.before, diff.after
-    ratio = ""
-    if old is not None and new is not None:
-        ratio = sentences.compared(diff, old.failure_probability, new.failure_probability)
+    old, new = sentences.mission_figures(diff)["mission failure"]
     name = sentences.name_of(diff)
     return (
-        escaped(name) if new is None else links.file(name, diff.name),
-        _NONE if old is None else _figure(old.failure_probability),
-        _NONE if new is None else _figure(new.failure_probability),
-        ratio,
+        escaped(name) if diff.after is None else links.file(name, diff.name),
+        _NONE if old is None else _figure(old),
+        _NONE if new is None else _figure(new),
+        sentences.compared(diff, old, new),
     )
 
 

@@ -8,6 +8,7 @@ from functools import partial
 from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.common.text.one_in import one_in
 from tracerisk.common.verdict import UNKNOWN_VERDICT, Verdict, verdict_line
+from tracerisk.errors import Location
 from tracerisk.instrument.source.language import is_c
 from tracerisk.prm.hybrid.assessment import MissionFigures
 from tracerisk.prm.review.change_records import (
@@ -108,7 +109,8 @@ def verdict_lines(review: Review, *, only_wrong: bool = False) -> list[str]:
             lines.append(f"{name}no risk blocks; before: {verdict_line(diff.verdicts.before)}")
             continue
         before = f"; before: {_short(diff.verdicts.before)}" if diff.verdicts.in_before else ""
-        lines.append(f"{name}{verdict_line(diff.verdicts.after)}{before}")
+        stale = " (of its last run: stale)" if diff.stale else ""
+        lines.append(f"{name}{verdict_line(diff.verdicts.after)}{stale}{before}")
     return lines
 
 
@@ -201,9 +203,18 @@ def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
         (OF_RUN, list(diff.of_run)),
         (OF_EVIDENCE, list(diff.of_evidence)),
         (UNCREDITED, list(_at_most(diff.uncredited))),
-        (OF_INPUTS, list(diff.inputs)),
+        (OF_INPUTS, list(_inputs(diff))),
     ]
     return [(title, lines) for title, lines in pairs if lines]
+
+
+def _inputs(diff: RiskDiff) -> Iterator[str]:
+    """Yield which other inputs of the run changed: not the controller, nor what is told above."""
+    for line in diff.inputs:
+        file = line.removesuffix(" has changed")
+        is_told = any(f"({file}:" in told for told in diff.hardware)
+        if line == file or not (file == diff.name or is_told):
+            yield line
 
 
 def _is_said(verdict: Verdict | None, reason: str) -> bool:
@@ -247,7 +258,7 @@ def _other_mission(diff: RiskDiff) -> str:
     # What it must not do any more stands before all else.
     said, apart = "must do less", "of different missions"
     if diff.goes_another_way or outcome.does_something_else:
-        first, *more = (*outcome.result, *outcome.lost)
+        first, *more = outcome.of_mission
         rest = f" (and {len(more)} more)" if more else ""
         what = "does something else" if outcome.result else "does less"
         if diff.goes_another_way:
@@ -255,7 +266,9 @@ def _other_mission(diff: RiskDiff) -> str:
         said = f"{what}: {first}{rest}"
     failure = f"{probability(new)} now and was {probability(old)}, {apart}"
     if diff.is_unchanged:
-        failure = f"{probability(new)} for both {'ways' if diff.goes_another_way else 'missions'}"
+        about = "" if probability(old) == probability(new) else "about "
+        both = "ways" if diff.goes_another_way else "missions"
+        failure = f"{about}{probability(new)} for both {both}"
     return f"{diff.name} {said}; mission failure is {failure}"
 
 
@@ -319,10 +332,10 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
     verb = "rises" if new > old else "falls"
     text = (
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
-        f"({ratio(old, new)}{missions}){_of_which(diff)}"
+        f"({ratio(old, new)}{missions}){_main_cause(diff)}"
     )
     another_way = f"; it {_ANOTHER_WAY}" if diff.goes_another_way else ""
-    return text + _main_cause(diff) + another_way + _per_cycle(diff) + _stale(diff)
+    return text + _of_which(diff) + another_way + _per_cycle(diff) + _stale(diff)
 
 
 def _main_cause(diff: RiskDiff) -> str:
@@ -370,17 +383,17 @@ def _of_which(diff: RiskDiff) -> str:
     if diff.undetected is not None:
         old, new = diff.undetected
         if diff.undetected_increase == 0.0:
-            return f", of which undetected is unchanged at {probability(new)}"
+            return f"; undetected of it is unchanged at {probability(new)}"
         verb = "rises" if new > old else "falls"
         return (
-            f", of which undetected {verb} from {probability(old)} to {probability(new)} "
+            f"; undetected of it {verb} from {probability(old)} to {probability(new)} "
             f"({ratio(old, new)})"
         )
     after = None if diff.after is None else diff.after.undetected_probability
     if after is not None:
-        return f", of which undetected is {probability(after)}"
+        return f"; undetected of it is {probability(after)}"
     if diff.before is not None and diff.before.undetected_probability is not None:
-        return ", of which it is no longer known what is undetected"
+        return "; it is no longer known what of it is undetected"
     return ""
 
 
@@ -452,7 +465,8 @@ def _per_cycle(diff: RiskDiff) -> str:
 def mission_figures(diff: RiskDiff) -> dict[str, tuple[float | None, float | None]]:
     """Return the figures of the mission before and after, by name; `None` for what is not known.
 
-    What nobody notices, and what stops safely, only where a version knows it.
+    What nobody notices, and what stops safely, only where a version knows it. Blocks that are
+    stale and as they were say nothing of the later version.
     """
     kinds = {
         "mission failure": "failure_probability",
@@ -466,7 +480,7 @@ def mission_figures(diff: RiskDiff) -> dict[str, tuple[float | None, float | Non
             for version in (diff.before, diff.after)
         )
         if name == "mission failure" or before is not None or after is not None:
-            figures[name] = before, after
+            figures[name] = before, None if diff.stale and diff.is_unchanged else after
     return figures
 
 
@@ -555,10 +569,10 @@ def compared(diff: RiskDiff, before: float | None, after: float | None) -> str:
 
     Empty where a version has no figure.
     """
+    if diff.stale and before is not None:
+        return "not assessed"
     if before is None or after is None:
         return ""
-    if diff.stale:
-        return "not assessed"
     return ratio(before, after) if diff.is_comparable else "not comparable"
 
 
@@ -579,8 +593,13 @@ def marks(change: RiskChange) -> str:
 
 def places(review: Review, change: RiskChange) -> str:
     """Return where the fields of a change stand, at most three of them."""
-    places = [review.place(field.location, is_gone=field.is_gone) for field in change.fields]
+    fields = sorted(change.fields, key=lambda field: (field.is_gone, *_in_file(field.location)))
+    places = [review.place(field.location, is_gone=field.is_gone) for field in fields]
     return some([place for place in places if place])
+
+
+def _in_file(place: Location | None) -> tuple[str, int]:
+    return ("", 0) if place is None else (place.file, place.line or 0)
 
 
 def some(names: Sequence[str], most: int = 3) -> str:

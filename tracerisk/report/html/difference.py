@@ -122,7 +122,7 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
         )
         for change in diff.changes
     ]
-    if diff.interaction is not None:
+    if diff.interaction is not None and sentences.has_interaction(diff):
         text = "what they do only together, and noise"
         rows.append(row_of(text, sentences.difference(diff.interaction), "", ""))
     columns = (

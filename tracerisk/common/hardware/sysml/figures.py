@@ -160,11 +160,14 @@ def _temperature(fields: Fields) -> Temperature | None:
 
 
 def _rate(fields: Fields) -> FailureFigure:
-    value, per = rate_per(fields.rate("rate"))
+    rate = fields.rate("rate")
+    value, per = rate_per(rate)
     standby = fields.boolean("standby", default=False)
+    temperature = _temperature(fields)
     sheet = None
-    if (temperature := _temperature(fields)) is not None:
-        sheet = DataSheet(value, temperature=temperature)
+    fit = float(rate.number) if rate.unit.is_fit else None
+    if temperature is not None or fit is not None:
+        sheet = DataSheet(value, temperature=temperature, fit=fit)
         value = _stated(fields, "rate", sheet)
     return FailureFigure(
         "failure_rate", value, per, standby=standby, sheet=sheet, **_uncertainty(fields)

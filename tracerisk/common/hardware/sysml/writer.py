@@ -234,7 +234,10 @@ class _Writer:
                 values["demand"] = self._word("Use", figure.demand)
         elif figure.kind == "failure_rate":
             rate = figure.value if sheet is None else sheet.value
-            values["rate"] = _Written(f"{_operand(rate)} {self._unit(_UNIT[figure.per], '^-1')}")
+            unit = self._unit(_UNIT[figure.per], "^-1")
+            if sheet is not None and sheet.fit is not None:
+                rate, unit = sheet.fit, "[FIT]"
+            values["rate"] = _Written(f"{_operand(rate)} {unit}")
             if figure.standby:
                 values["standby"] = True
         else:

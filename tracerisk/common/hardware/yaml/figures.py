@@ -119,6 +119,7 @@ def _rate(figure: YamlMap, *, standby: bool) -> FailureFigure:
     figure.forbid_unknown(_ALWAYS_KEYS | {"value", "unit", "temperature"}, sheet_hint)
     value = figure.number("value", minimum=0.0)
     per = Basis.HOUR
+    fit = None
     if "unit" in figure:
         unit = figure.string("unit")
         if unit != "FIT":
@@ -128,12 +129,13 @@ def _rate(figure: YamlMap, *, standby: bool) -> FailureFigure:
             figure.fail("unit", f"'{unit}' is not allowed; {allowed}")
         if "per" in figure:
             figure.fail("per", "FIT means failures per 1e9 hours; remove 'per'")
-        value = rate_from_fit(value)
+        fit, value = value, rate_from_fit(value)
     else:
         per = _basis(figure, _SPANS)
+    temperature = _temperature(figure) if "temperature" in figure else None
     sheet = None
-    if "temperature" in figure:
-        sheet = DataSheet(value, temperature=_temperature(figure))
+    if temperature is not None or fit is not None:
+        sheet = DataSheet(value, temperature=temperature, fit=fit)
         value = _stated(figure, sheet)
     return FailureFigure(
         "failure_rate", value, per, standby=standby, sheet=sheet, **_uncertainty(figure)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from tracerisk.common.hardware.model import Component, FailureFigure, Hardware
+from tracerisk.common.hardware.model import Component, Hardware
 from tracerisk.prm.hybrid.assessment import ComponentImportance
+from tracerisk.report.hardware_table import figure_lines
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
@@ -169,7 +170,7 @@ def _described(hardware: Hardware, used: set[str]) -> Table:
             Cell(component.name, component=component.name if component.name in used else None),
             "as the robot has" if component.quantity is None else str(component.quantity),
             _redundancy(component),
-            "; ".join(_figure(figure) for figure in component.figures),
+            "; ".join(figure_lines(component)),
             *([_source(component) or figures.NOTHING] if has_sources else []),
             "used" if component.name in used else "not used",
             component=component.name,
@@ -189,21 +190,6 @@ def _redundancy(component: Component) -> str:
     if redundancy.common_cause:
         message += f", common cause {figures.percent(redundancy.common_cause)}"
     return message
-
-
-def _figure(figure: FailureFigure) -> str:
-    text = f"{figure.value:.4g} per {figure.per.value}"
-    if figure.kind == "failure_rate":
-        text += ", a constant rate"
-    elif figure.kind == "weibull":
-        text = f"Weibull, life {figure.value:.4g} {figure.per.value}s, shape {figure.shape:.4g}"
-    if figure.standby:
-        text += ", in standby"
-    if figure.sheet is not None:
-        text += f", of {figure.sheet.text}"
-    if figure.error_factor is not None:
-        text += f", error factor {figure.error_factor:.4g}"
-    return text
 
 
 def _source(component: Component) -> str:
