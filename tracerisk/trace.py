@@ -33,6 +33,8 @@ LIVE = f"{MEASURED} live"
 LOST = "lost:"
 """What an assumption begins with that says what the recording of a robot does not hold."""
 
+_AT_GOAL_M = 0.003
+"""How far from a goal an object may be and still stands at it [m]."""
 WEAR_EXPONENTS: tuple[float, ...] = (1.0, 2.0, 3.0, 10.0 / 3.0, 4.0, 6.0, 9.0)
 """The exponents k for which a run measures how load ages a drive, see `Exposure.wear`."""
 VisitOutcome = Literal["succeeded", "aborted", "preempted", "unfinished"]
@@ -331,6 +333,11 @@ class ObjectOffset:
     """The angle by which its z axis has left its initial direction [rad]."""
     upright: bool
     """Whether it tilted less than 5 degrees and stands within 5 mm of the goal's height."""
+
+    @property
+    def stands_at_goal(self) -> bool:
+        """Whether it stands at that goal."""
+        return self.goal is not None and self.upright and self.offset_m < _AT_GOAL_M
 
 
 @dataclass(frozen=True, slots=True)

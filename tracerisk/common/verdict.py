@@ -14,6 +14,9 @@ VerdictKind = Literal["complete", "partial", "faulted", "stuck"]
 """How far the run can be taken for the mission, from best to worst; docs/verdict.md."""
 VERDICTS: tuple[VerdictKind, ...] = get_args(VerdictKind)
 
+BAD: frozenset[VerdictKind] = frozenset({"faulted", "stuck"})
+"""The verdicts of runs that went wrong."""
+
 NEVER_RAN = "never-ran"
 """The code of a function that can command hardware and did not run."""
 MISSED_CALL = "missed-call"
@@ -176,7 +179,7 @@ class Verdict:
     @property
     def is_bad(self) -> bool:
         """Whether the run went wrong, so that its figure passes no limit."""
-        return self.kind in ("faulted", "stuck")
+        return self.kind in BAD
 
     @property
     def deciding_reasons(self) -> tuple[Reason, ...]:

@@ -21,7 +21,6 @@ from tracerisk.trace import NOTES, Element, Finding, Trace
 if TYPE_CHECKING:
     from tracerisk.adder.figures.computed import ComputedBlocks
 
-_AT_GOAL_M = 0.003
 _SHOWN_S = 0.005  # less is printed as 0.00
 _TOGETHER = {"encoder": "encoders", "torque": "torque sensors"}
 
@@ -57,11 +56,7 @@ def _goal_lines(trace: Trace) -> list[str]:
     with_goal = [object_offset for object_offset in trace.objects if object_offset.goal is not None]
     if not with_goal:
         return []
-    at_goal = [
-        object_offset
-        for object_offset in with_goal
-        if object_offset.upright and object_offset.offset_m < _AT_GOAL_M
-    ]
+    at_goal = [object_offset for object_offset in with_goal if object_offset.stands_at_goal]
     if not at_goal:
         return [f"objects: none of {len(with_goal)} stands at its goal"]
     lines = [f"objects: {len(at_goal)} of {len(with_goal)} stand at their goal"]

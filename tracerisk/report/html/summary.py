@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from markupsafe import Markup
 
-from tracerisk.common.verdict import UNKNOWN_VERDICT, VERDICTS
+from tracerisk.common.verdict import BAD, UNKNOWN_VERDICT, VERDICTS
 from tracerisk.prm.hybrid.assessment import FIXED, MissionFigures
 from tracerisk.report.diff import sentences
 from tracerisk.report.html import figures
@@ -56,8 +56,10 @@ def _headline(report: ReportInput) -> tuple[str, str, str]:
         text = f"No hardware failure that is modelled can end a mission of {report.model.name}."
         return text, "", ""
     often = figures.one_in(risk)
+    kind = _verdict(report.verdict[0])[0] if report.verdict else ""
+    of_what = f"Of what ran, for the run is {kind}: probability" if kind in BAD else "Probability"
     return (
-        f"Probability that a hardware failure ends a mission of {report.model.name}:",
+        f"{of_what} that a hardware failure ends a mission of {report.model.name}:",
         figures.powered(risk, digits=4),
         f"{often} missions" if often else "",
     )

@@ -17,6 +17,22 @@ _UPRIGHT_TILT = math.radians(5.0)
 _UPRIGHT_HEIGHT = 0.005  # an object this far above or below its goal does not stand in it [m]
 
 
+def offsets(
+    placed: Sequence[tuple[GraspableObject, Pose]], goals: Sequence[Goal]
+) -> tuple[ObjectOffset, ...]:
+    """Return the offset of each object from the nearest goal; of one astray from a free one.
+
+    A goal at which another object stands is not free; where none is free, all count.
+    """
+    nearest = [offset(thing, pose, goals) for thing, pose in placed]
+    taken = {result.goal for result in nearest if result.stands_at_goal}
+    free = [goal for goal in goals if goal.name not in taken] or goals
+    return tuple(
+        result if result.stands_at_goal else offset(thing, pose, free)
+        for result, (thing, pose) in zip(nearest, placed, strict=True)
+    )
+
+
 def offset(thing: GraspableObject, pose: Pose, goals: Sequence[Goal]) -> ObjectOffset:
     """Return the horizontal offset of an object from the nearest goal, and its tilt.
 

@@ -18,7 +18,7 @@ from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.planning import Planner
 from tracerisk.twin.physics.motion import STEP_NS, LinkTarget, Pose
-from tracerisk.twin.physics.placement import offset
+from tracerisk.twin.physics.placement import offsets
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.recording.samples import SampleWriter
@@ -144,14 +144,14 @@ class Twin:
     def object_offsets(self) -> tuple[ObjectOffset, ...]:
         """Return where each object stands: its offset from the nearest goal, and its tilt.
 
+        The goal of an object astray is one at which no other object stands, where there is one.
+
         The tilt is the angle by which the object's z axis has left its first direction [rad];
         an object is upright when it has tilted less than 5 degrees and, where there is a goal,
         stands within 5 mm of the goal's height.
         """
-        return tuple(
-            offset(thing, self.object_pose(thing.name), self.scene.goals)
-            for thing in self.scene.objects
-        )
+        placed = [(thing, self.object_pose(thing.name)) for thing in self.scene.objects]
+        return offsets(placed, self.scene.goals)
 
     # Planning
 
