@@ -29,8 +29,8 @@ class CampaignOptions:
     noted: Callable[[str], None] | None = None
     """Called with each sentence that a user should know.
 
-    A sentence says what was edited in the evidence and is tried again, or why runs could not be
-    branched off one and were whole ones.
+    A sentence says how many runs there are if they are more than asked for, what was edited in
+    the evidence and is tried again, or why runs could not be branched off one and were whole ones.
     """
 
     def has(self, number: int) -> bool:

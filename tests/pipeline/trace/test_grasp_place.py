@@ -63,6 +63,9 @@ def test_the_words_name_the_place_and_the_nearest_thing():
     samples = Samples(header, none, np.array([at]), none, none, none, np.array([pose]))
     words = grasp_place(robot, robot.grippers[0], samples, 0)
     assert abs(y) < 1e-6, "it would be shown with a sign"
-    assert words == f"at ({x:.3f}, 0.000, {z:.3f}) m, 0.050 m from cube, the nearest object"
+    assert (
+        words
+        == f"at ({x:.3f}, 0.000, {z:.3f}) m, 0.050 m from the origin of cube, the nearest object"
+    )
     assert math.dist((x, y, z), pose[len(at) : len(at) + 3]) == pytest.approx(0.05)
     assert grasp_place(robot, robot.grippers[0], samples, 10**9) == ""

@@ -67,7 +67,11 @@ def test_a_gripper_that_closes_on_nothing_is_told_at_the_line_that_closes_it(
 @pytest.mark.parametrize(
     ("objects", "why"),
     [
-        (ASIDE, "from cube, the nearest object: no object of the scene is between its pads there"),
+        (
+            ASIDE,
+            "from the origin of cube, the nearest object: no object of the scene is between its "
+            "pads there",
+        ),
         ("", "m: the scene gives it nothing to grasp, so no load is in the figures"),
     ],
     ids=["aside", "empty scene"],
@@ -94,6 +98,29 @@ def test_a_controller_that_notices_an_empty_grip_learns_where_it_was(
     assert found["message"].startswith("panda_hand closed on nothing at (")
     assert why in found["message"]
     assert found["function"] == "close"
+
+
+AT_LAST = """\
+import moveit_commander
+import rospy
+
+rospy.init_node("c")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+hand = moveit_commander.MoveGroupCommander("panda_hand")
+hand.go([0.04, 0.04], wait=True)
+arm.go([0.0, 0.4, 0.0, -1.8, 0.0, 2.2, 0.78], wait=True)
+hand.go([0.0, 0.0], wait=True)
+"""
+
+
+def test_a_grip_as_the_last_command_of_a_run_holds(tmp_path, example_in):
+    example = example_in(tmp_path)
+    example.write("c.py", AT_LAST)
+    part = "{name: part, cylinder: {radius: 0.02, height: 0.25}, xyz: [0.646, 0, 0.125], mass: 0.3}"
+    example.write("cell.yaml", f"objects:\n  - {part}\n")
+    outcome = example.run("run", "c.py", "--json", "--robot", "panda", "--scenario", "cell.yaml")
+    assert outcome.json["trace"]["active"]["panda_hand"]["grasps"] == 1
+    assert outcome.json["trace"]["findings"] == []
 
 
 GRASP = """\

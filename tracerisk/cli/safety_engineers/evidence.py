@@ -80,14 +80,22 @@ def run(options: argparse.Namespace) -> int:
     else:
         reasons: list[str] = []
         with bar_of_cells("failures", "the run without a failure", quiet=options.quiet) as progress:
+            # Where there is a bar, lines would go through it: they follow it.
+            is_later = progress is not None
+
+            def noted(reason: str) -> None:
+                if reason not in reasons and not is_later:
+                    note(reason, quiet=options.quiet)
+                reasons.append(reason)
+
             evidence = api.gather_evidence(
                 options.controller,
                 shared.run_settings(options),
-                campaign_options(options, progress, reasons.append),
+                campaign_options(options, progress, noted),
                 cells=options.cells,
                 until=options.until,
             )
-        for reason in dict.fromkeys(reasons):
+        for reason in dict.fromkeys(reasons if is_later else ()):
             note(reason, quiet=options.quiet)
     _print(options, at_lines_now(evidence, api.load_controller(options.controller)))
     if options.replays is not None:

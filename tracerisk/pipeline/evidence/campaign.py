@@ -190,6 +190,11 @@ def run_campaign(plan: Plan, options: CampaignOptions) -> Evidence:
     ]
     if options.fresh:
         plan.journal.unlink(missing_ok=True)
+    if len(plan.cells) > plan.declared:
+        noted(
+            f"{len(todo)} failures to try: {plan.declared} are drawn, as asked, and the table of "
+            f"units and modes needs {len(plan.cells) - plan.declared} more; --time limits them"
+        )
     began = time.monotonic()
     try:
         with journal(plan.journal) as keep:

@@ -38,7 +38,7 @@ def grasp_place(robot: Robot, gripper: Gripper, samples: Samples, time_ns: int) 
         ((name, math.dist(place, where)) for name, where in things.items()),
         key=lambda pair: pair[1],
     )
-    return f"{words}, {_millimetres(far)} m from {name}, the nearest object"
+    return f"{words}, {_millimetres(far)} m from the origin of {name}, the nearest object"
 
 
 def between_pads(
