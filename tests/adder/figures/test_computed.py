@@ -301,3 +301,13 @@ def test_what_is_in_use_without_a_figure_is_an_assumption(compute, active):
     lines = compute(trace, RATE, JOINTS).assumptions
     words = "in use and not counted, for the hardware data has no figure of them: "
     assert lines == ((f"{words}1 torque sensor (a/torque)",) if active else ())
+
+
+@pytest.mark.parametrize("held_s", [0.0, 15.0])
+@pytest.mark.parametrize("figure", ["probability: {value: 2e-8, per: demand}", RATE])
+def test_holding_that_no_figure_of_a_gripper_counts_is_an_assumption(compute, figure, held_s):
+    use = Exposure(active_s=1.0 + held_s, moving_s=1.0, grasping_s=held_s, grasps=1, starts=1)
+    trace = replace(trace_of(("pick", 2.0, {"hand": use}), kind="gripper"), active={"hand": use})
+    lines = compute(trace, figure, "twin: {gripper: true}").assumptions
+    told = [line for line in lines if "(15 s in this run) is not counted" in line]
+    assert len(told) == (held_s > 0.0 and figure != RATE)

@@ -71,7 +71,7 @@ def test_everything_that_changed_is_reported(eventful, review_of):
         "check (added)",
         "lost redundancy, single point of failure",
         "camera, in check",
-        "pin place.gripper.probability := 2e-7 stays, computed 1e-7 -> 1.5e-7",
+        "as before: place.gripper.probability := 2e-7, computed 1e-7 -> 1.5e-7",
         FIGURE_STATEMENT,
     ):
         assert reported in text
@@ -159,10 +159,12 @@ def test_the_first_sentence_puts_a_cause_together_over_functions(difference, rev
     assert diff.changes[0].component == "motor"
     sentence = first_sentence(render_diff(review_of(diff)))
     # 24e-8 of 34e-8, where no single change makes more than the motor's 10e-8.
-    assert sentence.endswith("mostly through gripper in 3 functions [pin], 71 % of the rise.")
+    assert sentence.endswith(
+        "mostly through gripper in 3 functions [set by hand], 71 % of the rise."
+    )
     found = [(each.component, each.kinds, each.functions) for each in diff.causes]
     assert found == [
-        ("gripper", ("pin",), ("grip", "reach", "turn")),
+        ("gripper", ("set by hand",), ("grip", "reach", "turn")),
         ("motor", ("edited by hand",), ("reach",)),
     ]
     assert diff.causes[0].contribution == pytest.approx(2.4e-7, rel=1e-6)

@@ -88,6 +88,25 @@ def uncounted(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:
     return (f"in use and not counted, for the hardware data has no figure of them: {listed}",)
 
 
+def uncounted_holds(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:
+    """Return for how long grippers held something of which figures count the grasps alone."""
+    lines = []
+    for bound_component in bound:
+        component = bound_component.component
+        twin = component.twin
+        is_counted = any(figure.per is not Basis.DEMAND for figure in component.figures)
+        if twin is None or not twin.gripper or is_counted:
+            continue
+        uses = [trace.active[name] for name in bound_component.elements if name in trace.active]
+        held_s = sum(use.grasping_s for use in uses)
+        if held_s > 0.0:
+            lines.append(
+                f"{component.name}: its figures count demands alone, so that it may let go while "
+                f"it holds something ({held_s:.4g} s in this run) is not counted"
+            )
+    return tuple(lines)
+
+
 def _named(
     bound: Sequence[BoundComponent], is_so: Callable[[Component], bool], words: str
 ) -> tuple[str, ...]:

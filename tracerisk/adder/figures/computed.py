@@ -19,7 +19,7 @@ from tracerisk.adder.blocks.values import (
     computed_redundancy,
     profile_next,
 )
-from tracerisk.adder.figures.assumptions import assumptions_of, uncounted
+from tracerisk.adder.figures.assumptions import assumptions_of, uncounted, uncounted_holds
 from tracerisk.adder.figures.failure_outcomes import FailureOutcomes, later_functions
 from tracerisk.adder.figures.instances import ComponentInstances, instances_of
 from tracerisk.adder.quantify.component_activity import (
@@ -154,7 +154,12 @@ def compute_blocks(
         )
         for component_use, use in zip(used, uses, strict=True)
     )
-    assumed = (*assumptions_of(used), *uncounted(trace, bound), *_evidence_words(known, used))
+    assumed = (
+        *assumptions_of(used),
+        *uncounted(trace, bound),
+        *uncounted_holds(trace, bound),
+        *_evidence_words(known, used),
+    )
     return ComputedBlocks(blocks, exposures, observed, assumed, instances)
 
 

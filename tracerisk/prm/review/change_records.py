@@ -98,12 +98,12 @@ class RiskChange:
         return tuple(sorted({cause for field in self.fields for cause in field.causes}))
 
 
-CauseKind = Literal["code", "hardware data", "pin", "edited by hand", "run", "evidence"]
+CauseKind = Literal["code", "hardware data", "set by hand", "edited by hand", "run", "evidence"]
 """The kind of cause named in the summary sentence; "run" stands for the settings and other files of
 the run."""
 
 KIND_OF_CAUSE: Mapping[Cause, CauseKind] = {
-    "pin": "pin",
+    "pin": "set by hand",
     "edit": "edited by hand",
     "code": "code",
     "hardware": "hardware data",

@@ -49,7 +49,7 @@ _MARKS: dict[Mark, str] = {
 }
 
 _CAUSES = {
-    "pin": "pin",
+    "pin": "set by hand",
     "edit": "edited by hand",
     "code": "code",
     "hardware": "hardware",
@@ -198,7 +198,7 @@ def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
     pairs = [
         ("Single points of failure that were none", single),
         (OF_HARDWARE, list(of_hardware(diff))),
-        ("Pins", pins(review, diff)),
+        ("Values set by hand", pins(review, diff)),
         (OF_PACE, list(of_pace(diff))),
         (OF_RUN, list(diff.of_run)),
         (OF_EVIDENCE, list(diff.of_evidence)),
@@ -614,7 +614,7 @@ def name_of(changed: RiskDiff | FunctionChange) -> str:
 
 
 def pins(review: Review, diff: RiskDiff) -> list[str]:
-    """Return what became of each pin, and where that is."""
+    """Return what became of each value that a user set, and where that is."""
     return [
         f"{pin(pin_change)} "
         f"({review.place(pin_change.location, is_gone=pin_change.kind == 'removed')})"
@@ -623,16 +623,16 @@ def pins(review: Review, diff: RiskDiff) -> list[str]:
 
 
 def pin(change: PinChange) -> str:
-    """Return what became of a pin."""
+    """Return what became of a value that a user set."""
     match change.kind:
         case "new":
-            text = f"new pin {change.path} := {change.after}"
+            text = f"new: {change.path} := {change.after}"
         case "removed":
-            return f"pin {change.path} := {change.before} is gone"
+            return f"no longer: {change.path} := {change.before}"
         case "changed":
-            text = f"pin {change.path} := {change.before} -> {change.after}"
+            text = f"changed: {change.path} := {change.before} -> {change.after}"
         case "drifted":
-            text = f"pin {change.path} := {change.after} stays, computed {change.computed_before}"
+            text = f"as before: {change.path} := {change.after}, computed {change.computed_before}"
             return f"{text} -> {change.computed_after}{_reason(change)}"
     if change.computed_after is not None:
         text += f" (computed {change.computed_after})"
