@@ -178,7 +178,8 @@ def _notes(options: argparse.Namespace, done: Assessed, trace: Trace) -> list[st
         keeps_files=keeps_files(options),
         is_changed=done.annotated.is_changed,
     )
-    if done.annotated.is_changed and not keeps_files(options):
+    reasons = () if trace.verdict is None else trace.verdict.open_reasons
+    if done.annotated.is_changed and not keeps_files(options) and (reasons or trace.findings):
         blocks += "; lines named here are those of the file with them"
         if trace.verdict is not None and trace.verdict.is_bad:
             blocks += f"; `tracerisk check` refuses them, for the run is {trace.verdict.kind}"
