@@ -209,7 +209,7 @@ def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
 
 
 def _inputs(diff: RiskDiff) -> Iterator[str]:
-    """Yield which other inputs of the run changed: not the controller, nor what is told above."""
+    """Yield which other inputs of the run changed: not the controller, nor what is listed above."""
     for line in diff.inputs:
         file = line.removesuffix(" has changed")
         is_told = any(f"({file}:" in told for told in diff.hardware)
