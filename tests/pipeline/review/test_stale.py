@@ -278,3 +278,17 @@ def test_other_line_ends_of_a_text_make_no_version_stale(cell):
     cell.commit()
     outcome = cell.run("diff", "HEAD~1..HEAD", "--max-failure-probability", "0.5")
     assert outcome.code == 0, outcome.err
+
+
+def test_a_figure_of_blocks_that_are_stale_is_not_shown_as_that_of_the_later_version(cell):
+    cell.write("helper.py", "REACH = 0.5\n")
+    outcome = cell.run("diff", "HEAD")
+    assert outcome.code == 0
+    assert outcome.out.startswith("complete, 1 of 1 function with commands ran (of its last run: ")
+    (row,) = (line for line in outcome.out.splitlines() if line.startswith("  mission failure"))
+    assert row.split()[-3:] == ["-", "not", "assessed"]
+    assert outcome.err.startswith("exit code 0, though pick.py did not pass: --max-increase R ")
+    markdown = cell.run("diff", "HEAD", "--format", "markdown").out
+    (row,) = (line for line in markdown.splitlines() if line.startswith("|") and "pick.py" in line)
+    assert row.split(" | ")[2] == "none"
+    assert cell.run("diff", "HEAD", "--max-increase", "0.1").code == 1
