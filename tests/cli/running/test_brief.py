@@ -159,7 +159,7 @@ def test_what_never_ran_is_said_to_pass_check(code, is_gap):
     trace = Trace("c.py", "panda", "empty", end, (), (), (), verdict=verdict)
     options = Namespace(controller="c.py", check=False, diff=False)
     text = " ".join(_following(options, trace, is_brief=False))
-    assert ("`tracerisk check` passes that" in text) is is_gap
+    assert ("`tracerisk check c.py` passes that" in text) is is_gap
 
 
 def test_doctor_on_a_terminal_shows_what_was_set(example, quick):

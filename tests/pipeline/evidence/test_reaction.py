@@ -325,7 +325,7 @@ def test_places_where_a_check_would_help_come_with_what_they_would_show():
         "(motor dead, motor jam)"
     )
     assert second.words.startswith(
-        "the width of the gripper is not read soon enough after this command, or not acted upon: 1 fail"
+        "the width of the gripper is not read in time after this command, or not acted upon: 1 fail"
     )
 
 

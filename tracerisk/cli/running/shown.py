@@ -149,8 +149,8 @@ def _following(options: argparse.Namespace, trace: Trace, *, is_brief: bool) -> 
         return lines
     if reasons and all(reason.code in GAPS for reason in reasons):
         lines.append(
-            "Note: what never ran has no part in the figure; `tracerisk check` passes that, unless "
-            "`min_coverage` is set or a change made it so."
+            f"Note: what never ran has no part in the figure; `tracerisk check {name}` passes "
+            "that, unless `min_coverage` is set or a change made it so."
         )
     if options.check or options.diff:
         return [*lines, f"Next: `tracerisk run {name}` writes the blocks; nothing is written yet."]
@@ -182,5 +182,6 @@ def _notes(options: argparse.Namespace, done: Assessed, trace: Trace) -> list[st
     if done.annotated.is_changed and not keeps_files(options) and (reasons or trace.findings):
         blocks += "; lines named here are those of the file with them"
         if trace.verdict is not None and trace.verdict.is_bad:
-            blocks += f"; `tracerisk check` refuses them, for the run is {trace.verdict.kind}"
+            why = f"the run is {trace.verdict.kind}"
+            blocks += f"; `tracerisk check {options.controller}` refuses them, for {why}"
     return [headline(trace), *object_lines(trace), blocks]

@@ -10,7 +10,7 @@ from tracerisk.errors import Location
 
 _WORDS: dict[MissedCheck, str] = {
     "result": "the answer to this call is not looked at",
-    "grip": "the width of the gripper is not read soon enough after this command, or not acted upon",
+    "grip": "the width of the gripper is not read in time after this command, or not acted upon",
     "time_limit": "this wait has no time limit",
 }
 
