@@ -203,7 +203,7 @@ def test_against_takes_the_merge_base_of_a_branch(kept, capsys):
     git(kept, "commit", "-qm", "the branch")
     report = ["report", "controller.py", "-o", "out.html", "-q", "--against"]
     assert main([*report, "main"]) == 0
-    assert "0.5 is gone" in reported(parsed(kept), "difference")
+    assert "no longer: home.power_system.probability := 0.5" in reported(parsed(kept), "difference")
     for revision in ("main...HEAD", "main...branch", "main..."):
         assert main([*report, revision]) == 0
         document = parsed(kept)

@@ -408,7 +408,7 @@ def test_a_refresh_that_goes_wrong_prints_all_that_did(project, monkeypatch):
     monkeypatch.setattr(refresh.shared, "merge_policy", lambda _: None)
     assert refresh.run(options) == 1
     assert said[:3] == [
-        "c.py: faulted: no plan 0 (and 1 more); 0 of 0 functions with commands ran",
+        "c.py: faulted: no plan 0; 0 of 0 functions with commands ran",
         "  faulted: no plan 1",
         "  partial: no plan 2",
     ]
