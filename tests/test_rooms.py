@@ -130,6 +130,7 @@ SUB_ROOMS = {
             "limits",
         ),
         *("strong_components", "text", "campaign", "verdict", "function_ref"),
+        "replaced_names",
     ),
     "twin": (
         *("workspace", "simulation", "recording", "motion", "faults", "physics"),

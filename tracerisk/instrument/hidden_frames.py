@@ -21,7 +21,7 @@ from types import FrameType, FunctionType, TracebackType
 from typing import Any, TypeVar
 
 import tracerisk
-from tracerisk.common.sandbox.replaced_names import replaced
+from tracerisk.common.replaced_names import replaced
 
 HIDDEN_FILENAME = "<tracerisk, hidden like importlib._bootstrap>"
 """File name of hidden code; `warnings` and `logging` skip `importlib` with `_bootstrap`."""

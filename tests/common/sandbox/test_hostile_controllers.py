@@ -83,7 +83,12 @@ OTHERS = {
     " a.sendmsg([b'pwned'], [], 0, UNIX)",
     "abstract": "s = socket.socket(socket.AF_UNIX); s.connect('\\0tracerisk-test'); s.send(b'pwned')",
     "netlink": "socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, 0); say('reached netlink')",
-    "listen": "s = socket.socket(); s.bind(('127.0.0.1', 0)); s.listen(); say('reached listen')",
+    "its own server at the port of another": "s = socket.create_server(('127.0.0.1', PORT));"
+    " socket.create_connection(('127.0.0.1', PORT), 2).sendall(b'pwned')",
+    "every port of loopback": "for port in (*range(PORT - 50, PORT + 50), 22, 631, 5432, 11311):\n"
+    "    s = socket.socket(); s.connect_ex(('127.0.0.1', port)) or say('reached a port')",
+    "IPv6": "socket.create_connection(('::ffff:127.0.0.1', PORT), 2).sendall(b'pwned')",
+    "socket of a pair by name": "a, b = socket.socketpair(); a.connect(UNIX); a.sendall(b'pwned')",
     "io_uring": "r = C.syscall(425, 8, ctypes.create_string_buffer(120));"
     " r >= 0 and say('reached io_uring')",
     "kill the parent": "os.kill(PARENT, 0); say('reached the parent')",

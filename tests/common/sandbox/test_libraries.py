@@ -2,12 +2,13 @@
 
 import importlib.util
 import re
+import socket
 
 import pytest
 
 from tests.slow import slow_but
 from tracerisk.api import trace_controller
-from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.common.sandbox.kernel_features import offers_own_network, support
 from tracerisk.config import Settings
 from tracerisk.pipeline.workspace.controller import load_controller
 
@@ -201,6 +202,93 @@ one.bind("inproc://a"); other.connect("inproc://a"); one.send(b"x")
 other.recv()""",
     "zstandard": "zstandard.decompress(zstandard.compress(bytes(99)))",
 }
+OVER_LOOPBACK = {
+    "asyncio.streams": """
+import asyncio
+async def answer(reader, writer):
+    writer.write((await reader.readline()).upper())
+    await writer.drain()
+    writer.close()
+async def main():
+    server = await asyncio.start_server(answer, "127.0.0.1", 0)
+    reader, writer = await asyncio.open_connection(*server.sockets[0].getsockname())
+    writer.write(b"hello\\n")
+    result = await reader.readline()
+    writer.close(); server.close()
+    return result
+asyncio.run(main())""",
+    "http.server": """
+import threading, urllib.request
+class Handler(http.server.BaseHTTPRequestHandler):
+    def do_GET(self):
+        self.send_response(200); self.end_headers(); self.wfile.write(b"x" * 300000)
+    def log_message(self, *_): pass
+server = http.server.ThreadingHTTPServer(("localhost", 0), Handler)
+thread = threading.Thread(target=server.serve_forever); thread.start()
+result = len(urllib.request.urlopen(f"http://localhost:{server.server_port}/", timeout=5).read())
+server.shutdown(); thread.join(); server.server_close()
+result""",
+    "multiprocessing.connection": """
+import threading
+listener = multiprocessing.connection.Listener(("127.0.0.1", 0), authkey=b"key")
+def serve():
+    with listener.accept() as connection: connection.send(connection.recv() + 1)
+thread = threading.Thread(target=serve); thread.start()
+with multiprocessing.connection.Client(listener.address, authkey=b"key") as connection:
+    connection.send(4)
+    result = connection.recv()
+thread.join()
+result""",
+    "multiprocessing.managers": """
+import threading
+class Manager(multiprocessing.managers.BaseManager): pass
+Manager.register("values", callable=lambda: [3, 4])
+server = Manager(address=("127.0.0.1", 0), authkey=b"key").get_server()
+threading.Thread(target=server.serve_forever, daemon=True).start()
+client = Manager(address=server.address, authkey=b"key"); client.connect()
+str(client.values())""",
+    "socketserver": """
+import socket
+class Handler(socketserver.DatagramRequestHandler):
+    def handle(self): self.wfile.write(self.rfile.read().upper())
+import threading
+server = socketserver.UDPServer(("127.0.0.1", 0), Handler)
+threading.Thread(target=server.handle_request).start()
+with socket.socket(type=socket.SOCK_DGRAM) as client:
+    client.settimeout(5); client.sendto(b"x", server.server_address)
+    result = client.recv(9)
+result""",
+    "socket": """
+import threading
+server, sizes = socket.create_server(("::1", 0), family=socket.AF_INET6), []
+def serve():
+    connection, _ = server.accept()
+    with connection:
+        while piece := connection.recv(100_000): sizes.append(len(piece))
+thread = threading.Thread(target=serve); thread.start()
+with socket.create_connection(server.getsockname()[:2]) as client: client.sendall(bytes(9_000_000))
+thread.join()
+sum(sizes)""",
+    "subprocess": """
+import socket, sys
+server = socket.create_server(("127.0.0.1", 0))
+code = "import socket, sys; socket.create_connection(('127.0.0.1', int(sys.argv[1]))).sendall(b'x')"
+process = subprocess.Popen([sys.executable, "-c", code, str(server.getsockname()[1])])
+connection, _ = server.accept()
+result = connection.recv(9), process.wait()
+result""",
+    "xmlrpc.server": """
+import threading, xmlrpc.client
+server = xmlrpc.server.SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
+server.register_function(pow)
+threading.Thread(target=server.serve_forever, daemon=True).start()
+xmlrpc.client.ServerProxy(f"http://127.0.0.1:{server.server_address[1]}").pow(2, 5)""",
+    "zmq": """
+context = zmq.Context()
+one, other = context.socket(zmq.PAIR), context.socket(zmq.PAIR)
+other.connect(f"tcp://localhost:{one.bind_to_random_port('tcp://127.0.0.1')}"); other.send(b"x")
+one.recv()""",
+}
 CONTROLLER = """\
 import ast
 import rospy, moveit_commander
@@ -252,3 +340,57 @@ def test_libraries_do_the_same_contained_or_not(third, tmp_path, monkeypatch, ca
     assert contained.keys() == uses.keys()
     assert {name: text for name, text in contained.items() if "failed" in text} == {}
     assert contained == used(tmp_path, uses, "off", capfd)
+
+
+@pytest.mark.skipif(
+    bool(support().missing) or not offers_own_network(), reason="needs a network of its own"
+)
+def test_parts_of_a_controller_speak_over_loopback_contained_or_not(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    uses = {name: use for name, use in OVER_LOOPBACK.items() if is_installed(name)}
+    contained = used(tmp_path, uses, "require", capfd)
+    assert contained.keys() == uses.keys()
+    assert {name: text for name, text in contained.items() if "failed" in text} == {}
+    assert contained == used(tmp_path, uses, "off", capfd)
+
+
+SPEAKING = """\
+import socket, threading, rospy, moveit_commander
+rospy.init_node("cell")
+arm = moveit_commander.MoveGroupCommander("panda_arm")
+arm.go([0.1, 0, 0, -1, 0, 1, 0], wait=True)
+with socket.create_server(("127.0.0.1", 0)) as server:
+    socket.create_connection(server.getsockname()).close()
+receiver = socket.socket(type=socket.SOCK_DGRAM)
+receiver.bind(("127.0.0.1", 0))
+socket.socket(type=socket.SOCK_DGRAM).sendto(b"x", receiver.getsockname())
+try:
+    socket.create_connection(("127.0.0.1", {port}), 2)
+except OSError as error:
+    print("GOT", type(error).__name__, flush=True)
+socket.socket(type=socket.SOCK_DGRAM).sendto(b"x", ("127.0.0.1", {port}))
+"""
+
+
+@pytest.mark.skipif(
+    bool(support().missing) or not offers_own_network(), reason="needs a network of its own"
+)
+def test_only_what_does_not_stay_within_the_run_is_a_finding(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    with socket.create_server(("127.0.0.1", 0)) as outside:
+        port = outside.getsockname()[1]
+        (tmp_path / "cell.py").write_text(SPEAKING.format(port=port))
+        trace = trace_controller(load_controller(tmp_path / "cell.py"), Settings(sandbox="require"))
+        outside.settimeout(0)
+        with pytest.raises(BlockingIOError):
+            outside.accept()
+    assert "GOT ConnectionRefusedError" in capfd.readouterr().err
+    found = [item.message.partition(":")[2].split(";")[0] for item in denied(trace)]
+    assert found == [
+        f"{port} was not connected to: the run is contained",
+        f"{port} was not sent to: the run is contained",
+    ]
+
+
+def denied(trace):
+    return [finding for finding in trace.findings if finding.kind == "denied"]

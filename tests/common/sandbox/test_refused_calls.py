@@ -9,6 +9,7 @@ import contextlib
 import ctypes
 import errno
 import fcntl
+import functools
 import json
 import os
 import platform
@@ -216,12 +217,22 @@ NETWORK = {
     "pair of datagrams": "S(53, 1, 2, 0, bytes(8))",
     "pair of another family": "S(53, 30, 1, 0, bytes(8))",
     "connection": "S(42, TCP.fileno(), TO, 16)",
+    "connection of IPv6": "SOCKET(10, 1).connect(('::ffff:127.0.0.1', PORT))",
+    "connection to another machine": "SOCKET(2, 1).connect(('192.0.2.1', PORT))",
+    "port of the system": "SOCKET(2, 1).bind(('127.0.0.1', 80))",
+    "a name without a file": "SOCKET(1, 1).connect('\\0x')",
+}  # fmt: skip
+# These a process may do in a network of its own, in which they reach nobody.
+SPEAKING = {
     "connection of datagrams": "S(42, UDP.fileno(), TO, 16)",
     "message": "SOCKET(2, 2).sendmsg([b'pwned'], [], 0, ('127.0.0.1', PORT))",
-    "messages at once": "S(307, UDP.fileno(), bytes(64), 1, 0)",
+    "messages at once": "S(307, UDP.fileno(), struct.pack('QIxxxx', ctypes.addressof(NAME), 16)"
+    " + bytes(48), 1, 0)",
     "bound": "S(49, TCP.fileno(), bytes([2]) + bytes(15), 16)",
     "listens": "S(50, TCP.fileno(), 1)",
-    "accepts": "S(43, TCP.fileno(), None, None)",
+    "bound to the port of another": "SOCKET(2, 1).bind(('127.0.0.1', PORT))",
+    "datagram": "SOCKET(2, 2).sendto(b'pwned', ('127.0.0.1', PORT))",
+    "datagram to another machine": "SOCKET(2, 2).sendto(b'pwned', ('192.0.2.1', PORT))",
 }  # fmt: skip
 SILENT = {
     # These are said to have succeeded.
@@ -310,7 +321,7 @@ class World:
         }
 
 
-def made(world: World, code: str, user: int) -> str:
+def made(world: World, code: str, user: int, *, own_network: bool = False) -> str:
     """Make an attack in a contained process; return what it got, empty where that is an error."""
     reading, writing = os.pipe()
     parent = os.getpid()
@@ -323,11 +334,20 @@ def made(world: World, code: str, user: int) -> str:
                 os.setgroups([])
                 os.setresgid(user, user, user)
                 os.setresuid(user, user, user)
+                # As after `exec`: else /proc/self belongs to root.
+                ctypes.CDLL(None).prctl(4, 1, 0, 0, 0)
             os.setpgid(0, 0)
+            if own_network and not kernel_features.leave_network():
+                raise RuntimeError("the kernel allows no network of its own")
             space = attacker(world, parent)
             for kind, most in ((resource.RLIMIT_AS, 1 << 36), (resource.RLIMIT_NOFILE, 512)):
                 resource.setrlimit(kind, (most, most))
-            kernel_features.restrict(["/usr", str(world.victim)], [], [str(world.own)])
+            kernel_features.restrict(
+                ["/usr", str(world.victim)],
+                [],
+                [str(world.own)],
+                own_network=own_network,
+            )
             got = tried(code, space)
         except BaseException:  # noqa: BLE001 - the parent reports it
             got = traceback.format_exc()
@@ -369,7 +389,8 @@ def attacker(world: World, parent: int) -> dict[str, object]:
         return 0 if isinstance(result, bytes) else result
 
     return {
-        **{name: globals()[name] for name in ("array", "fcntl", "os", "resource", "socket", "struct")},
+        **{name: globals()[name] for name in ("array", "ctypes", "fcntl", "os", "resource", "socket", "struct")},
+        "NAME": ctypes.create_string_buffer(address(world.udp.getsockname()[1]), 16),
         "S": call,
         "I": request,
         "P": os.fsencode(world.victim),
@@ -403,12 +424,14 @@ def world(user):
     new.close()
 
 
-def made_apart(kind: str, user: int) -> tuple[dict[str, str], dict[str, str]]:
+def made_apart(
+    kind: str, user: int, *, own_network: bool = False
+) -> tuple[dict[str, str], dict[str, str]]:
     """Return what each attack of a kind got, and what has changed outside.
 
     They are made by a process of their own: to fork the one of all tests takes long, for it is large.
     """
-    code = f"from {__spec__.name} import write_made; write_made({kind!r}, {user})"
+    code = f"from {__spec__.name} import write_made; write_made({kind!r}, {user}, {own_network})"
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False
     )
@@ -418,10 +441,13 @@ def made_apart(kind: str, user: int) -> tuple[dict[str, str], dict[str, str]]:
     return got, changed
 
 
-def write_made(kind: str, user: int) -> None:
+def write_made(kind: str, user: int, own_network: bool) -> None:
     world = World(user)
     before = world.state()
-    got = {name: made(world, code, user) for name, code in ATTACKS[kind].items()}
+    got = {
+        name: made(world, code, user, own_network=own_network)
+        for name, code in ATTACKS[kind].items()
+    }
     after = world.state()
     world.close()
     changed = {
@@ -433,10 +459,40 @@ def write_made(kind: str, user: int) -> None:
 
 
 @pytest.mark.parametrize("kind", sorted(ATTACKS.keys() - {"silent"}))
-def test_no_call_reaches_what_lies_outside(kind, user):
-    got, changed = made_apart(kind, user)
+@pytest.mark.parametrize("own_network", [False, True], ids=["no_network", "own_network"])
+def test_no_call_reaches_what_lies_outside(kind, user, own_network):
+    may_have(own_network, user)
+    got, changed = made_apart(kind, user, own_network=own_network)
     assert {name: text for name, text in got.items() if text} == {}
     assert changed == {}
+
+
+@functools.cache
+def offers_own_network(user: int) -> bool:
+    child = os.fork()
+    if child == 0:
+        if user != os.geteuid():
+            os.setresgid(user, user, user)
+            os.setresuid(user, user, user)
+            ctypes.CDLL(None).prctl(4, 1, 0, 0, 0)
+        os._exit(not kernel_features.leave_network())
+    return os.waitpid(child, 0)[1] == 0
+
+
+def may_have(own_network: bool, user: int) -> None:
+    if own_network and not offers_own_network(user):
+        pytest.skip("the kernel allows no network of its own")
+
+
+@pytest.mark.parametrize("name", SPEAKING)
+def test_who_speaks_in_a_network_of_its_own_reaches_nobody_outside(world, user, name):
+    may_have(True, user)
+    before = world.state()
+    alone = made(world, SPEAKING[name], user)
+    # Without such a network it is refused, or lost.
+    assert alone == ("got 0" if name.startswith("datagram") else "")
+    assert made(world, SPEAKING[name], user, own_network=True).startswith("got")
+    assert world.state() == before
 
 
 def test_what_is_said_to_succeed_has_no_effect(user):
@@ -502,7 +558,7 @@ def test_root_opens_its_own_below_a_folder_of_another_user(mode):
 
 def test_the_attacks_work_where_nothing_contains_them(world, user, monkeypatch):
     """Without the sandbox some of each kind get through, so that the tests above can fail."""
-    monkeypatch.setattr(kernel_features, "restrict", lambda *_: None)
+    monkeypatch.setattr(kernel_features, "restrict", lambda *_, **__: None)
     before = world.state()
     for name, code in {
         "flags": FILES["flags of a readable file"],

@@ -87,13 +87,28 @@ def test_each_number_is_allowed_with_a_reason_or_refused(machine, landlock):
             assert found == ERRNO | (errno.EPERM if number < NEW else errno.ENOSYS), number
 
 
+SPEAKING = {
+    *("accept", "accept4", "bind", "connect", "listen", "sendmmsg", "sendmsg", "sendto"),
+}
+
+
+def test_only_a_network_of_its_own_opens_calls_and_only_those_that_speak():
+    alone = checks(landlock=7, process=PROCESS)
+    with_network = checks(landlock=7, process=PROCESS, own_network=True)
+    assert {call for call in alone if with_network[call] != alone[call]} == SPEAKING
+    assert {with_network[call] for call in SPEAKING} == {((),)}
+    assert {alone[call] for call in SPEAKING - {"sendto"}} == {()}
+
+
+@pytest.mark.parametrize("own_network", [False, True])
 @pytest.mark.parametrize(
     ("machine", "landlock"),
     slow_but([("x86_64", 7), ("aarch64", 1)], [*itertools.product(sorted(ARCHITECTURES), [1, 7])]),
 )
-def test_each_checked_call_is_allowed_with_its_arguments_alone(machine, landlock):
-    text = program(landlock=landlock, process=PROCESS, machine=machine)
-    ways_of = checks(landlock=landlock, process=PROCESS)
+def test_each_checked_call_is_allowed_with_its_arguments_alone(machine, landlock, own_network):
+    setting = {"landlock": landlock, "process": PROCESS, "own_network": own_network}
+    text = program(**setting, machine=machine)
+    ways_of = checks(**setting)
     found = calls(CHECKED, machine)
     assert {call for call, _ in found.values()} <= ways_of.keys()
     for number, (call, refused) in found.items():

@@ -31,11 +31,13 @@ PROGRAM = (
     .read_text(encoding="utf-8")
     .replace("def main():\n", CALL_OUT)
 )
-NETWORK_UNREACHABLE = 101
+CONNECTION_REFUSED = 111
 
 
 def _has_a_network_of_its_own() -> bool:
-    code = "from tracerisk.ros.live.loopback import leave_network; print(leave_network())"
+    code = (
+        "from tracerisk.common.sandbox.kernel_features import leave_network; print(leave_network())"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return done.stdout.strip() == "True"
 
@@ -72,7 +74,7 @@ def test_the_run_has_its_own_master_and_no_way_out(lived):
     assert "- master http://127.0.0.1:" in printed
     assert "- reached" not in printed
     if _has_a_network_of_its_own():
-        assert f"- refused {NETWORK_UNREACHABLE}" in printed
+        assert f"- refused {CONNECTION_REFUSED}" in printed
 
 
 def test_the_trace_says_that_it_is_measured_and_what_is_lost(lived):

@@ -9,7 +9,8 @@ from tracerisk.ros.live.loopback import loopback_environment
 
 ALONE = """
 import socket, sys
-from tracerisk.ros.live.loopback import interfaces, leave_network
+from tracerisk.common.sandbox.kernel_features import leave_network
+from tracerisk.ros.live.loopback import interfaces
 if not leave_network():
     print("not allowed"); sys.exit()
 with socket.create_server(("127.0.0.1", 0)) as server:
@@ -20,7 +21,7 @@ try:
 except OSError as error:
     print(",".join(interfaces()), type(error).__name__, error.errno)
 """
-NETWORK_UNREACHABLE = 101
+CONNECTION_REFUSED = 111
 
 
 def test_variables_of_ros_are_replaced():
@@ -45,4 +46,4 @@ def test_nothing_but_loopback_is_left():
     )
     if "not allowed" in done.stdout:
         pytest.skip("the kernel allows no network of its own here")
-    assert done.stdout.split() == ["lo", "OSError", str(NETWORK_UNREACHABLE)]
+    assert done.stdout.split() == ["lo", "ConnectionRefusedError", str(CONNECTION_REFUSED)]

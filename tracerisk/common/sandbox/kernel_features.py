@@ -26,6 +26,21 @@ _MOST_CAPABILITIES = 64
 _GET_SECCOMP = 21
 _FILTER_MODE = 2
 
+_NEW_USERS, _NEW_NETWORK = 0x10000000, 0x40000000
+_APPARMOR_RULE = Path("/proc/sys/kernel/apparmor_restrict_unprivileged_userns")
+_SET_FLAGS, _UP = 0x8914, 0x1  # of a network interface
+_LOOPBACK_INDEX = 1  # each network begins with this interface
+_NEW_ROUTE, _MAKE = 24, 0x401  # a request of rtnetlink
+_LOCAL_TABLE, _STATIC, _HOST, _LOCAL = 255, 4, 254, 2
+_DESTINATION, _INTERFACE = 1, 4
+# All addresses but those of groups: family, first address, bits that count.
+_PLACES = (
+    (2, bytes([0, 0, 0, 0]), 1),
+    (2, bytes([128, 0, 0, 0]), 2),
+    (2, bytes([192, 0, 0, 0]), 3),
+    *((10, bytes([first]).ljust(16, b"\0"), bits) for first, bits in ((0x20, 3), (0xFC, 7))),
+)
+
 # The rights of Landlock on files, as bits.
 _EXECUTE, _WRITE, _READ, _LIST = 1, 1 << 1, 1 << 2, 1 << 3
 _DEVICES = 1 << 6 | 1 << 11  # to make character and block devices
@@ -88,19 +103,106 @@ def keep_signals_in(version: int) -> bool:
     return True
 
 
-def restrict(readable: Iterable[str], listable: Iterable[str], writable: Iterable[str]) -> None:
+def leave_network() -> bool:
+    """Give this process and those it starts a network that has loopback alone; return whether.
+
+    False where the kernel or a container does not allow it. To be called while the process has one
+    thread. A user who is not root becomes the only one of a namespace of users for it, and gains
+    no capability.
+    """
+    libc = _libc()
+    if libc.unshare(_NEW_NETWORK) == 0:
+        return _has_loopback()
+    # There root would no longer open what others own.
+    if os.geteuid() == 0 or _stops_half_way():
+        return False
+    user, group = os.geteuid(), os.getegid()
+    if libc.unshare(_NEW_USERS | _NEW_NETWORK) != 0:
+        return False
+    names = {
+        "setgroups": "deny",
+        "uid_map": f"{user} {user} 1",
+        "gid_map": f"{group} {group} 1",
+    }
+    try:
+        for name, text in names.items():
+            Path("/proc/self", name).write_text(text, encoding="utf-8")
+        return _has_loopback()
+    except OSError:
+        return False
+    finally:
+        _give_up_capabilities(0)
+
+
+def offers_own_network() -> bool:
+    """Return whether `leave_network` works here, as a process of its own finds out."""
+    if sys.platform != "linux":
+        return False
+    child = os.fork()
+    if child == 0:
+        os._exit(not leave_network())
+    return os.waitpid(child, 0)[1] == 0
+
+
+def _stops_half_way() -> bool:
+    """Return whether AppArmor lets users make a namespace and then do nothing in it."""
+    with contextlib.suppress(OSError):
+        return _APPARMOR_RULE.read_bytes().strip() != b"0"
+    return False
+
+
+def _has_loopback() -> bool:
+    """Take the loopback interface of a new network up; return whether that is allowed."""
+    import _socket
+    import fcntl
+
+    asking = _socket.socket(_socket.AF_INET, _socket.SOCK_DGRAM)
+    telling = _socket.socket(_socket.AF_NETLINK, _socket.SOCK_RAW, 0)
+    try:
+        flags = struct.pack("16sH14x", b"lo", _UP)
+        fcntl.ioctl(asking, _SET_FLAGS, flags)
+        for family, address, bits in _PLACES:
+            telling.send(_route_to_loopback(family, address, bits))
+    except OSError:
+        return False
+    finally:
+        asking.close()
+        telling.close()
+    return True
+
+
+def _route_to_loopback(family: int, address: bytes, bits: int) -> bytes:
+    """Return the request for a route: what is sent to these addresses, this machine refuses.
+
+    Otherwise the system would say that there is no way to them, as on no machine with a network.
+    """
+    kind = struct.pack("=BBBBBBBBI", family, bits, 0, 0, _LOCAL_TABLE, _STATIC, _HOST, _LOCAL, 0)
+    to = struct.pack("=HH", 4 + len(address), _DESTINATION) + address
+    by = struct.pack("=HHI", 8, _INTERFACE, _LOOPBACK_INDEX)
+    size = 16 + len(kind) + len(to) + len(by)
+    return struct.pack("=IHHII", size, _NEW_ROUTE, _MAKE, 0, 0) + kind + to + by
+
+
+def restrict(
+    readable: Iterable[str],
+    listable: Iterable[str],
+    writable: Iterable[str],
+    *,
+    own_network: bool = False,
+) -> None:
     """Contain this process and all that it starts, for good.
 
     It can read and execute what is `readable`, list the folders that are `listable`, and change
-    what is below a `writable` one; it has no network, and reaches no other process. To be called
-    before there is a second thread. Raises OSError where the kernel refuses.
+    what is below a `writable` one; it has no network but its `own_network`, which `leave_network`
+    has given it, and reaches no other process. To be called before there is a second thread.
+    Raises OSError where the kernel refuses.
 
     It keeps no capability, also as root, but for one: where a place belongs to another user, or
     lies in a folder that is closed to root without it, root can still open what Landlock allows.
     """
     version = min(support().landlock, _NEWEST)
     handled = _handled(version)
-    ports = 3 if version >= 4 else 0
+    ports = 3 if version >= 4 and not own_network else 0
     scope = _SCOPE_ABSTRACT_SOCKETS | _SCOPE_SIGNALS if version >= _SIGNALS_SINCE else 0
     ruleset = _ruleset(handled, ports, scope)
     are_ours = True
@@ -117,7 +219,7 @@ def restrict(readable: Iterable[str], listable: Iterable[str], writable: Iterabl
     are_ours = are_ours and not any(map(_is_closed, _with_parents(folders)))
     _restrict(ruleset)
     _give_up_capabilities(0 if are_ours else 1 << _OPEN_FILES_OF_OTHERS)
-    text = program(landlock=version, process=os.getpid())
+    text = program(landlock=version, process=os.getpid(), own_network=own_network)
     lines = ctypes.create_string_buffer(text, len(text))
     header = struct.pack("HxxxxxxP", len(text) // 8, ctypes.addressof(lines))
     _called(_libc().prctl(_SET_SECCOMP, _FILTER_MODE, ctypes.create_string_buffer(header), 0, 0))

@@ -25,7 +25,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from tracerisk.common.sandbox.replaced_names import replaced
+from tracerisk.common.replaced_names import replaced
 
 _LOOKED_AT = ("stat", "lstat", "access", "open")
 _REMOVES = ("remove", "unlink")

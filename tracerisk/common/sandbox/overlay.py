@@ -19,10 +19,19 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from tracerisk.common.replaced_names import replaced
 from tracerisk.common.sandbox.held_files import has_opener
+from tracerisk.common.sandbox.loopback import address_text, is_of_run
 from tracerisk.common.sandbox.noted_reads import unnoted
-from tracerisk.common.sandbox.replaced_names import replaced
 
+BOUND = "bound to"
+"""What a run could not do to an address where it has no network of its own."""
+_NETWORK = {
+    "socket.connect": "connected to",
+    "socket.bind": BOUND,
+    "socket.sendto": "sent to",
+    "socket.sendmsg": "sent to",
+}
 _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _SYSTEM = ("/dev/", "/proc/", "/sys/")
 _HOMES = ("home", "Users")
@@ -76,10 +85,13 @@ class Overlay:
 
     def _watch_network(self) -> None:
         def watch(event: str, arguments: tuple[Any, ...]) -> None:
-            if event in ("socket.connect", "socket.bind", "socket.sendto", "socket.sendmsg"):
-                verb = event.partition(".")[2]
-                self._denied({"connect": "connected to", "bind": "bound to"}.get(verb, "sent to"),
-                             _address(arguments[1] if len(arguments) > 1 else ""))  # fmt: skip
+            if event in _NETWORK and len(arguments) > 1 and not getattr(_inside, "is_so", False):
+                _inside.is_so = True
+                try:
+                    if not is_of_run(event, *arguments[:2]):
+                        self._denied(_NETWORK[event], address_text(arguments[1]))
+                finally:
+                    _inside.is_so = False
 
         sys.addaudithook(watch)
 
@@ -417,9 +429,3 @@ def _kept_by_numpy(opens: Callable[..., Any]) -> Iterator[tuple[Any, str, Any]]:
     kept = getattr(openers, "_file_openers", None)
     if isinstance(kept, dict):
         yield openers, "_file_openers", {**kept, None: opens}
-
-
-def _address(given: Any) -> str:
-    if isinstance(given, tuple) and len(given) >= 2:
-        return f"{given[0]}:{given[1]}"
-    return os.fsdecode(given) if isinstance(given, bytes | str) else str(given)

@@ -33,8 +33,15 @@ _GRACE_S = 5.0
 
 _SYSTEM = (
     *("/bin", "/lib", "/lib32", "/lib64", "/libx32", "/sbin", "/usr", "/opt/ros", "/nix/store"),
-    *("/etc/alternatives", "/etc/fonts", "/etc/group", "/etc/ld.so.cache", "/etc/ld.so.conf"),
-    *("/etc/ld.so.conf.d", "/etc/localtime", "/etc/locale.alias", "/etc/magic", "/etc/mime.types"),
+    *("/etc/alternatives", "/etc/fonts", "/etc/group", "/etc/hosts", "/etc/ld.so.cache"),
+    *(
+        "/etc/ld.so.conf",
+        "/etc/ld.so.conf.d",
+        "/etc/localtime",
+        "/etc/locale.alias",
+        "/etc/magic",
+        "/etc/mime.types",
+    ),
     *("/etc/nsswitch.conf", "/etc/os-release", "/etc/passwd", "/etc/protocols", "/etc/services"),
     *("/etc/timezone", "/dev/full", "/dev/random", "/dev/urandom", "/dev/zero"),
     *("/proc/cpuinfo", "/proc/filesystems", "/proc/meminfo", "/proc/stat", "/proc/version"),
@@ -124,12 +131,14 @@ def start(
     options: Sequence[str] = (),
     pass_fds: Sequence[int] = (),
     is_repeated: bool = False,
+    speaks: bool = False,
     **more: Any,
 ) -> subprocess.Popen[bytes]:
     """Start Python, isolated, with a module of ours; what it leaves running ends with it.
 
     `sandbox` is `None` for a module that runs nothing of a stranger's. `reads` and `writes` are
     what it may reach besides Python and the system. `more` is that of `subprocess.Popen`.
+    One that `speaks` gets a network of its own where the system allows it, others get none.
     A module that `is_repeated`, again and again, a server may fork where `more` is `OF_FORKED`.
     Raises SandboxError where a sandbox is required that does not work here.
     """
@@ -151,6 +160,7 @@ def start(
             "held": sorted(files, key=_is_no_source),
             "listable": [path for path, is_whole in parts.items() if not is_whole],
             "writable": [str(write) for write in writes],
+            "speaks": speaks,
         }
     begin = partial(_popen, module, options)
     common = {**_without_python(environment), "PYTHONHASHSEED": "0"}

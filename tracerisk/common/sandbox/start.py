@@ -201,7 +201,12 @@ def _end_as(status: int) -> NoReturn:
 def _restrict(plan: dict[str, Any]) -> None:
     held = held_files.hold(plan["held"])
     try:
-        kernel.restrict([*plan["readable"], *held.values()], plan["listable"], plan["writable"])
+        kernel.restrict(
+            [*plan["readable"], *held.values()],
+            plan["listable"],
+            plan["writable"],
+            own_network=plan["speaks"] and kernel.leave_network(),
+        )
     except OSError as error:
         sys.exit(f"the sandbox cannot be set up here ({error.strerror}); see tracerisk doctor")
     held_files.serve(held)

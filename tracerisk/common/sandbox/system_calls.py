@@ -89,6 +89,8 @@ class Check:
     """Whether the upper half is meant; both halves of a null pointer are 0."""
 
 
+_SPEAKING = ("accept", "accept4", "bind", "connect", "listen", "sendmmsg", "sendmsg")
+
 Checks = Sequence[tuple[Check, ...]]
 """Which arguments a call may have: in one of these ways all checks must hold."""
 _ALWAYS: Checks = ((),)
@@ -97,12 +99,14 @@ Lines = tuple[tuple[int, int, int, int], ...]
 """Instructions of the kernel's filter: what to do, two distances to jump, and a figure."""
 
 
-def checks(*, landlock: int, process: int) -> dict[str, Checks]:
+def checks(*, landlock: int, process: int, own_network: bool = False) -> dict[str, Checks]:
     """Return the arguments that calls may have on a kernel with this version of Landlock.
 
     `process` is the contained process, which may always signal itself. A 0 would be its group, in
-    which is also the parent that ends what it leaves behind.
+    which is also the parent that ends what it leaves behind. With its `own_network`, in which
+    there is nobody else, it may speak to any address.
     """
+    spoken = _ALWAYS if own_network else ()
     itself = ((Check(0, (0, process)),),)
     signalled = ((Check(0, (process, -process & 0xFFFFFFFF)),),)
     return {
@@ -113,9 +117,9 @@ def checks(*, landlock: int, process: int) -> dict[str, Checks]:
         ),
         "socketpair": ((Check(0, (_UNIX,)), Check(1, (_STREAM, _PACKETS), _TYPE)),),
         # `sendmsg` names its receiver in memory, which a filter cannot read.
-        "sendto": (
-            (Check(4, (0,)), Check(4, (0,), is_upper=True), Check(3, (0,), _TCP_FLAG_FASTOPEN)),
-        ),
+        "sendto": spoken
+        or ((Check(4, (0,)), Check(4, (0,), is_upper=True), Check(3, (0,), _TCP_FLAG_FASTOPEN)),),
+        **dict.fromkeys(_SPEAKING, spoken),
         "setsockopt": tuple(
             (Check(1, (level,)), Check(2, tuple(options.values())))
             for level, options in _OPTIONS_OF_SOCKETS.items()
@@ -146,14 +150,16 @@ def is_known_machine() -> bool:
     return platform.machine() in _MACHINES and struct.calcsize("P") == 8
 
 
-def program(*, landlock: int, process: int, machine: str | None = None) -> bytes:
+def program(
+    *, landlock: int, process: int, own_network: bool = False, machine: str | None = None
+) -> bytes:
     """Return the filter as a program: instructions of 8 bytes, `struct sock_filter`.
 
     Raises KeyError for a machine that `is_known_machine` does not know.
     """
     name, column = _MACHINES[machine or platform.machine()]
     found: dict[int, Lines] = {}
-    arguments = checks(landlock=landlock, process=process)
+    arguments = checks(landlock=landlock, process=process, own_network=own_network)
     for group in (*ALLOWED, *CHECKED, *ANSWERED):
         for call, numbers in group.numbers.items():
             number = numbers[column]

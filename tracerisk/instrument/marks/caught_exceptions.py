@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 
 import tracerisk
-from tracerisk.common.sandbox.replaced_names import replaced
+from tracerisk.common.replaced_names import replaced
 from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import source_position
 from tracerisk.instrument.marks.call_log import Calls

@@ -293,6 +293,7 @@ def _run_child(
         options=("-u",),
         pass_fds=(start.descriptor,),
         is_repeated=not is_live,
+        speaks=True,
         **OF_FORKED,
     )
     assert child.stdout is not None

@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager
 from sys import _getframe
 from typing import Any
 
-from tracerisk.common.sandbox.replaced_names import replaced
+from tracerisk.common.replaced_names import replaced
 from tracerisk.errors import Location
 from tracerisk.ros.controller.frames import controller_stack
 from tracerisk.ros.controller.needs import KEYS, Need

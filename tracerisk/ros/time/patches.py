@@ -23,15 +23,16 @@ from importlib.machinery import ExtensionFileLoader
 from sys import _getframe
 from typing import Any
 
-from tracerisk.common.sandbox.replaced_names import replaced
+from tracerisk.common.replaced_names import replaced
 from tracerisk.ros.controller.frames import is_quiet
 from tracerisk.ros.controller.thread import RunOver
 from tracerisk.ros.time.alarm import VirtualAlarm
 from tracerisk.ros.time.clock import VirtualClock
+from tracerisk.ros.time.processes.sockets import socket_replacements
 from tracerisk.ros.time.processes.starting import process_replacements
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.seeded_randomness import entropy_replacements, seeded_generators
-from tracerisk.ros.time.selector import VirtualSelector
+from tracerisk.ros.time.selector import VirtualSelector, select_replacements
 from tracerisk.ros.time.threads import Lock, ThreadHandle, ThreadStarter, for_controller
 
 _HANDLED = frozenset({signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2})
@@ -79,6 +80,7 @@ def _replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
     yield from _poll_replacements(scheduler)
     yield from _pool_replacements(scheduler)
     yield from _process_replacements(scheduler)
+    yield from socket_replacements(scheduler)
 
 
 def _loader_replacements() -> Iterator[tuple[Any, str, Any]]:
@@ -355,3 +357,4 @@ def _process_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]
         yield signal, name, function
     selector = for_controller(scheduler, lambda: VirtualSelector(scheduler), _real_selector)
     yield selectors, "DefaultSelector", selector
+    yield from select_replacements(scheduler)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import os
 import selectors
-from collections.abc import Mapping
+import stat
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from tracerisk.ros.time.busy_wait import POLL_COST
@@ -12,6 +15,9 @@ from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.threads import NANOSECONDS
 
 _RealSelector = selectors.DefaultSelector
+
+Ready = list[tuple[selectors.SelectorKey, int]]
+"""Files that are ready, each with the events."""
 
 
 class VirtualSelector(selectors.BaseSelector):
@@ -37,21 +43,9 @@ class VirtualSelector(selectors.BaseSelector):
         """Change what a file object is watched for."""
         return self._real.modify(fileobj, events, data)
 
-    def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
+    def select(self, timeout: float | None = None) -> Ready:
         """Return what is ready, after at most `timeout` seconds of virtual time."""
-        if self._scheduler.current is None:
-            return self._real.select(timeout)
-        if timeout is not None and timeout <= 0:
-            self._scheduler.count_call(POLL_COST)
-            return self._real.select(0)
-        # Rounded up: a loop that wakes a nanosecond early finds nothing due and polls again.
-        timeout_ns = None if timeout is None else max(1, math.ceil(timeout * NANOSECONDS))
-        self._scheduler.wait_until(
-            lambda: bool(self._real.select(0)),
-            timeout_ns=timeout_ns,
-            reason="an event of its loop",
-        )
-        return self._real.select(0)
+        return selected(self._scheduler, self._real.select, timeout)
 
     def close(self) -> None:
         """Close the real selector."""
@@ -60,3 +54,43 @@ class VirtualSelector(selectors.BaseSelector):
     def get_map(self) -> Mapping[Any, selectors.SelectorKey]:
         """Return what is registered."""
         return self._real.get_map()
+
+
+def selected(
+    scheduler: Scheduler, real: Callable[[float | None], Ready], timeout: float | None
+) -> Ready:
+    """Return what a `real` selector finds ready, after at most `timeout` virtual seconds."""
+    if scheduler.current is None:
+        return real(timeout)
+    if timeout is not None and timeout <= 0:
+        scheduler.count_call(POLL_COST)
+        return real(0)
+    # Rounded up: a loop that wakes a nanosecond early finds nothing due and polls again.
+    timeout_ns = None if timeout is None else max(1, math.ceil(timeout * NANOSECONDS))
+    scheduler.wait_until(
+        lambda: bool(real(0)), timeout_ns=timeout_ns, reason="an event of its loop"
+    )
+    return real(0)
+
+
+def select_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
+    """Yield owner, name and value of what the kinds of selectors wait by that servers name.
+
+    `subprocess` waits by one for the pipes of a program, which runs in real time.
+    """
+    for kind in (selectors.SelectSelector, getattr(selectors, "PollSelector", None)):
+        if kind is not None:
+            yield kind, "select", _by_virtual_time(scheduler, kind.select)
+
+
+def _by_virtual_time(scheduler: Scheduler, real: Callable[..., Ready]) -> Callable[..., Ready]:
+    @functools.wraps(real)
+    def select(self: Any, timeout: float | None = None) -> Ready:
+        wait = functools.partial(real, self)
+        return selected(scheduler, wait, timeout) if _has_socket(self) else wait(timeout)
+
+    return select
+
+
+def _has_socket(selector: selectors.BaseSelector) -> bool:
+    return any(stat.S_ISSOCK(os.fstat(key.fd).st_mode) for key in selector.get_map().values())

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from tracerisk.common.sandbox.moved_files import MovedFiles
-from tracerisk.common.sandbox.overlay import Overlay
+from tracerisk.common.sandbox.overlay import BOUND, Overlay
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.instrument.import_finder import controller_imports
 from tracerisk.instrument.loader import prepared_controller
@@ -144,6 +144,8 @@ def _contained_files(request: RunRequest, recorder: Recorder) -> Iterator[Overla
         advice = "nothing leaves the process of a run"
         if verb == "read":
             advice = f'readable = ["{what}"] in [tool.tracerisk] allows it'
+        elif verb == BOUND:
+            advice = "the system allows it no network of its own, in which its parts could listen"
         recorder.finding(
             "denied", f"{what} was not {verb}: the run is contained; {advice}", object_name=what
         )

@@ -45,7 +45,6 @@ from tracerisk.ros.graph.parameter_files import private_of
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.graph.runtime import activate
 from tracerisk.ros.live.bridge import Bridge, frames_of
-from tracerisk.ros.live.loopback import leave_network
 from tracerisk.ros.live.messages.modules import make_missing_modules
 from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.messages.ros1 import Interfaces
@@ -67,7 +66,7 @@ def main() -> int:
     """Run the request named on the command line; the exit code says whether anything ran."""
     kernel.adopt_orphans()
     request = RunRequest.loads(file_text(sys.argv[1], most=MOST_WRITTEN))
-    is_alone = leave_network()
+    is_alone = kernel.leave_network()
 
     def run(asked: RunRequest, samples: SampleWriter, recorder: Recorder) -> None:
         if not is_alone:

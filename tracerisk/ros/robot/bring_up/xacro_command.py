@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.sandbox.replaced_names import replaced
+from tracerisk.common.replaced_names import replaced
 from tracerisk.errors import TraceRiskError
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.twin.urdf.semantic_text import srdf_text

@@ -1,0 +1,67 @@
+"""Which addresses belong to a run, with and without a network of its own."""
+
+import json
+import os
+import socket
+
+import pytest
+
+from tracerisk.common.sandbox import kernel_features, loopback
+from tracerisk.common.sandbox.kernel_features import offers_own_network, support
+
+pytestmark = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
+
+
+def told(*, own_network: bool) -> dict[str, bool]:
+    """Return what a contained process takes for addresses of its run."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            loopback.has_own_network.cache_clear()
+            has_left = own_network and kernel_features.leave_network()
+            kernel_features.restrict(["/usr", "/etc/hosts"], [], [], own_network=has_left)
+            sock, other = socket.socket(), socket.socket(type=socket.SOCK_DGRAM)
+            server = other
+            if has_left:
+                server = socket.create_server(("127.0.0.1", 0))
+                other.bind(("127.0.0.1", 0))
+            at, unused = server.getsockname(), ("127.0.0.1", 9)
+            found = {
+                "bound": loopback.is_of_run("socket.bind", sock, ("127.0.0.1", 0)),
+                "served": loopback.is_of_run("socket.connect", sock, at),
+                "by name": loopback.is_of_run("socket.connect", sock, ("localhost", at[1])),
+                "received": loopback.is_of_run("socket.sendto", other, other.getsockname()),
+                "unused": loopback.is_of_run("socket.connect", sock, unused),
+                "of the system": loopback.is_of_run("socket.connect", sock, ("127.0.0.1", 22)),
+                "elsewhere": loopback.is_of_run("socket.connect", sock, ("192.0.2.1", at[1])),
+                "no address": loopback.is_of_run("socket.connect", sock, "/run/some/socket"),
+            }
+            os.write(writing, json.dumps(found).encode())
+        finally:
+            os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading) as stream:
+        text = stream.read()
+    os.waitpid(child, 0)
+    return json.loads(text)
+
+
+@pytest.mark.skipif(not offers_own_network(), reason="needs a network of its own")
+def test_what_its_own_parts_listen_on_belongs_to_a_run():
+    found = told(own_network=True)
+    assert {name for name, is_so in found.items() if is_so} == {
+        *("bound", "served", "by name", "received"),
+    }
+
+
+def test_no_address_belongs_to_a_run_without_a_network_of_its_own():
+    assert not any(told(own_network=False).values())
+
+
+@pytest.mark.parametrize(
+    ("address", "text"),
+    [(("127.0.0.1", 80), "127.0.0.1:80"), (b"/run/a", "/run/a"), (("::1", 8, 0, 0), "::1:8")],
+)
+def test_an_address_is_named(address, text):
+    assert loopback.address_text(address) == text

@@ -1,0 +1,166 @@
+"""Sockets between the parts of a controller: a call that would block waits in virtual time.
+
+What one part has sent is there when the next one looks: no moment of real time lies between, in
+which all would wait and nothing could happen any more.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import select
+import struct
+from collections.abc import Callable, Iterator
+from time import monotonic  # the real one: it is about packets of the system
+from typing import Any
+
+from tracerisk.ros.time.scheduler import Scheduler
+from tracerisk.ros.time.threads import NANOSECONDS
+
+_READING = (
+    *("recv", "recv_into", "recvfrom", "recvfrom_into"),
+    *("recvmsg", "recvmsg_into"),
+)
+_WRITING = ("send", "sendmsg", "sendto")
+_PIECE = 65536
+_DO_NOT_WAIT = 0x40  # MSG_DONTWAIT
+_UNSENT = 0x5411  # SIOCOUTQ: what the other end has not confirmed yet
+_LONGEST_ON_ITS_WAY_S = 0.002
+
+
+def socket_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
+    """Yield owner, name and value of what waits for the other end of a socket.
+
+    While one of several threads waits the others run: the one that answers may be among them.
+    """
+    import socket
+    from multiprocessing.connection import Connection
+
+    kind = socket.socket
+    for name in filter(functools.partial(hasattr, kind), _READING):
+        yield kind, name, _waiting(scheduler, getattr(kind, name), select.POLLIN)
+    for name in filter(functools.partial(hasattr, kind), _WRITING):
+        waiting = _waiting(scheduler, getattr(kind, name), select.POLLOUT)
+        yield kind, name, _arriving(scheduler, waiting)
+    yield kind, "sendall", _sendall(scheduler, kind.sendall)
+    yield kind, "accept", _accepting(scheduler, kind.accept)
+    for name in ("connect", "connect_ex"):
+        yield kind, name, _connecting(scheduler, getattr(kind, name))
+    yield Connection, "_recv", _receiving(scheduler, vars(Connection)["_recv"])
+    yield Connection, "_send", _arriving(scheduler, vars(Connection)["_send"])
+
+
+def _wait(scheduler: Scheduler, descriptor: int, event: int, timeout: float | None = None) -> bool:
+    """Wait in virtual time until a file is ready; return whether it is.
+
+    Where no other thread of the controller could make it so, there is nothing to wait for here.
+    """
+    if scheduler.current is None or scheduler.in_kernel or len(scheduler.threads) < 2:
+        return True
+    poll = select.poll()
+    poll.register(descriptor, event)
+    return scheduler.wait_until(
+        lambda: bool(poll.poll(0)),
+        timeout_ns=None if timeout is None else round(timeout * NANOSECONDS),
+        reason="the other end of a socket",
+        kind="idle",
+    )
+
+
+def _waiting(scheduler: Scheduler, real: Callable[..., Any], event: int) -> Callable[..., Any]:
+    @functools.wraps(real)
+    def call(self: Any, *args: Any, **kwargs: Any) -> Any:
+        timeout = self.gettimeout()
+        may_wait = timeout != 0 and self.fileno() >= 0 and args[1:2] != (_DO_NOT_WAIT,)
+        if may_wait and not _wait(scheduler, self.fileno(), event, timeout):
+            raise TimeoutError("timed out")
+        return real(self, *args, **kwargs)
+
+    return call
+
+
+def _sendall(scheduler: Scheduler, real: Callable[..., None]) -> Callable[..., None]:
+    """Return what sends piece by piece, so that the other end may read meanwhile."""
+
+    @functools.wraps(real)
+    def sendall(self: Any, data: Any, flags: int = 0, /) -> None:
+        if self.gettimeout() == 0 or scheduler.current is None or len(scheduler.threads) < 2:
+            real(self, data, flags)
+            return
+        with memoryview(data) as view, view.cast("B") as octets:
+            sent = 0
+            while sent < len(octets):
+                sent += self.send(octets[sent : sent + _PIECE], flags)
+
+    return sendall
+
+
+def _accepting(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., Any]:
+    waiting = _waiting(scheduler, real, select.POLLIN)
+
+    @functools.wraps(real)
+    def accept(self: Any) -> Any:
+        connection, address = waiting(self)
+        _send_at_once(scheduler, connection)
+        return connection, address
+
+    return accept
+
+
+def _connecting(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(real)
+    def connect(self: Any, address: Any, /) -> Any:
+        _send_at_once(scheduler, self)
+        return real(self, address)
+
+    return connect
+
+
+def _send_at_once(scheduler: Scheduler, sock: Any) -> None:
+    """Have a small piece of a stream not wait until the one before it is confirmed."""
+    import socket
+
+    if scheduler.current is not None and _is_of_network(sock):
+        with contextlib.suppress(OSError):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+
+def _receiving(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., Any]:
+    """Return what reads from a connection of `multiprocessing`, by its descriptor."""
+
+    @functools.wraps(real)
+    def receive(self: Any, *args: Any) -> Any:
+        _wait(scheduler, self.fileno(), select.POLLIN)
+        return real(self, *args)
+
+    return receive
+
+
+def _arriving(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., Any]:
+    """Return what sends and goes on when what it sent is at the other end, or is kept there."""
+
+    @functools.wraps(real)
+    def send(self: Any, *args: Any, **kwargs: Any) -> Any:
+        result = real(self, *args, **kwargs)
+        if scheduler.current is not None and _is_of_network(self):
+            _let_arrive(self.fileno())
+        return result
+
+    return send
+
+
+def _is_of_network(sock: Any) -> bool:
+    """Return whether it is a socket of an address; a connection of `multiprocessing` mostly is."""
+    import socket
+
+    return getattr(sock, "family", socket.AF_INET) in (socket.AF_INET, socket.AF_INET6)
+
+
+def _let_arrive(descriptor: int) -> None:
+    import fcntl
+
+    until = monotonic() + _LONGEST_ON_ITS_WAY_S
+    with contextlib.suppress(OSError):
+        while struct.unpack("i", fcntl.ioctl(descriptor, _UNSENT, bytes(4)))[0]:
+            if monotonic() > until:
+                return
