@@ -492,11 +492,31 @@ def faulted(trace: dict) -> None:
     trace["verdict"]["kind"] = "faulted"
 
 
+def shorter(trace: dict) -> None:
+    trace["end"]["simulated_s"] *= 0.5
+
+
+def shorter_visits(trace: dict) -> None:
+    for visit in trace["visits"]:
+        visit["duration_s"] *= 0.9
+
+
+def less_in_use(trace: dict) -> None:
+    # By half a percent and more: what is less, a lock may have kept from a run before.
+    for visit in trace["visits"]:
+        for exposure in visit["exposures"].values():
+            for key in [key for key in exposure if key.endswith("_s") and exposure[key]]:
+                exposure[key] *= 0.99
+
+
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        (weaker, "and this run gives"),
+        (weaker, "differ in the durations of its visits"),
         (faulted, "the kept trace of its last run and tracerisk.lock differ in the verdict"),
+        (shorter, "differ in the length"),
+        (shorter_visits, "differ in the durations of its visits"),
+        (less_in_use, "differ in the times in use of its elements"),
     ],
 )
 def test_no_dossier_of_a_run_that_the_blocks_and_the_lock_do_not_follow_from(
@@ -511,6 +531,49 @@ def test_no_dossier_of_a_run_that_the_blocks_and_the_lock_do_not_follow_from(
     assert outcome.code == 2, outcome.err
     assert why in " ".join(outcome.err.split())
     assert not (example.folder / "out.zip").exists()
+
+
+def test_no_dossier_where_the_lock_says_other_times_than_the_run(
+    with_own_hardware, example_in, tmp_path
+):
+    example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
+    lock = json.loads((example.folder / "tracerisk.lock").read_text())
+    (entry,) = lock["controllers"].values()
+    for function in entry["trace"]["functions"].values():
+        function["duration_s"] *= 0.5
+    example.write("tracerisk.lock", json.dumps(lock))
+    outcome = example.run("report", "controller.py", "--dossier", "out.zip")
+    assert outcome.code == 2, outcome.err
+    assert "differ in the durations of its visits" in " ".join(outcome.err.split())
+
+
+def test_a_dossier_says_what_was_recomputed_and_what_was_taken_on_trust(
+    with_own_hardware, example_in, tmp_path
+):
+    example = example_in(Path(shutil.copytree(with_own_hardware, tmp_path / "cell")))
+    assert example.run("report", "controller.py", "--dossier", "out.zip").code == 0
+    text = (unzipped(example.folder / "out.zip", tmp_path / "one") / "README.md").read_text()
+    rows = dict(tables(text, "what", "how it was established"))
+    assert rows["the risk blocks"].startswith("recomputed from `trace.json`")
+    assert rows["the run, `trace.json`"].startswith("compared with `tracerisk.lock`")
+    assert rows["that the run is one of these inputs"].startswith("**on trust**")
+    assert "the duration of the mission T" not in rows
+
+    (cached,) = (example.folder / ".tracerisk_cache").glob("*.json")
+    trace = json.loads(cached.read_text())
+    trace["end"]["simulated_s"] *= 2.0
+    cached.write_text(json.dumps(trace))
+    assert example.run("report", "controller.py", "--dossier", "out.zip").code == 0
+    text = (unzipped(example.folder / "out.zip", tmp_path / "two") / "README.md").read_text()
+    rows = dict(tables(text, "what", "how it was established"))
+    assert rows["the duration of the mission T"].startswith("**on trust** for ")
+
+    cached.unlink()
+    assert example.run("report", "controller.py", "--dossier", "out.zip").code == 0
+    text = (unzipped(example.folder / "out.zip", tmp_path / "three") / "README.md").read_text()
+    rows = dict(tables(text, "what", "how it was established"))
+    assert rows["the risk blocks"].startswith("**on trust**")
+    assert "the run, `trace.json`" not in rows
 
 
 def test_a_trace_of_other_sources_is_refused(with_own_hardware, example_in, tmp_path):

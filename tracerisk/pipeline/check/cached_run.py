@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, lock_key
 from tracerisk.config import Settings
@@ -20,6 +22,12 @@ from tracerisk.trace import Trace
 
 _TOLD = ("robot", "scene", "end")
 """What the lock keeps of a run as it is."""
+_WORDS = {  # of what is called otherwise in the lock
+    "duration_s": "durations of its visits",
+    "elements": "times in use of its elements",
+}
+_ROUNDED_S = 0.002
+"""By how much a time of the lock differs from that of the trace for its rounding [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,17 +90,35 @@ def check_kept_trace(kept: KeptRun) -> None:
         None if one is None else [one.kind, *sorted(reason.code for reason in one.reasons)]
         for one in (verdict, trace.verdict)
     )
-    said["visits"], shown["visits"] = (
-        {name: function["visits"] for name, function in one.get("functions", {}).items()}
-        for one in (entry.trace, summary)
-    )
+    for name in ("visits", "duration_s", "elements"):
+        said[name], shown[name] = (
+            {ref: function.get(name) for ref, function in one.get("functions", {}).items()}
+            for one in (entry.trace, summary)
+        )
+    if trace.end.simulated_s is not None:
+        # It cannot be shorter than one of its visits.
+        longest_s = max((visit.duration_s or 0.0 for visit in trace.visits), default=0.0)
+        said["length"] = max(trace.end.simulated_s, longest_s)
+        shown["length"] = trace.end.simulated_s
+    tolerance = kept.settings.tolerance
     for name, value in said.items():
-        if value != shown[name]:
+        if not _is_same(value, shown[name], tolerance):
             raise InputError(
-                f"the kept trace of its last run and {LOCK_NAME} differ in the {name}: one of the "
-                f"two was changed by hand; `tracerisk run {controller.file}` makes both again",
+                f"the kept trace of its last run and {LOCK_NAME} differ in the "
+                f"{_WORDS.get(name, name)}: one of the two was changed by hand; "
+                f"`tracerisk run {controller.file}` makes both again",
                 Location(LOCK_NAME),
             )
+
+
+def _is_same(said: Any, shown: Any, tolerance: float) -> bool:
+    """Return whether the lock says what the trace shows; it may have kept a time of before."""
+    if isinstance(said, Mapping) and isinstance(shown, Mapping):
+        names = said.keys() | shown.keys()
+        return all(_is_same(said.get(name), shown.get(name), tolerance) for name in names)
+    if isinstance(said, float) and isinstance(shown, float):
+        return math.isclose(said, shown, rel_tol=tolerance, abs_tol=_ROUNDED_S)
+    return bool(said == shown)
 
 
 def last_duration_s(path: Path | str) -> float | None:

@@ -48,6 +48,7 @@ _CONTENTS = (
 )
 
 
+_UNSEEN = 0.01  # of a mission: no visit lasts exactly as long
 _FOUR_DIGITS = (
     "The blocks hold probabilities of four digits, and the mission is computed from these. More "
     "digits are printed only so that each step can be retraced: they are no precision."
@@ -89,6 +90,8 @@ def guide(
         "printed the SHA-256 digest of the archive itself: keep that elsewhere, or sign the "
         "archive.\n",
         _scram(report, mission),
+        "## What was recomputed, and what was taken on trust\n",
+        _trust(report),
         "## Recompute it by hand\n",
         "`calculation.md` goes from the rates of the hardware description to the mission. Its "
         "numbers have eight digits.\n",
@@ -96,6 +99,60 @@ def guide(
         _again(report.record, "" if report.trace is None else report.trace.controller),
     ]
     return "\n".join(parts)
+
+
+def _trust(report: ReportInput) -> str:
+    """Return what the command that made the dossier found out itself, and what it could not."""
+    has_run = report.trace is not None and report.hardware is not None
+    rows = [
+        ("the figure", "recomputed from the risk blocks in `files/`"),
+        (
+            "the risk blocks",
+            "recomputed from `trace.json` and the hardware description"
+            if has_run
+            else "**on trust**: the run behind them is not here, only that they are those of "
+            "`tracerisk.lock` was looked at",
+        ),
+        (
+            "sources, settings and other inputs",
+            "compared with their digests in `tracerisk.lock`; they say of which inputs the run was",
+        ),
+    ]
+    if has_run:
+        rows.append(
+            (
+                "the run, `trace.json`",
+                "compared with `tracerisk.lock`: robot, scene, end, verdict, and by function "
+                "visits, durations and times in use",
+            )
+        )
+    trace = report.trace
+    length_s = None if trace is None or trace.cycle is not None else trace.end.simulated_s
+    if trace is not None and length_s is not None:
+        longest_s = max((visit.duration_s or 0.0 for visit in trace.visits), default=0.0)
+        rest_s = length_s - longest_s
+        if rest_s > _UNSEEN * length_s:
+            rows.append(
+                (
+                    "the duration of the mission T",
+                    f"**on trust** for {number(rest_s)} s of it: the lock has the durations of "
+                    f"visits, and the longest took {number(longest_s)} s",
+                )
+            )
+    rows += [
+        (
+            "that the run is one of these inputs",
+            "**on trust**: nothing is signed. Whoever changes blocks, lock and run together, and "
+            "their digests, is not noticed here; the commands under *Make it again* run the "
+            "sources and notice it",
+        ),
+        (
+            "rates, pins and accepted reasons",
+            "**on trust**: they are their authors' statements, listed in `assumptions.md`",
+        ),
+    ]
+    lines = ("| what | how it was established |", "|---|---|")
+    return "\n".join((*lines, *(f"| {what} | {how} |" for what, how in rows), ""))
 
 
 def warning_of(report: ReportInput) -> list[str]:

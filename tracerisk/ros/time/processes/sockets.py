@@ -117,7 +117,7 @@ def _connecting(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[...,
 
 
 def _send_at_once(scheduler: Scheduler, sock: Any) -> None:
-    """Have a small piece of a stream not wait until the one before it is confirmed."""
+    """Send small pieces of a stream at once, before the one in front is confirmed."""
     import socket
 
     if scheduler.current is not None and _is_of_network(sock):
