@@ -14,7 +14,7 @@ from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.common.dependencies import install_command, missing_extras, needed, version_of
-from tracerisk.common.sandbox.kernel_features import offers_own_network, support
+from tracerisk.common.sandbox.kernel_features import group_folder, offers_own_network, support
 from tracerisk.common.version import __version__
 from tracerisk.config import Settings
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError
@@ -160,6 +160,7 @@ def _sandbox() -> str:
         "ports": here.landlock >= 4,
         "devices": here.landlock >= 5,
         "signals": here.landlock >= 6 or here.seccomp,
+        "memory of all its processes at once": group_folder() is not None,
         "loopback": not here.missing and offers_own_network(),
     }
     version = f"Landlock {here.landlock}" if here.landlock else "no Landlock"

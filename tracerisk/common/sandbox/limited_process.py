@@ -250,6 +250,7 @@ def run_limited(
             sandbox=limits.sandbox if is_strange else None,
             reads=reads or (),
             writes=(folder_of_its_own,),
+            memory_bytes=limits.memory_bytes,
             environment={
                 name: value
                 for name, value in {

@@ -132,12 +132,15 @@ def start(
     pass_fds: Sequence[int] = (),
     is_repeated: bool = False,
     speaks: bool = False,
+    memory_bytes: int | None = None,
     **more: Any,
 ) -> subprocess.Popen[bytes]:
     """Start Python, isolated, with a module of ours; what it leaves running ends with it.
 
     `sandbox` is `None` for a module that runs nothing of a stranger's. `reads` and `writes` are
     what it may reach besides Python and the system. `more` is that of `subprocess.Popen`.
+    `memory_bytes` is what it and all that it starts may hold together where the system allows it
+    a control group.
     One that `speaks` gets a network of its own where the system allows it, others get none.
     A module that `is_repeated`, again and again, a server may fork where `more` is `OF_FORKED`.
     Raises SandboxError where a sandbox is required that does not work here.
@@ -161,6 +164,7 @@ def start(
             "listable": [path for path, is_whole in parts.items() if not is_whole],
             "writable": [str(write) for write in writes],
             "speaks": speaks,
+            "memory_bytes": memory_bytes,
         }
     begin = partial(_popen, module, options)
     common = {**_without_python(environment), "PYTHONHASHSEED": "0"}

@@ -107,9 +107,15 @@ def _stay_behind(plan: dict[str, Any]) -> None:
     is_contained = plan["readable"] is not None
     keeps_in = is_contained and kernel.keep_signals_in(kernel.support().landlock)
     me = os.getpid()
+    memory_bytes = plan.get("memory_bytes")
+    group = None
+    if is_contained and memory_bytes is not None:
+        group = kernel.new_group(kernel.group_folder(), memory_bytes)
 
     def stop(*_: object) -> NoReturn:
+        kernel.end_group(group)
         _end_descendants(me, all_at_once=keeps_in)
+        kernel.end_group(group)
         os._exit(128 + signal.SIGTERM)
 
     if os.getppid() != parent:
@@ -117,6 +123,7 @@ def _stay_behind(plan: dict[str, Any]) -> None:
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
     child = os.fork()
     if child == 0:
+        kernel.enter_group(group)
         kernel.die_with_parent(signal.SIGKILL)
         if os.getppid() != me:
             os._exit(1)
@@ -127,7 +134,9 @@ def _stay_behind(plan: dict[str, Any]) -> None:
     _close_all()
     status = _end_of(child)
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
+    kernel.end_group(group)
     _end_descendants(me, all_at_once=keeps_in)
+    kernel.end_group(group)
     _end_as(status)
 
 

@@ -294,6 +294,7 @@ def _run_child(
         pass_fds=(start.descriptor,),
         is_repeated=not is_live,
         speaks=True,
+        memory_bytes=settings.memory_limit_mb * _MB,
         **OF_FORKED,
     )
     assert child.stdout is not None
