@@ -51,6 +51,10 @@ class Transition(NamedTuple):
     """The fraction of visits after which it follows, from 0 to 1."""
 
 
+NO_FAILURES: Field[FailureModes] = Field((), "")
+"""What stands where nothing is said of what follows failures."""
+
+
 @dataclass(frozen=True, slots=True)
 class ComponentEntry:
     """One `@Component` of a block."""
@@ -74,7 +78,7 @@ class ComponentEntry:
     """The user's reason for adding or omitting it; `None` where not given."""
     reason_lines: tuple[str, ...] = field(default=(), compare=False)
     """The lines of that reason, as they are typed; empty where it is not read. Not compared."""
-    failures: Field[FailureModes] = field(default=Field((), ""))
+    failures: Field[FailureModes] = NO_FAILURES
     """What follows its failures, one field over all `mode` lines; left out where nothing is
     said."""
 

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.block import NO_FAILURES, ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.lines import (
     BlockLine,
     ValueText,
@@ -297,7 +297,7 @@ class _Reader:
             location=Location(self._file, line.number),
             reason=joined_comment(line.comments.get("", [])),
             reason_lines=tuple(line.comments.get("", [])),
-            failures=Field((), "") if modes is None else self._field(line, FAILURES, modes),
+            failures=NO_FAILURES if modes is None else self._field(line, FAILURES, modes),
         )
 
     def _field(self, line: _Line, kind: FieldKind, text: str) -> Field[Any]:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.block import NO_FAILURES, ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.lines import (
     FURTHER,
     BlockLine,
@@ -270,7 +270,7 @@ class _Parser:
                 raise self._missing(section, kind)
             fields.append(Field(default, "") if field is None else field)
         probability, quantity, redundancy = fields
-        _, of_failures = failures.pop(name.value, (section, Field((), "")))
+        _, of_failures = failures.pop(name.value, (section, NO_FAILURES))
         return ComponentEntry(
             name=name.value,
             probability=probability,

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from tracerisk.adder.blocks.block import Field
+from tracerisk.adder.blocks.block import NO_FAILURES, Field
 from tracerisk.adder.blocks.computed_failures import ShareTexts, failures_of
 from tracerisk.adder.blocks.failures import FailureModes
 from tracerisk.adder.blocks.values import DONE
@@ -75,7 +75,7 @@ class FailureOutcomes:
                 key = outcome._replace(shows_in=later)
                 found[key] = found.get(key, 0.0) + of_unit.count * _hazard(unit, here)
         if not 0.0 < known <= whole < math.inf:
-            return Field((), "")
+            return NO_FAILURES
         # Cells that ended missions stand for all that does, those that recovered for the rest.
         parts = {False: min(known, ending), True: max(0.0, known - ending)}
         near = {
@@ -87,7 +87,7 @@ class FailureOutcomes:
             if hazard > 0.0 and parts[outcome.is_back] > 0.0:
                 share = parts[outcome.is_back] / whole * hazard / near[outcome.is_back]
                 shares.setdefault(outcome.mode, {})[outcome.kind, outcome.shows_in] = share
-        return failures_of(shares) if shares else Field((), "")
+        return failures_of(shares) if shares else NO_FAILURES
 
 
 @dataclass(frozen=True, slots=True)

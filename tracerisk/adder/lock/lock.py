@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
-from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.block import NO_FAILURES, ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
     COMPONENT_KINDS,
@@ -117,7 +117,7 @@ def _component_as_written(name: str, written: WrittenComponent) -> ComponentEntr
     probability, quantity, redundancy = (
         _field(kind, written.values) or unstated for kind in COMPONENT_KINDS
     )
-    failures = _field(FAILURES, written.values) or Field((), "")
+    failures = _field(FAILURES, written.values) or NO_FAILURES
     return ComponentEntry(
         name, probability, quantity, redundancy, omitted=written.omitted, failures=failures
     )

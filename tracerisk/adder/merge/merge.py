@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
-from tracerisk.adder.blocks.block import ComponentEntry, Field, RiskBlock
+from tracerisk.adder.blocks.block import NO_FAILURES, ComponentEntry, Field, RiskBlock
 from tracerisk.adder.blocks.failures import are_close
 from tracerisk.adder.blocks.values import (
     CALL_SEQUENCE,
@@ -220,8 +220,8 @@ class _Merger:
         # The tool says nothing there now: what it wrote goes, what a user wrote is an edit.
         written, is_there = self.known.last(current.name, FAILURES, field)
         if is_there or not self._changed(current.name, FAILURES, written, field, None):
-            return Field((), "")
-        return Field((), "") if self.policy.edits == "discard" else _pinned(field, None)
+            return NO_FAILURES
+        return NO_FAILURES if self.policy.edits == "discard" else _pinned(field, None)
 
     def _field(
         self,
