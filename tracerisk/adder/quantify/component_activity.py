@@ -156,15 +156,7 @@ def mission_duration_s(trace: Trace) -> float | None:
 
     `None` where the trace does not say.
     """
-    if trace.cycle is None:
-        return trace.end.simulated_s
-    times = visits_of_mission(trace)
-    durations = [visit.duration_s for visit in trace.visits]
-    if any(duration is None for duration in durations):
-        return None
-    return math.fsum(
-        often * duration for often, duration in zip(times, durations, strict=True) if duration
-    )
+    return trace.end.simulated_s if trace.cycle is None else mission_time(trace)
 
 
 def visits_by_function(trace: Trace) -> dict[FunctionRef, FunctionVisits]:
@@ -181,7 +173,7 @@ def visits_by_function(trace: Trace) -> dict[FunctionRef, FunctionVisits]:
 
 
 def mission_time(trace: Trace) -> float | None:
-    """Return the time of a mission [s], `None` where the trace does not hold it."""
+    """Return the time of all visits of a mission [s], `None` where the trace does not hold it."""
     times = visits_of_mission(trace)
     total = 0.0
     for visit, comes in zip(trace.visits, times, strict=True):
