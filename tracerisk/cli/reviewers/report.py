@@ -38,7 +38,16 @@ from tracerisk.common.text.digests import sha256
 from tracerisk.config import Settings, controller_root
 from tracerisk.errors import ExitCode, InputError, Location, SourceError, TraceRiskError
 from tracerisk.instrument.source.language import is_c_like
-from tracerisk.pipeline.check.finding import finding_data
+from tracerisk.pipeline.check.cached_run import check_kept_trace, kept_run
+from tracerisk.pipeline.check.check import check_controllers
+from tracerisk.pipeline.check.finding import Checked, finding_data
+from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
+from tracerisk.pipeline.freshness.known_controllers import controllers_of
+from tracerisk.pipeline.freshness.run_inputs import settings_data
+from tracerisk.pipeline.freshness.used_evidence import used_evidence
+from tracerisk.pipeline.pictures.run_section import given_recording, kept_replay
+from tracerisk.pipeline.workspace.project import Projects
+from tracerisk.report.html.run.replay import check_recording
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -211,12 +220,6 @@ def _outrun(options: argparse.Namespace) -> tuple[CheckFinding, ...]:
     Blocks that no lock knows are the word of their author, and follow from nothing else.
     Raises what a check raises where a dossier is asked for; a page shows what can be read.
     """
-    from tracerisk.pipeline.check.check import check_controllers
-    from tracerisk.pipeline.check.finding import Checked
-    from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
-    from tracerisk.pipeline.freshness.known_controllers import controllers_of
-    from tracerisk.pipeline.workspace.project import Projects
-
     if options.output is None and options.dossier is None:
         return ()
     projects = Projects()
@@ -235,8 +238,6 @@ def _outrun(options: argparse.Namespace) -> tuple[CheckFinding, ...]:
 
 def _check_values(options: argparse.Namespace, kept: KeptRun | None) -> None:
     """Raise InputError for options with which the blocks were not computed."""
-    from tracerisk.pipeline.freshness.run_inputs import settings_data
-
     if kept is None:
         return
     root = kept.controller.root.resolve()
@@ -270,9 +271,7 @@ def _write_dossier(
 
     `kept` is the run that it shows, if that is the kept one.
     """
-    from tracerisk.pipeline.check.cached_run import check_kept_trace
     from tracerisk.pipeline.dossier.dossier import dossier
-    from tracerisk.pipeline.freshness.used_evidence import used_evidence
 
     settings = _settings(kept, options)
     evidence = None
@@ -292,8 +291,6 @@ def _write_dossier(
 
 def _kept(file: str) -> KeptRun | None:
     """Return what is kept of the run behind a source; `None` for one that is not Python."""
-    from tracerisk.pipeline.check.cached_run import kept_run
-
     try:
         return None if is_c_like(file) else kept_run(file)
     except SourceError:
@@ -325,8 +322,6 @@ def _recorded(
     Raises LogError where what `--recording` names is not that of the run, InputError where no run
     is known to which it could belong.
     """
-    from tracerisk.pipeline.pictures.run_section import given_recording, kept_replay
-
     if options.recording is not None:
         known = trace if trace is not None else None if kept is None else kept.trace
         if known is None:
@@ -335,7 +330,6 @@ def _recorded(
                 f"has no trace to which the recording belongs: {why} --trace FILE names one",
                 Location(options.files[0]),
             )
-        from tracerisk.report.html.run.replay import check_recording
 
         recorded = given_recording(Path(options.recording))
         check_recording(known, recorded)

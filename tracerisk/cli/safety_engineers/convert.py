@@ -13,6 +13,7 @@ from tracerisk.cli.shared.output import note, print_json
 from tracerisk.cli.shared.sources import model_of_sources, read_profile
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.errors import InputError, Location, ModelError, one_of
+from tracerisk.prm.hybrid.fates.resolved import has_fates, leads_back
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.other_models.dynamic import DynamicTree
 from tracerisk.prm.other_models.formats import galileo, linked_json
@@ -135,8 +136,6 @@ def _note_fates(model: HybridModel, target: ModelFormat, options: argparse.Names
 
     Raises ModelError where that would move a figure.
     """
-    from tracerisk.prm.hybrid.fates.resolved import has_fates, leads_back
-
     if not has_fates(model):
         return
     chains = _named(CHAINS)

@@ -20,6 +20,7 @@ from tracerisk.cli.shared.output import (
 from tracerisk.cli.shared.progress import bar_of_cells
 from tracerisk.cli.shared.values import count, positive
 from tracerisk.common.evidence import EVIDENCE_NAME
+from tracerisk.common.evidence.advice import advice_of
 from tracerisk.common.evidence.file import dump_evidence, merge_evidence
 from tracerisk.errors import ExitCode, InputError
 from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
@@ -104,8 +105,6 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print(options: argparse.Namespace, found: Evidence) -> None:
-    from tracerisk.common.evidence.advice import advice_of
-
     name = Path(options.controller).name
     for path, text in (
         (options.csv, fmea.csv_text(found)),

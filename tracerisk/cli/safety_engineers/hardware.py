@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -276,8 +277,6 @@ def _update_data(update: Update) -> dict[str, Any]:
 
 def _take_figures(options: argparse.Namespace, hardware: Hardware) -> int:
     """Put figures of a table into a description."""
-    from dataclasses import asdict
-
     figures = read_figures(Path(options.figures), hardware)
     _write_updated(options, figures, options.figures, with_figures)
     if options.json:
