@@ -57,10 +57,13 @@ class Node:
         if kind == "publish" and name.endswith("/goal"):
             kind, name = "goal", name.removesuffix("/goal")
         frames = [[function, file or self.source, line] for function, line in stack]
-        entry = {"t": 1, "pid": pid, "tid": tid, "kind": kind, "name": name, "seq": seq}
-        self.lines.append(json.dumps({**entry, "stack": frames}) + "\n")
-        self.file.write_text("".join(self.lines))
+        self.write(kind, name, seq, tid=tid, pid=pid, stack=frames)
         return seq
+
+    def write(self, kind, name, seq, tid=7, pid=7, stack=()):
+        entry = {"t": 1, "pid": pid, "tid": tid, "kind": kind, "name": name, "seq": seq}
+        self.lines.append(json.dumps({**entry, "stack": stack}) + "\n")
+        self.file.write_text("".join(self.lines))
 
     def sent(self, *stack, **given):
         """Send, and return the functions to which it is ascribed, with their activations."""
@@ -128,6 +131,19 @@ def test_what_was_lost_before_it_reached_anybody_shifts_nothing(node):
     assert [name for name, *_ in node.received(number)] == ["main", "cell::Cell::swing"]
 
 
+def test_a_publisher_that_was_made_anew_counts_from_0_again(node):
+    assert node.sent(("main", 21), HOME, SWING)[-1][:2] == SWING
+    for stack in ([("main", 22), SWEEP], [("main", 23), SWING]):
+        node.send(*stack)
+        node.send(*stack)
+        for number in (0, 1):
+            assert [frame[:2] for frame in node.received(number)] == stack
+    # Of the next one, the first was lost.
+    for line in (21, 22, 23):
+        node.send(("main", line))
+    assert [[frame[1] for frame in node.received(number)] for number in (0, 2)] == [[21], [23]]
+
+
 def test_messages_without_a_header_are_taken_in_their_order_once_those_lost_are_forgotten(node):
     node.send(("main", 21), HOME, name="/speed")
     node.calls.settled()
@@ -138,7 +154,8 @@ def test_messages_without_a_header_are_taken_in_their_order_once_those_lost_are_
 
 
 def test_a_call_of_a_service_that_reached_nobody_is_not_taken_for_the_next(node):
-    node.send(("main", 21), HOME, name="/ik", kind="call")
+    lost = node.send(("main", 21), HOME, name="/ik", kind="call", tid=9)
+    node.write("end", "/ik", lost, tid=9)
     node.send(("main", 23), SWING, name="/ik", kind="call")
     frames = node.received(None, "/ik")
     assert [name for name, *_ in frames] == ["main", "cell::Cell::swing"]

@@ -80,6 +80,7 @@ class CompiledCalls:
         self._pending: defaultdict[str, list[Call]] = defaultdict(list)
         self._late: set[int] = set()
         self._latest: dict[str, tuple[Frame, ...]] = {}
+        self._shifts: dict[tuple[int, str], int] = {}  # of the probe's numbers from a publisher's
         self._before: dict[int, list[tuple[_Active, int]]] = {}
         self._next = itertools.count(1).__next__
         source = self._source(main)
@@ -105,7 +106,8 @@ class CompiledCalls:
     def stack(self, name: str, number: int | None) -> tuple[Frame, ...]:
         """Return the functions behind what came on a topic or service, the outermost first.
 
-        `number` is that of the message's header, by which roscpp counts those of a publisher.
+        `number` is that of the message's header, by which roscpp counts those of a publisher, from
+        0 on again when a node has destroyed the publisher and made another.
         """
         self._take()
         call = self._call(self._pending[name], number)
@@ -130,20 +132,23 @@ class CompiledCalls:
 
     def _take(self) -> None:
         for call in self._follower.new():
+            topic = f"{call.name}/goal" if call.kind == "goal" else call.name
+            pending = self._pending[topic]
             if call.kind != "end":
-                topic = f"{call.name}/goal" if call.kind == "goal" else call.name
-                self._pending[topic].append(call)
+                pending.append(call)
+                continue
+            # A call that is over and has not come reached nobody.
+            of = ("call", call.pid, call.seq)
+            pending[:] = [one for one in pending if (one.kind, one.pid, one.seq) != of]
 
     def _call(self, calls: list[Call], number: int | None) -> Call | None:
         """Take out of what is pending on one name the command that has come."""
-        fit = [call for call in calls if number is None or call.seq == number]
-        if not fit:
+        if not calls:
             return None
-        call = fit[0]
-        if call.kind == "call":
-            # A thread waits for each: what it called before has reached nobody.
-            newest = {one.tid: one for one in calls}
-            call = next(one for one in calls if newest[one.tid] is one)
+        fit = (call for call in calls if number is None or call.seq == self._seq(call, number))
+        call = next(fit, calls[0])
+        if number is not None:
+            self._shifts[call.pid, call.name] = call.seq - number
         # What the same process sent earlier was lost on its way.
         calls[:] = [
             one
@@ -151,6 +156,10 @@ class CompiledCalls:
             if one is not call and (one.pid != call.pid or one.seq > call.seq or number is None)
         ]
         return call
+
+    def _seq(self, call: Call, number: int) -> int:
+        """Return the number by which the probe counts what has a number of its publisher's."""
+        return number + self._shifts.get((call.pid, call.name), 0)
 
     # From the probe's frames to ours
 
