@@ -328,7 +328,15 @@ static void list_modules(void)
 
 /* ---- A record ---- */
 
-static void begin_process(void)
+static void put_line(const char *line, size_t length)
+{
+  char *to = space(length);
+  if (!to) return;
+  memcpy(to, line, length);
+  wrote(to + length);
+}
+
+static void begin_process(bool is_forked)
 {
   char path[PATH_MAX], line[6 * PATH_MAX + 64];
   ssize_t length = readlink("/proc/self/exe", path, sizeof path);
@@ -338,13 +346,26 @@ static void begin_process(void)
   map_number = 0;
   char *to = put_number(put(line, "{\"probe\":1,\"pid\":"), (uint64_t)pid);
   to = put_string(put(to, ",\"exe\":"), path, length < 0 ? 0 : (size_t)length);
-  to = put(to, "}\n");
-  char *into = space((size_t)(to - line));
-  if (into) {
-    memcpy(into, line, (size_t)(to - line));
-    wrote(into + (to - line));
-  }
+  to = put(to, is_forked ? ",\"forked\":1}\n" : "}\n");
+  put_line(line, (size_t)(to - line));
 }
+
+#ifdef __GLIBC__
+/* Record the code with which the process ends; one that a signal ends has none. */
+static void note_exit(int code, void *nothing)
+{
+  char line[64];
+  (void)nothing;
+  if (!is_on || !has_begun || is_recording) return;
+  is_recording = true;
+  pthread_mutex_lock(&lock);
+  char *to = put_number(put(line, "{\"pid\":"), (uint64_t)pid);
+  to = put(put_number(put(to, ",\"exit\":"), code & 255), "}\n");
+  put_line(line, (size_t)(to - line));
+  pthread_mutex_unlock(&lock);
+  is_recording = false;
+}
+#endif
 
 struct stack {
   uintptr_t at[DEEPEST];
@@ -391,7 +412,7 @@ static uint64_t write_record(const char *kind, const char *name, size_t length,
                              const uint64_t *number, const struct stack *stack)
 {
   struct timespec now;
-  if (!has_begun) begin_process();
+  if (!has_begun) begin_process(false);
   list_modules();
   struct counter *counter = is_on ? counter_of(kind, name, length) : NULL;
   if (!counter) return 0;
@@ -470,7 +491,7 @@ static void after_fork(void)
     for (struct counter *known = counters[at]; known; known = known->next) known->count = 0;
   bool is_node = has_begun;
   has_begun = false;
-  if (is_on && is_node) begin_process();
+  if (is_on && is_node) begin_process(true);
 }
 
 /* Return a function that stands behind one of ours. */
@@ -525,8 +546,11 @@ __attribute__((constructor)) static void begin(void)
   strcat(file, named);
   is_on = 1;
   pthread_atfork(NULL, NULL, after_fork);
+#ifdef __GLIBC__
+  on_exit(note_exit, NULL);
+#endif
   /* Shells and other programs that start the node have nothing to report. */
-  if (behind(TEXT(ROS1_PUBLISH)) || behind("rcl_publish")) begin_process();
+  if (behind(TEXT(ROS1_PUBLISH)) || behind("rcl_publish")) begin_process(false);
 }
 
 /* ---- ROS 1: roscpp. Both classes hold one pointer, to what the public headers say. ---- */

@@ -11,6 +11,7 @@ import pytest
 
 from tracerisk.errors import DependencyError
 from tracerisk.instrument.native.calls import read_calls
+from tracerisk.instrument.native.following import CallFollower
 from tracerisk.instrument.native.library import build_probe
 
 HOME = ["main", "Cell::home", "Cell::swing"]
@@ -60,6 +61,11 @@ def test_nothing_is_lost_however_a_node_ends(nodes, node, way):
     assert [call.seq for call in log.calls] == list(range(700))
     assert all(stack == HOME for stack in stacks(log))
     assert log.notes == ()
+    follower = CallFollower(nodes.folder / "calls.jsonl")
+    follower.new()
+    assert list(follower.own_processes.values()) == [str(node)]
+    # A process ends by itself, and says how, or is ended.
+    assert list(follower.codes.values()) == ([WAYS[way]] if way in ("return", "exit") else [])
 
 
 def test_a_node_that_executes_another_program_loses_nothing(nodes, node):
@@ -247,9 +253,10 @@ def test_a_statically_linked_program_never_reports(nodes):
 def test_the_file_is_lines_of_json(nodes, node):
     nodes.run(node, "return")
     data = (nodes.folder / "calls.jsonl").read_bytes().replace(b"\0", b"").strip()
-    begin, modules, call = map(json.loads, data.splitlines())
+    begin, modules, call, end = map(json.loads, data.splitlines())
     assert begin == {"probe": 1, "pid": call["pid"], "exe": str(node)}
     assert modules["modules"][0][0] == str(node)
+    assert end == {"pid": call["pid"], "exit": 0}
     assert list(call) == ["t", "pid", "tid", "kind", "name", "seq", "map", "at"]
 
 

@@ -29,6 +29,8 @@ VARIABLE = "TRACERISK_CALLS"
 """The environment variable that names the file to the probe."""
 KINDS = ("publish", "goal", "call", "end")
 """A message, a goal of an action, a call of a service, and the end of such a call."""
+_KEYS = {"probe", "modules", "kind", "exit"}
+"""Each line has one of these."""
 _INSTALLED = ("/usr/", "/opt/ros/", "/build/", "/nix/")
 """Where sources of installed libraries are; their inlined functions are none of the controller."""
 _REMEDY = (
@@ -142,10 +144,12 @@ def read_calls(file: Path, names_at: NamesAt | None = None) -> CallLog:
         except ValueError:
             torn += 1  # a process was killed while it wrote
             continue
-        if not isinstance(entry, dict) or not entry.keys() & {"probe", "modules", "kind"}:
+        if not isinstance(entry, dict) or not entry.keys() & _KEYS:
             raise InputError("is no line of the probe", Location(str(file), number))
         if "probe" in entry:
             programs[entry["exe"]] = None
+        elif "exit" in entry:
+            continue
         elif "modules" in entry:
             there = [_Module(*module) for module in entry["modules"]]
             modules[entry["pid"], entry["map"]] = there

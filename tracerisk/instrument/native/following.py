@@ -9,6 +9,7 @@ from typing import Any
 
 from tracerisk.instrument.native.calls import Call, Frame, read_calls
 
+_INSTALLED = ("/usr/", "/bin/", "/sbin/", "/opt/ros/")
 _PIECE = 1 << 16
 """How much of the file a process takes at a time [bytes]; probe/native/calls.c."""
 
@@ -17,18 +18,22 @@ class CallFollower:
     """Reads the commands that have come since it was asked last.
 
     A stack is named once, however often it issues a command. `notes` (an attribute) are the
-    sentences of `CallLog` on what is missing, `programs` those that reported.
+    sentences of `CallLog` on what is missing, `programs` those that reported, `codes` those with
+    which processes have ended by themselves.
     """
 
     def __init__(self, file: Path) -> None:
         self.notes: dict[str, None] = {}
         self.programs: dict[str, None] = {}
+        self.codes: dict[int, int] = {}
         self._file = file
         self._open: dict[int, int] = {}  # the pieces that may grow, and what is read of each
         self._filled_by: dict[int, int] = {}  # the open piece of each process
         self._n_pieces = 0
         self._heads: list[str] = []
         self._known: dict[str, tuple[tuple[Frame, ...], bool]] = {}
+        self._processes: dict[int, str] = {}  # the programs of those that no node has forked
+        self._own: set[int] = set()  # the processes in which code of the controller commanded
 
     def new(self) -> list[Call]:
         """Return the commands that have come, each process's in its order.
@@ -37,13 +42,33 @@ class CallFollower:
             InputError: the file is not one of the probe.
         """
         entries = self._new_entries()
-        heads = [json.dumps(entry) for entry in entries if "kind" not in entry]
+        for entry in entries:
+            self._note_process(entry)
+        heads = [json.dumps(entry) for entry in entries if entry.keys() & {"probe", "modules"}]
         calls = [entry for entry in entries if "kind" in entry]
         self._heads += heads
         unknown = {_key(entry): entry for entry in calls if _key(entry) not in self._known}
         if unknown or heads:
             self._name(unknown)
         return [self._call(entry) for entry in calls]
+
+    @property
+    def own_processes(self) -> dict[int, str]:
+        """The processes of nodes with code of the controller, each with its program."""
+        return {
+            pid: program
+            for pid, program in self._processes.items()
+            if pid in self._own or not program.startswith(_INSTALLED)
+        }
+
+    def _note_process(self, entry: dict[str, Any]) -> None:
+        pid = entry.get("pid", 0)
+        if "probe" in entry and "forked" not in entry:
+            self._processes[pid] = entry["exe"]
+        elif entry.get("modules"):
+            self._own.add(pid)
+        elif "exit" in entry:
+            self.codes[pid] = entry["exit"]
 
     def _name(self, unknown: dict[str, dict[str, Any]]) -> None:
         with tempfile.NamedTemporaryFile("w", suffix=".jsonl", encoding="utf-8") as part:

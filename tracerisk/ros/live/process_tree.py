@@ -36,6 +36,11 @@ class ProcessTree:
         )
 
     @property
+    def pid(self) -> int:
+        """The process of the command itself."""
+        return self._process.pid
+
+    @property
     def code(self) -> int | None:
         """The return code of the command, negative for a signal; None while it lives."""
         return self._process.poll()
@@ -73,6 +78,15 @@ class ProcessTree:
         with contextlib.suppress(ChildProcessError):
             return os.waitpid(pid, os.WNOHANG)[0] == pid
         return False
+
+
+def has_ended(pid: int) -> bool:
+    """Return whether a process is there no more, or is only waited for."""
+    try:
+        line = Path("/proc", str(pid), "stat").read_bytes()
+    except OSError:
+        return True
+    return line[line.rindex(b")") + 2 :][:1] in b"ZX"
 
 
 def _descendants(of: int, but: frozenset[int]) -> list[int]:

@@ -95,10 +95,11 @@ class Session:
             "tracerisk.ros.live.controller_process", environment=environment, **asked
         )
 
-    def begin_command(self, command: Command) -> None:
-        """Start a command in the place of a controller."""
+    def begin_command(self, command: Command) -> int:
+        """Start a command in the place of a controller; return the number of its process."""
         environment = command_environment(command.environment, self.master)
         self._tree = ProcessTree(command.words, environment, [self._relay_process.pid])
+        return self._tree.pid
 
     def settle(self) -> bool:
         """Take what has come until nothing stirs; False once the controller has ended.

@@ -1,6 +1,7 @@
 """What is recorded of compiled nodes whose functions are not known, and of how they end."""
 
 import json
+import os
 from types import SimpleNamespace
 
 import pytest
@@ -38,6 +39,30 @@ def test_without_a_probe_everything_is_assumed_to_be_of_main(made):
         "functions: 1 of 1 messages and calls count as those of main(): no probe was loaded into "
         "the nodes: the compiler no-such-compiler cannot be run"
     )
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({"exit": 0}, None),
+        ({"exit": 3}, ("exited", "/ws/pick ended with code 3")),
+        ({}, ("died", "/ws/pick was ended by a signal, as by a crash, or by _exit()")),
+        ({"exe": "/opt/ros/noetic/lib/rosout/rosout"}, None),
+        ({"forked": 1}, None),
+        ({"lives": True}, None),
+    ],
+)
+def test_a_node_that_another_program_started_and_that_crashed_is_no_good_end(
+    made, tmp_path, given, expected
+):
+    nodes, _ = made
+    pid = os.getpid() if given.get("lives") else 2**22 + 1  # Linux numbers none so
+    head = {"probe": 1, "pid": pid, "exe": given.get("exe", "/ws/pick")}
+    if "forked" in given:
+        head["forked"] = 1
+    lines = [head, *([{"pid": pid, "exit": given["exit"]}] if "exit" in given else [])]
+    (tmp_path / "calls.jsonl").write_text("".join(f"{json.dumps(line)}\n" for line in lines))
+    assert nodes.bad_end() == expected
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,7 @@ from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import DESCRIPTION
 from tracerisk.ros.time.scheduler import RunOver
+from tracerisk.trace import EndCause
 from tracerisk.twin.recording.samples import SampleWriter
 
 _NO_NETWORK = (
@@ -129,6 +130,7 @@ class _LiveRun:
 
     def _run(self, temporary: Path) -> None:
         begin: Callable[[Session], None]
+        bad_end: tuple[EndCause, str] | None = None
         if is_c(self._request.controller):
             self._nodes = CompiledNodes(self._request, self._recorder, temporary)
             begin = self._nodes.begin
@@ -152,6 +154,8 @@ class _LiveRun:
                 mark_start()
                 began = time.perf_counter()
                 over = self._lived(session, begin)
+                if self._nodes is not None:
+                    bad_end = self._nodes.bad_end()
         finally:
             session.close()
         if self._refused is not None:
@@ -160,7 +164,7 @@ class _LiveRun:
         self._scheduler.outlast()
         if self._nodes is not None:
             self._nodes.report_attribution()
-        self._report_end(over, session.controller_code)
+        self._report_end(over, bad_end, session.controller_code)
         self._recorder.note(GRAPH_USE, counts=dict(sorted(self._runtime.graph.counts.items())))
         self._recorder.note(CELL, **self._graph.cell.note())
         self._twin.close()
@@ -272,11 +276,15 @@ class _LiveRun:
             parameters.set(f"/{DESCRIPTION}", parameters.get(f"/{DESCRIPTION}"))
         self._bridge.give_parameters()
 
-    def _report_end(self, over: RunOver | None, code: int | None) -> None:
+    def _report_end(
+        self, over: RunOver | None, bad_end: tuple[EndCause, str] | None, code: int | None
+    ) -> None:
         self._runtime.client(TwinCommands).finish("ended" if over is None else over.cause)
-        if over is not None and over.cause != "ended":
-            if over.cause in ("idle", "quiescent"):
-                self._recorder.note(MISSION_END, ns=self._watch.last_event_ns)
+        if over is not None and over.cause in ("idle", "quiescent"):
+            self._recorder.note(MISSION_END, ns=self._watch.last_event_ns)
+        if bad_end is not None:
+            self._recorder.run_ended(*bad_end)
+        elif over is not None and over.cause != "ended":
             self._recorder.run_ended(over.cause, over.message, over.location)
         elif self._end is not None:
             place = self._end["location"]

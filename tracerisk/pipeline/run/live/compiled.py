@@ -19,6 +19,7 @@ from tracerisk.instrument.native.following import CallFollower
 from tracerisk.instrument.source.language import is_c
 from tracerisk.instrument.tracer import Frame, RootKind
 from tracerisk.pipeline.workspace.controller import from_root
+from tracerisk.ros.live.process_tree import has_ended
 
 if TYPE_CHECKING:
     from tree_sitter import Node
@@ -129,6 +130,17 @@ class CompiledCalls:
             calls[:] = [call for call in calls if id(call) not in self._late]
             late.update(id(call) for call in calls if call.kind != "call")
         self._late = late
+
+    def ended(self) -> list[tuple[int, str, int | None]]:
+        """Return each process of the controller's nodes that is there no more, and its program.
+
+        With it comes the code with which it ended; `None` if a signal or `_exit` ended it.
+        """
+        self._take()
+        processes = self._follower.own_processes
+        gone = [pid for pid in processes if has_ended(pid)]
+        self._take()  # what they wrote last
+        return [(pid, processes[pid], self._follower.codes.get(pid)) for pid in gone]
 
     def _take(self) -> None:
         for call in self._follower.new():

@@ -54,6 +54,7 @@ class CompiledNodes:
         )
         self._registered: set[str] = set()
         self._began = time.monotonic()
+        self._pid: int | None = None
 
     def begin(self, session: Session) -> None:
         """Start the command in the environment of the user, with the probe before its libraries."""
@@ -62,7 +63,7 @@ class CompiledNodes:
             preloaded = [str(self._probe), *filter(None, [environment.get(_PRELOAD)])]
             environment |= {_PRELOAD: ":".join(preloaded), VARIABLE: str(self._file)}
         self._recorder.note(STARTED)
-        session.begin_command(Command(self._words, environment))
+        self._pid = session.begin_command(Command(self._words, environment))
 
     def registered(self, caller: str) -> None:
         """Note that a node has registered with the master."""
@@ -113,6 +114,18 @@ class CompiledNodes:
             asker=(file, line.line),
             object_name=plain_line(first),
         )
+
+    def bad_end(self) -> tuple[EndCause, str] | None:
+        """Return how a node of the command has ended badly; None where none did.
+
+        What started it may say nothing of that: roslaunch ends with 0 when its nodes have crashed.
+        """
+        for pid, program, code in self._calls.ended():
+            if pid != self._pid and code != 0:
+                how = "was ended by a signal, as by a crash, or by _exit()"
+                cause: EndCause = "died" if code is None else "exited"
+                return cause, f"{program} {how if code is None else f'ended with code {code}'}"
+        return None
 
     def report_end(self, code: int | None) -> None:
         """Record how the command has ended by itself."""
