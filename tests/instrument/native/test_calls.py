@@ -78,7 +78,10 @@ def test_an_address_is_a_function_with_file_and_line_and_those_inlined_into_it(t
         Frame("Cell::swing", source, 5),
     )
     assert log.calls == (Call(5, 7, 8, "publish", "/a", 0, stack, False),)
-    assert (log.programs, log.notes) == ((str(recorded.program),), ())
+    assert (log.programs, log.notes, log.newer) == ((str(recorded.program),), (), {})
+    recorded.source.write_text("// A new first line.\n" + PROGRAM)
+    log = recorded.write(recorded.call(recorded.at["_Z5issued"]))
+    assert log.newer == {source: str(recorded.program)}
 
 
 @needs_compiler

@@ -11,7 +11,6 @@ import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -83,6 +82,8 @@ class CallLog:
     """The executables that reported, each once; a statically linked one never reports."""
     notes: tuple[str, ...]
     """What is missing and why, with the remedy, a sentence each."""
+    newer: Mapping[str, str]
+    """The sources that have changed since the binary was made that was built from them."""
 
 
 class _Module(NamedTuple):
@@ -161,7 +162,7 @@ def read_calls(file: Path, names_at: NamesAt | None = None) -> CallLog:
     notes = list(names.notes)
     if torn:
         notes.append(f"{file}: torn lines: {torn}; a process was killed while it wrote")
-    return CallLog(calls, tuple(programs), tuple(notes))
+    return CallLog(calls, tuple(programs), tuple(notes), names.newer)
 
 
 def _addresses(at: Iterable[int], modules: Iterable[_Module]) -> list[_Address]:
@@ -197,6 +198,7 @@ class _Names:
 
     def __init__(self, addresses: Iterable[_Address], names_at: NamesAt | None) -> None:
         self.notes: list[str] = []
+        self.newer: dict[str, str] = {}
         by_module: dict[_Module, dict[int, None]] = {}
         for module, offset in addresses:
             by_module.setdefault(module._replace(bias=0, begin=0, end=0), {})[offset] = None
@@ -210,6 +212,9 @@ class _Names:
             names = _unchanged_since(module.mtime_ns, names_at)
             for offset, there in places.items():
                 self._active[module.path, offset] = _active(there, names)
+                for frame, _ in self._active[module.path, offset]:
+                    if (_changed_ns(frame.file) or 0) > module.mtime_ns:
+                        self.newer[frame.file] = module.path
             unknown = sum(1 for there in places.values() if not there)
             without_line = Counter(place.line > 0 for there in places.values() for place in there)
             if unknown:
@@ -234,17 +239,20 @@ class _Names:
 def _unchanged_since(time_ns: int, names_at: NamesAt | None) -> NamesAt:
     """Return `names_at` for sources that were last changed before a time [ns since 1970]."""
 
-    @cache
-    def is_unchanged(file: str) -> bool:
-        try:
-            return Path(file).stat().st_mtime_ns <= time_ns
-        except OSError:
-            return False
-
     def names(file: str, line: int) -> Sequence[QualifiedName]:
-        return names_at(file, line) if names_at is not None and is_unchanged(file) else ()
+        changed_ns = None if names_at is None else _changed_ns(file)
+        is_unchanged = changed_ns is not None and changed_ns <= time_ns
+        return names_at(file, line) if names_at is not None and is_unchanged else ()
 
     return names
+
+
+def _changed_ns(file: str) -> int | None:
+    """Return when a source was last changed [ns since 1970]; `None` if it is not there."""
+    try:
+        return os.stat(file).st_mtime_ns  # noqa: PTH116 - an empty name is none of this folder
+    except (OSError, ValueError):
+        return None
 
 
 def _active(places: Sequence[Place], names_at: NamesAt) -> list[tuple[Frame, bool]]:

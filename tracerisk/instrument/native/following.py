@@ -18,12 +18,13 @@ class CallFollower:
     """Reads the commands that have come since it was asked last.
 
     A stack is named once, however often it issues a command. `notes` (an attribute) are the
-    sentences of `CallLog` on what is missing, `programs` those that reported, `codes` those with
-    which processes have ended by themselves.
+    sentences of `CallLog` on what is missing, `newer` its sources that have changed, `programs`
+    those that reported, `codes` those with which processes have ended by themselves.
     """
 
     def __init__(self, file: Path) -> None:
         self.notes: dict[str, None] = {}
+        self.newer: dict[str, str] = {}
         self.programs: dict[str, None] = {}
         self.codes: dict[int, int] = {}
         self._file = file
@@ -80,6 +81,7 @@ class CallFollower:
             self._known[key] = call.stack, call.is_cut
         self.programs.update(dict.fromkeys(log.programs))
         self.notes.update(dict.fromkeys(log.notes))
+        self.newer.update(log.newer)
 
     def _call(self, entry: dict[str, Any]) -> Call:
         stack, is_cut = self._known[_key(entry)]

@@ -41,6 +41,21 @@ def test_without_a_probe_everything_is_assumed_to_be_of_main(made):
     )
 
 
+def test_a_source_that_changed_after_the_build_is_no_source_of_what_ran(made, tmp_path):
+    nodes, recorded = made
+    nodes._calls._follower.newer = {
+        str(tmp_path / "pick.cpp"): "/ws/pick",
+        "/elsewhere/util.h": "/ws/pick",
+    }
+    nodes.report_attribution()
+    (finding,) = recorded("finding")
+    assert (finding["kind"], finding["object"]) == ("functions_assumed", "pick.cpp")
+    assert finding["message"] == (
+        "functions: pick.cpp has changed since /ws/pick was built from it, so that other code ran "
+        "than it has now: build it again"
+    )
+
+
 @pytest.mark.parametrize(
     ("given", "expected"),
     [

@@ -100,6 +100,12 @@ class CompiledCalls:
         return tuple(self._follower.notes)
 
     @property
+    def newer(self) -> dict[str, str]:
+        """The controller's sources that changed after a binary was built from them, and which."""
+        own = ((self.own_file(file), binary) for file, binary in self._follower.newer.items())
+        return {file: binary for file, binary in own if file is not None}
+
+    @property
     def has_reported(self) -> bool:
         """Whether the probe was loaded by any process."""
         return bool(self._follower.programs)

@@ -137,6 +137,13 @@ class CompiledNodes:
         calls, main = self._calls, "main()"
         for note in calls.notes:
             self._recorder.finding("not_simulated", f"functions: {note}")
+        for file, binary in calls.newer.items():
+            self._recorder.finding(
+                "functions_assumed",
+                f"functions: {file} has changed since {binary} was built from it, so that other "
+                "code ran than it has now: build it again",
+                object_name=file,
+            )
         if not calls.n_unknown:
             return
         of = calls.n_known + calls.n_unknown
