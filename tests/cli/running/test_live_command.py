@@ -46,6 +46,15 @@ def test_an_executable_without_it_needs_a_name(node):
     assert "`tracerisk run FILE.cpp --live -- ./pick --left`" in done.err
 
 
+@pytest.mark.parametrize("begin", [b"\x7fELF\x02\x01", b"\x7fELF\x02\x01" + b"\xff" * 99])
+def test_a_file_that_begins_as_an_executable_and_is_none_is_refused(node, begin):
+    (node.folder / "pick").write_bytes(begin)
+    (node.folder / "pick").chmod(0o755)
+    done = node.run("run", "--live", "--", "./pick")
+    assert done.code == 2
+    assert "./pick does not say from which source it was built" in done.err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

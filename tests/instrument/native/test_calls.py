@@ -85,6 +85,16 @@ def test_an_address_is_a_function_with_file_and_line_and_those_inlined_into_it(t
 
 
 @needs_compiler
+@pytest.mark.skipif(shutil.which("addr2line") is None, reason="no binutils")
+def test_a_folder_may_have_a_name_with_brackets(tmp_path):
+    folder = tmp_path / "cell (discriminator)"
+    folder.mkdir()
+    recorded = Recorded(folder, "-g")
+    log = recorded.write(recorded.call(recorded.at["_Z5issued"]))
+    assert log.calls[0].stack == (Frame("Cell::swing", str(recorded.source), 5),)
+
+
+@needs_compiler
 @pytest.mark.parametrize("has_binutils", [True, False])
 def test_a_program_without_lines_has_the_names_of_its_symbols(tmp_path, monkeypatch, has_binutils):
     recorded = Recorded(tmp_path)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import bisect
 import ctypes
 import ctypes.util
+import re
 import shutil
 import struct
 import subprocess
@@ -20,6 +21,7 @@ from typing import NamedTuple
 _SYMTAB, _DYNSYM = 2, 11
 _FUNCTION = 2
 _UNKNOWN = "??"
+_DISCRIMINATOR = re.compile(r" \(discriminator \d+\)$")
 
 
 class Place(NamedTuple):
@@ -50,7 +52,10 @@ class Binary:
     def __init__(self, path: str) -> None:
         self.path = path
         data = Path(path).read_bytes()
-        self._symbols = sorted(_symbols(data))
+        try:
+            self._symbols = sorted(_symbols(data))
+        except (struct.error, ArithmeticError, LookupError, ValueError):
+            self._symbols = []  # it was cut off, or is none
         self._begins = [symbol.begins for symbol in self._symbols]
 
     def places(self, addresses: Sequence[int]) -> dict[int, tuple[Place, ...]]:
@@ -122,7 +127,7 @@ def _by_addr2line(path: str, addresses: Sequence[int]) -> dict[int, tuple[Place,
         if line.startswith("0x"):
             now = places.setdefault(int(line, 16), [])
             continue
-        file, _, number = next(lines, "").partition(" (")[0].rpartition(":")
+        file, _, number = _DISCRIMINATOR.sub("", next(lines, "")).rpartition(":")
         if file != _UNKNOWN:
             now.append(Place(line, file, int(number) if number.isdigit() else 0))
     return {

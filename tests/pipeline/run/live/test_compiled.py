@@ -161,6 +161,19 @@ def test_a_call_of_a_service_that_reached_nobody_is_not_taken_for_the_next(node)
     assert [name for name, *_ in frames] == ["main", "cell::Cell::swing"]
 
 
+@pytest.mark.parametrize("file", ["../pick.cpp", "../../cell/pick.cpp", "cell/./pick.cpp"])
+def test_a_source_is_found_by_its_name_from_the_folder_of_the_build(tmp_path, file):
+    cell = tmp_path / "cell"
+    cell.mkdir()
+    (cell / "pick.cpp").write_text(SOURCE)
+    calls = CompiledCalls(
+        tmp_path / "calls", tmp_path, "cell/pick.cpp", lambda *_: None, lambda *_: None
+    )
+    assert calls.own_file(file) == "cell/pick.cpp"
+    assert calls.own_file("../other.cpp") is None
+    assert calls.own_file("") is None
+
+
 def test_what_nobody_saw_belongs_to_main_and_is_counted(node):
     assert [(name, line) for name, line, _ in node.received(0)] == [("main", 18)]
     assert (node.calls.n_known, node.calls.n_unknown) == (0, 1)

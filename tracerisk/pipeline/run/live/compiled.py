@@ -241,9 +241,12 @@ class CompiledCalls:
     def own_file(self, file: str) -> str | None:
         """Return the name from the root of a source as a compiler was given it.
 
-        `None` where it is none below the root.
+        `None` where it is none below the root. A name that is relative to the folder of a build,
+        such as `../src/pick.cpp`, is looked for from the source with `main()` upwards.
         """
-        for path in (Path(file), self._root / file):
+        tail = Path(*(part for part in Path(file).parts if part != ".."))
+        above = (self._root / self._main.ref.file).parents
+        for path in (Path(file), *(folder / tail for folder in above)):
             if path.is_file() and path.resolve().is_relative_to(self._root):
                 return from_root(self._root, path.resolve())
         return None
