@@ -1,5 +1,7 @@
 """Which addresses belong to a run, with and without a network of its own."""
 
+import _socket
+import errno
 import json
 import os
 import socket
@@ -65,3 +67,17 @@ def test_no_address_belongs_to_a_run_without_a_network_of_its_own():
 )
 def test_an_address_is_named(address, text):
     assert loopback.address_text(address) == text
+
+
+@pytest.mark.skipif(not offers_own_network(), reason="needs a network of its own")
+@pytest.mark.parametrize("missing", [_socket.AF_INET, _socket.AF_NETLINK])
+def test_a_system_without_one_kind_of_sockets_offers_no_network(monkeypatch, missing):
+    real = _socket.socket
+
+    def made(family, *more):
+        if family == missing:
+            raise OSError(errno.EAFNOSUPPORT, "Address family not supported by protocol")
+        return real(family, *more)
+
+    monkeypatch.setattr(_socket, "socket", made)
+    assert not offers_own_network()

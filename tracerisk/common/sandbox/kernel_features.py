@@ -164,18 +164,17 @@ def _has_loopback() -> bool:
     import _socket
     import fcntl
 
-    asking = _socket.socket(_socket.AF_INET, _socket.SOCK_DGRAM)
-    telling = _socket.socket(_socket.AF_NETLINK, _socket.SOCK_RAW, 0)
-    try:
-        flags = struct.pack("16sH14x", b"lo", _UP)
-        fcntl.ioctl(asking, _SET_FLAGS, flags)
-        for family, address, bits in _PLACES:
-            telling.send(_route_to_loopback(family, address, bits))
-    except OSError:
-        return False
-    finally:
-        asking.close()
-        telling.close()
+    with contextlib.ExitStack() as opened:
+        try:
+            asking = _socket.socket(_socket.AF_INET, _socket.SOCK_DGRAM)
+            opened.callback(asking.close)
+            telling = _socket.socket(_socket.AF_NETLINK, _socket.SOCK_RAW, 0)
+            opened.callback(telling.close)
+            fcntl.ioctl(asking, _SET_FLAGS, struct.pack("16sH14x", b"lo", _UP))
+            for family, address, bits in _PLACES:
+                telling.send(_route_to_loopback(family, address, bits))
+        except OSError:  # also where the system has no sockets of one of these kinds
+            return False
     return True
 
 
