@@ -17,11 +17,16 @@ from typing import Any
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.threads import NANOSECONDS
 
-_READING = (
-    *("recv", "recv_into", "recvfrom", "recvfrom_into"),
-    *("recvmsg", "recvmsg_into"),
-)
-_WRITING = ("send", "sendmsg", "sendto")
+# The place of the flags among the arguments of each.
+_READING = {
+    "recv": 1,
+    "recv_into": 2,
+    "recvfrom": 1,
+    "recvfrom_into": 2,
+    "recvmsg": 2,
+    "recvmsg_into": 2,
+}
+_WRITING = {"send": 1, "sendmsg": 2, "sendto": 1}
 _PIECE = 65536
 _DO_NOT_WAIT = 0x40  # MSG_DONTWAIT
 _UNSENT = 0x5411  # SIOCOUTQ: what the other end has not confirmed yet
@@ -38,9 +43,9 @@ def socket_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
 
     kind = socket.socket
     for name in filter(functools.partial(hasattr, kind), _READING):
-        yield kind, name, _waiting(scheduler, getattr(kind, name), select.POLLIN)
+        yield kind, name, _waiting(scheduler, getattr(kind, name), select.POLLIN, _READING[name])
     for name in filter(functools.partial(hasattr, kind), _WRITING):
-        waiting = _waiting(scheduler, getattr(kind, name), select.POLLOUT)
+        waiting = _waiting(scheduler, getattr(kind, name), select.POLLOUT, _WRITING[name])
         yield kind, name, _arriving(scheduler, waiting)
     yield kind, "sendall", _sendall(scheduler, kind.sendall)
     yield kind, "accept", _accepting(scheduler, kind.accept)
@@ -67,11 +72,20 @@ def _wait(scheduler: Scheduler, descriptor: int, event: int, timeout: float | No
     )
 
 
-def _waiting(scheduler: Scheduler, real: Callable[..., Any], event: int) -> Callable[..., Any]:
+def _waiting(
+    scheduler: Scheduler, real: Callable[..., Any], event: int, flags_at: int | None = None
+) -> Callable[..., Any]:
+    def is_told_not_to(args: tuple[Any, ...], kwargs: dict[str, Any]) -> bool:
+        given = args[flags_at] if flags_at is not None and len(args) > flags_at else None
+        flags = kwargs.get("flags", given)
+        return isinstance(flags, int) and bool(flags & _DO_NOT_WAIT)
+
     @functools.wraps(real)
     def call(self: Any, *args: Any, **kwargs: Any) -> Any:
         timeout = self.gettimeout()
-        may_wait = timeout != 0 and self.fileno() >= 0 and args[1:2] != (_DO_NOT_WAIT,)
+        may_wait = timeout != 0 and self.fileno() >= 0
+        if timeout is None:  # where there is one, Python waits for it whatever the flags say
+            may_wait = may_wait and not is_told_not_to(args, kwargs)
         if may_wait and not _wait(scheduler, self.fileno(), event, timeout):
             raise TimeoutError("timed out")
         return real(self, *args, **kwargs)
