@@ -8,7 +8,9 @@ import subprocess
 import pytest
 
 from tracerisk.errors import InputError
+from tracerisk.instrument.native.binaries import Binary
 from tracerisk.instrument.native.calls import Call, Frame, read_calls
+from tracerisk.instrument.native.following import CallFollower
 
 PROGRAM = """\
 struct Cell { void home(); void swing(double); };
@@ -82,6 +84,21 @@ def test_an_address_is_a_function_with_file_and_line_and_those_inlined_into_it(t
     recorded.source.write_text("// A new first line.\n" + PROGRAM)
     log = recorded.write(recorded.call(recorded.at["_Z5issued"]))
     assert log.newer == {source: str(recorded.program)}
+
+
+@needs_compiler
+@pytest.mark.skipif(shutil.which("addr2line") is None, reason="no binutils")
+def test_a_binary_names_all_its_sources_whether_or_not_they_ran(tmp_path):
+    place = tmp_path / "place.cpp"
+    place.write_text("#include <string>\nstd::string place() { return std::string(3, 'x'); }\n")
+    recorded = Recorded(tmp_path, "-g", str(place))
+    assert set(Binary(str(recorded.program)).sources()) >= {str(recorded.source), str(place)}
+    recorded.write()
+    follower = CallFollower(recorded.file)
+    follower.new()
+    assert {str(recorded.source), str(place)} <= set(follower.sources())
+    recorded.program.unlink()
+    assert follower.sources() == []
 
 
 @needs_compiler

@@ -18,6 +18,8 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+from tracerisk.instrument.native.cpp_names import is_of_library, source_name
+
 _SYMTAB, _DYNSYM = 2, 11
 _FUNCTION = 2
 _UNKNOWN = "??"
@@ -75,6 +77,16 @@ class Binary:
         address = next(begins, None)
         places = () if address is None else self.places([address])[address]
         return places[-1].file if places else ""
+
+    def sources(self) -> tuple[str, ...]:
+        """Return the sources of its functions but for those of libraries of ROS and C++, sorted."""
+        own = [
+            symbol.begins
+            for symbol in self._symbols
+            if not is_of_library(source_name(demangled(symbol.name)))
+        ]
+        places = _by_addr2line(self.path, own)
+        return tuple(sorted({place.file for there in places.values() for place in there}))
 
     def _by_symbol(self, address: int) -> tuple[Place, ...]:
         at = bisect.bisect_right(self._begins, address) - 1

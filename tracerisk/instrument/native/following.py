@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from tracerisk.instrument.native.binaries import Binary
 from tracerisk.instrument.native.calls import Call, Frame, read_calls
 
 _INSTALLED = ("/usr/", "/bin/", "/sbin/", "/opt/ros/")
@@ -34,6 +35,7 @@ class CallFollower:
         self._heads: list[str] = []
         self._known: dict[str, tuple[tuple[Frame, ...], bool]] = {}
         self._processes: dict[int, str] = {}  # the programs of those that no node has forked
+        self._binaries: dict[str, None] = {}
         self._own: set[int] = set()  # the processes in which code of the controller commanded
 
     def new(self) -> list[Call]:
@@ -62,12 +64,22 @@ class CallFollower:
             if pid in self._own or not program.startswith(_INSTALLED)
         }
 
+    def sources(self) -> list[str]:
+        """Return the sources of the nodes' own binaries, as compilers were given them."""
+        return [
+            file
+            for path in self._binaries
+            if Path(path).is_file()
+            for file in Binary(path).sources()
+        ]
+
     def _note_process(self, entry: dict[str, Any]) -> None:
         pid = entry.get("pid", 0)
         if "probe" in entry and "forked" not in entry:
             self._processes[pid] = entry["exe"]
         elif entry.get("modules"):
             self._own.add(pid)
+            self._binaries.update((module[0], None) for module in entry["modules"])
         elif "exit" in entry:
             self.codes[pid] = entry["exit"]
 

@@ -18,6 +18,7 @@ from tracerisk.common.version import __version__
 from tracerisk.config import Settings, names_file
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.code_digest import code_digest
+from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.freshness.used_evidence import evidence_digest
 from tracerisk.pipeline.workspace.controller import Controller, from_root
 
@@ -144,6 +145,8 @@ def run_inputs(
     root = controller.root.resolve()
     listed = {*trace.inputs, *files_named(controller, settings)}
     sources = {controller.file, *trace.files}
+    if not controller.is_python:  # its other sources and headers: their comments change no run
+        sources |= {file for file in trace.inputs if is_c(file)}
     inputs = RunInputs(
         settings=settings_data(settings, root),
         given=_given_data(given, root),

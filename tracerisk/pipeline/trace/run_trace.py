@@ -242,8 +242,10 @@ def _inputs(controller: Controller, recording: Recording) -> tuple[str, ...]:
     names = [name for name in given.get("modules", ()) if name.isidentifier()]
     real = (file for name in names for file in (f"{name}.py", f"{name}/__init__.py"))
     folder, root = controller.path.resolve().parent, controller.root.resolve()
-    included = () if controller.is_python else included_files(recording.sources, root)
-    files = [*included, *(from_root(root, folder / file) for file in real)]
+    built: tuple[str, ...] = ()
+    if not controller.is_python:
+        built = (*recording.sources, *included_files(recording.sources, root))
+    files = [*built, *(from_root(root, folder / file) for file in real)]
     return (*_launched(recording)["inputs"], *files)
 
 

@@ -41,6 +41,16 @@ def test_without_a_probe_everything_is_assumed_to_be_of_main(made):
     )
 
 
+def test_a_source_that_sent_nothing_is_read_for_what_it_could_have_sent(made, tmp_path):
+    nodes, recorded = made
+    (tmp_path / "place.cpp").write_text("void place() { arm.sendGoal(goal); }\n")
+    (tmp_path / "binary.so").write_bytes(b"")
+    files = [str(tmp_path / name) for name in ("place.cpp", "binary.so", "gone.cpp")]
+    nodes._calls._follower.sources = lambda: [*files, "/usr/include/c++/12/string"]
+    nodes.report_attribution()
+    assert [event["file"] for event in recorded("source")] == ["pick.cpp", "place.cpp"]
+
+
 def test_a_source_that_changed_after_the_build_is_no_source_of_what_ran(made, tmp_path):
     nodes, recorded = made
     nodes._calls._follower.newer = {

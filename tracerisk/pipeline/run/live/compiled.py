@@ -128,6 +128,16 @@ class CompiledCalls:
         self.n_unknown += 1
         return self._of_main
 
+    def read_sources(self) -> None:
+        """Read the controller's other sources that its binaries were built from.
+
+        No command came from them: their functions that can command never did.
+        """
+        for file in self._follower.sources():
+            own = self.own_file(file)
+            if own is not None:
+                self._source(own)
+
     def settled(self) -> None:
         """Forget what was sent and reached nobody, now that nothing is under way."""
         self._take()

@@ -133,8 +133,9 @@ class CompiledNodes:
         self._recorder.run_ended(cause, message)
 
     def report_attribution(self) -> None:
-        """Record what of the functions is not known, and why."""
+        """Record what of the functions is not known, and why, and which never sent anything."""
         calls, main = self._calls, "main()"
+        calls.read_sources()
         for note in calls.notes:
             self._recorder.finding("not_simulated", f"functions: {note}")
         for file, binary in calls.newer.items():
