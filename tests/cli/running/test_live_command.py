@@ -59,6 +59,7 @@ def test_a_file_that_begins_as_an_executable_and_is_none_is_refused(node, begin)
     ("arguments", "message"),
     [
         (("--live", "--", "cell.launch"), "cell.launch is neither a Python program nor the exec"),
+        (("--live", "--", "./gone"), "the program ./gone is not there; build it"),
         (("src/pick.cpp",), "--live runs its node on the twin"),
         (("src/pick.cpp", "--live"), "whose node is started by a command"),
         (("src/other.cpp", "--live", "--", "true"), "has no main(); name the source in which"),

@@ -128,10 +128,8 @@ def test_a_program_without_symbols_names_nothing_and_says_which_flag_helps(tmp_p
     recorded = Recorded(tmp_path, "-s")
     log = recorded.write(recorded.call(0x401140, 0x401150))
     assert log.calls[0].stack == ()
-    assert (
-        f"{recorded.program} names no function for 2 of 2 addresses: compile with -g"
-        in log.notes[0]
-    )
+    (note,) = log.notes
+    assert note.startswith(f"{recorded.program} has functions without names: compile with -g ")
 
 
 @needs_compiler

@@ -28,6 +28,11 @@ def name_source(options: argparse.Namespace) -> None:
     command = " ".join([given, *options.argv])
     remedy = f"name the source with main() before --live: `tracerisk {options.verb} FILE.cpp --live"
     program = shutil.which(given)
+    if program is None and not Path(given).exists():
+        raise InputError(
+            f"the program {given} is not there; build it, source setup.bash of its workspace, or "
+            "give its path"
+        )
     if program is None or not _begin(Path(program)).startswith(_ELF):
         raise InputError(
             f"{given} is neither a Python program nor the executable of a node, so what it runs is "

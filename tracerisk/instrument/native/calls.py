@@ -215,13 +215,9 @@ class _Names:
                 for frame, _ in self._active[module.path, offset]:
                     if (_changed_ns(frame.file) or 0) > module.mtime_ns:
                         self.newer[frame.file] = module.path
-            unknown = sum(1 for there in places.values() if not there)
             without_line = Counter(place.line > 0 for there in places.values() for place in there)
-            if unknown:
-                self.notes.append(
-                    f"{module.path} names no function for {unknown} of {len(places)} addresses: "
-                    f"{_REMEDY}"
-                )
+            if not all(places.values()):
+                self.notes.append(f"{module.path} has functions without names: {_REMEDY}")
             elif not without_line[True]:
                 self.notes.append(f"{module.path} has names but no lines: {_REMEDY}")
 

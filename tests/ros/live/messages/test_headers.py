@@ -70,3 +70,13 @@ def test_what_is_no_source_is_refused(tmp_path):
         headers_for([tmp_path / "pick.py"], tmp_path / "made")
     with pytest.raises(InputError, match="neither a C or C\\+\\+ source nor a folder with any"):
         headers_for([tmp_path], tmp_path / "made")
+
+
+def test_a_folder_called_like_a_header_is_none_and_a_file_no_place_for_headers(tmp_path):
+    (tmp_path / "pick.h").mkdir()
+    with pytest.raises(InputError, match="is neither a C or C"):
+        headers_for([tmp_path], tmp_path / "out")
+    (tmp_path / "pick.cpp").write_bytes(b"int main() {}\n")
+    assert headers_for([tmp_path], tmp_path / "out") == ()
+    with pytest.raises(InputError, match="is no folder; name one for the headers"):
+        headers_for([tmp_path], tmp_path / "pick.cpp")

@@ -24,13 +24,17 @@ def headers_for(named: Sequence[Path], out: Path) -> tuple[str, ...]:
     Return the packages that were made, sorted.
 
     Raises:
-        InputError: a name is neither that of a folder nor of a C or C++ source, or there is none.
+        InputError: a name is neither that of a folder nor of a C or C++ source, or there is none;
+            `out` is no folder.
         DependencyError: there is no ROS 1, or no gencpp.
     """
     require_linux("making headers of messages")
+    if out.exists() and not out.is_dir():
+        raise InputError("is no folder; name one for the headers", Location(str(out)))
     files: list[Path] = []
     for path in named:
-        found = sorted(item for item in path.rglob("*") if is_c(item.name)) if path.is_dir() else []
+        within = path.rglob("*") if path.is_dir() else ()
+        found = sorted(item for item in within if is_c(item.name) and item.is_file())
         if not found and not (is_c(path.name) and path.is_file()):
             raise InputError(
                 "is neither a C or C++ source nor a folder with any; name what includes the "
