@@ -66,6 +66,21 @@ def test_a_source_that_changed_after_the_build_is_no_source_of_what_ran(made, tm
     )
 
 
+def test_a_folder_that_the_loader_cannot_name_is_told(made, tmp_path, monkeypatch):
+    nodes, recorded = made
+    folder = tmp_path / "of a user"
+    folder.mkdir()
+    monkeypatch.setenv("TRACERISK_COMMAND_ENVIRONMENT", "{}")
+    source = str(tmp_path / "pick.cpp")
+    request = SimpleNamespace(argv=("./pick",), controller=source, root=str(tmp_path))
+    nodes = CompiledNodes(request, nodes._recorder, folder)
+    nodes.sender("/speed", b"", False)
+    nodes.report_attribution()
+    (finding,) = recorded("finding")
+    assert "LD_PRELOAD cannot name the folder" in finding["message"]
+    assert "set TMPDIR to another" in finding["message"]
+
+
 @pytest.mark.parametrize(
     ("given", "expected"),
     [

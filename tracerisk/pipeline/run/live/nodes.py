@@ -31,6 +31,7 @@ LOG = "/rosout"
 """The topic on which nodes log."""
 LOG_TYPE = "rosgraph_msgs/Log"
 _PRELOAD = "LD_PRELOAD"
+_SEPARATORS = frozenset(" :")
 
 
 class CompiledNodes:
@@ -43,6 +44,11 @@ class CompiledNodes:
         self._probe: Path | None = None
         self._without_probe = ""
         try:
+            if set(str(temporary)) & _SEPARATORS:
+                raise DependencyError(
+                    f"{_PRELOAD} cannot name the folder {temporary}, for it separates names by "
+                    "spaces and colons; set TMPDIR to another"
+                )
             self._probe = build_probe(temporary)
         except DependencyError as error:
             self._without_probe = error.message
