@@ -6,7 +6,8 @@ from textwrap import dedent
 import pytest
 
 from tracerisk.ros.imports.placeholder_modules import PlaceholderValues
-from tracerisk.ros.imports.window_modules import Windows, needs_screen, window_finder
+from tracerisk.ros.imports.window_modules import Windows, window_finder
+from tracerisk.ros.imports.window_names import needs_screen
 
 POSTURE = (0.1, -0.7, 0.3)
 TK = """
@@ -88,7 +89,8 @@ class _Clock:
 @pytest.fixture
 def windows():
     clock = _Clock()
-    return Windows(PlaceholderValues(lambda: POSTURE, lambda: clock.now_ns), clock.sleep)
+    values = PlaceholderValues(lambda: POSTURE, lambda: clock.now_ns)
+    return Windows(values, clock.sleep, failed=lambda error: None)
 
 
 @pytest.fixture
@@ -111,7 +113,7 @@ def test_a_widget_keeps_what_it_was_given_and_else_gives_a_joint_in_its_range(tk
     root = tk.Tk()
     text, least = tk.StringVar(value="cup"), tk.Scale(root, from_=0.5, to=2)
     entry = tk.Entry(root, textvariable=text)
-    assert (entry.get(), least.get(), tk.Spinbox(root).get()) == ("cup", 0.5, -0.7)
+    assert (entry.get(), least.get(), tk.Spinbox(root).get()) == ("cup", 0.5, "-0.7")
     text.set("plate")
     degrees = tk.Scale(root, from_=-180, to=180)
     assert (entry.get(), degrees.get()) == ("plate", 17.189)
@@ -130,6 +132,101 @@ def test_timers_go_on_while_buttons_are_pressed_and_a_closed_window_ends_the_loo
     tk.Button(root, command=lambda: 1 / 0)
     root.mainloop()
     assert len(ticks) == 13  # one at first, then each half second until 6 s
+
+
+def test_a_button_that_shows_how_far_it_is_presses_no_other(tk):
+    root, pressed = tk.Tk(), []
+
+    def move(name: str) -> None:
+        pressed.append(f"{name} begins")
+        root.update()
+        pressed.append(f"{name} ends")
+
+    for name in ("pick", "place"):
+        tk.Button(root, command=lambda name=name: move(name))
+    root.mainloop()
+    assert pressed == ["pick begins", "pick ends", "place begins", "place ends"]
+
+
+def test_what_closes_a_widget_or_a_dialog_leaves_the_program_open(tk):
+    root, pressed = tk.Tk(), []
+    dialog, label = tk.Toplevel(root), tk.Label(root)
+    thread = importlib.import_module("PyQt5.QtCore").QThread()
+    for closed in (dialog.destroy, label.destroy, thread.quit):
+        tk.Button(dialog, command=lambda closed=closed: closed())
+    tk.Button(root, command=lambda: pressed.append("pick"))
+    root.mainloop()
+    assert pressed == ["pick"]
+
+
+@pytest.mark.parametrize("is_within", [False, True])
+def test_a_window_after_another_one_has_its_buttons_pressed(tk, is_within):
+    pressed = []
+
+    def main() -> None:
+        window = tk.Tk()
+        tk.Button(window, command=lambda: pressed.append("pick"))
+        tk.Button(window, command=lambda: pressed.append("place"))
+        window.mainloop()
+
+    def log_in() -> None:
+        login.destroy()
+        if is_within:
+            main()
+
+    login = tk.Tk()
+    tk.Button(login, text="Log in", command=log_in)
+    tk.Button(login, text="Cancel", command=lambda: pressed.append("cancel"))
+    login.mainloop()
+    if not is_within:
+        main()
+    assert pressed == ["pick", "place"]
+
+
+def test_a_button_that_starts_and_stops_in_turn_is_pressed_once_for_each(tk):
+    root, pressed = tk.Tk(), []
+
+    def start() -> None:
+        pressed.append("start")
+        button.config(text="Stop", command=stop)
+
+    def stop() -> None:
+        pressed.append("stop")
+        button.config(text="Start", command=start)
+
+    button = tk.Button(root, text="Start", command=start)
+    root.mainloop()
+    assert pressed == ["start", "stop"]
+
+
+def test_widgets_give_values_of_their_own_type(tk):
+    widgets = importlib.import_module("PyQt5.QtWidgets")
+    entry, text, slider = tk.Entry(tk.Tk()), tk.StringVar(), widgets.QSlider()
+    assert entry.get().strip() == "0.1"
+    assert text.get().split(",") == ["-0.7"]
+    assert list(range(slider.value())) == list(range(17))
+    tree = tk.Listbox(tk.Tk())
+    tree.insert("", "end", text="cup", values=(1, 2))
+
+
+def test_timers_that_are_stopped_call_no_more(tk):
+    root, called = tk.Tk(), []
+    root.after_cancel(root.after(100, lambda: called.append("cancelled")))
+    root.after_idle(lambda: called.append("idle"))
+    timer, once = (importlib.import_module("PyQt5.QtCore").QTimer() for _ in range(2))
+
+    def tick() -> None:
+        called.append("tick")
+        if called.count("tick") == 2:
+            timer.stop()
+
+    timer.timeout.connect(tick)
+    timer.start(100)
+    once.setSingleShot(True)
+    once.timeout.connect(lambda: called.append("once"))
+    once.start(100)
+    root.mainloop()
+    assert called == ["idle", "tick", "once", "tick"]
 
 
 def test_signals_of_qt_call_what_they_are_connected_to(tk):
@@ -152,6 +249,19 @@ def test_only_a_lack_of_a_screen_is_one():
     error = type("TclError", (Exception,), {})
     assert needs_screen(error("no display name and no $DISPLAY environment variable"))
     assert not needs_screen(error('unknown option "-txt"'))
+
+
+def test_a_callback_of_a_window_that_raises_makes_the_run_faulted(example):
+    raising = dedent(TK).replace("def send(self):", "def send(self):\n        1 / 0")
+    example.write("panel.py", raising)
+    example.write("panel.yaml", "modules:\n  - module: tkinter\n")
+    asked = ("trace", "panel.py", "--robot", "panda", "--scenario", "panel.yaml", "--json")
+    verdict = example.run(*asked).json["verdict"]
+    assert verdict["kind"] == "faulted"
+    (reason,) = (reason for reason in verdict["reasons"] if reason["code"] == "callback-raised")
+    assert reason["words"].startswith("a callback of a window raised ZeroDivisionError")
+    place = raising.splitlines().index("        1 / 0") + 1
+    assert (reason["location"]["line"], reason["function"]) == (place, "App.send")
 
 
 @pytest.mark.parametrize(("program", "library"), [(TK, "tkinter"), (QT, "PyQt5")])

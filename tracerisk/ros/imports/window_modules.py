@@ -8,68 +8,27 @@ they were made, those that end the program last, and returns: the window was clo
 from __future__ import annotations
 
 import inspect
-import re
-import runpy
-import sysconfig
 import threading
 import traceback
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import partial
 from math import degrees
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from tracerisk.ros.imports import window_names as names
 from tracerisk.ros.imports.placeholder_modules import (
     Placeholder,
     PlaceholderFinder,
     PlaceholderValues,
 )
 
-_STARRED: Mapping[str, str] = {
-    "tkinter": (
-        "BooleanVar Button Canvas Checkbutton DoubleVar Entry Frame IntVar Label LabelFrame "
-        "Listbox Menu Menubutton Message OptionMenu PanedWindow PhotoImage Radiobutton Scale "
-        "Scrollbar Spinbox StringVar TclError Text Tk Toplevel Variable Widget mainloop"
-    ),
-    "tkinter.ttk": (
-        "Button Checkbutton Combobox Entry Frame Label LabelFrame Labelframe Menubutton Notebook "
-        "PanedWindow Progressbar Radiobutton Scale Scrollbar Separator Sizegrip Spinbox Style "
-        "Treeview Widget"
-    ),
-    "QtWidgets": (
-        "QAction QApplication QButtonGroup QCheckBox QComboBox QDesktopWidget QDial QDialog "
-        "QDoubleSpinBox QFileDialog QFormLayout QFrame QGridLayout QGroupBox QHBoxLayout "
-        "QInputDialog QLCDNumber QLabel QLineEdit QListWidget QListWidgetItem QMainWindow QMenu "
-        "QMenuBar QMessageBox QPlainTextEdit QProgressBar QPushButton QRadioButton QScrollArea "
-        "QSizePolicy QSlider QSpacerItem QSpinBox QSplitter QStackedWidget QStatusBar QTabWidget "
-        "QTableWidget QTableWidgetItem QTextBrowser QTextEdit QToolBar QToolButton QVBoxLayout "
-        "QWidget"
-    ),
-    "QtCore": (
-        "QCoreApplication QDateTime QEvent QMutex QObject QPoint QPointF QProcess QRect QRectF "
-        "QRunnable QSettings QSize QThread QThreadPool QTime QTimer QUrl Qt Signal Slot pyqtSignal "
-        "pyqtSlot"
-    ),
-    "QtGui": (
-        "QBrush QCloseEvent QColor QCursor QFont QIcon QImage QKeyEvent QKeySequence QMovie "
-        "QPainter QPalette QPen QPixmap QStandardItem QStandardItemModel QTextCursor"
-    ),
-}
-"""What `import *` takes of a module, by the end of its name; of Qt what is most used."""
-
 _BETWEEN_NS = 5_000_000_000
 """From one press to the next, in which most motions end [ns]; an own figure."""
 _FIRST_NS = 1_000_000_000  # from the first look at the window to the first press
 _LEAST_NS = 1_000_000  # of a timer
 _A_TURN = 6.3  # a slider that goes further is not in radians
-_ENDS = re.compile(r"(^|_|\b)(quit|exit|destroy|closing|shutdown|emergency)(_|\b|$)", re.IGNORECASE)
-_PRESSED = frozenset({
-    "activated", "clicked", "currentIndexChanged", "pressed", "released", "returnPressed",
-    "sliderReleased", "toggled", "triggered", "valueChanged",
-})  # fmt: skip
-_KEY = re.compile(r"<?(?:KeyPress-|Key-)?(?P<key>[A-Za-z0-9]|Up|Down|Left|Right|Return|space)>?")
 
 
 @dataclass(slots=True, eq=False)
@@ -80,6 +39,8 @@ class Windows:
     """What widgets give where numbers are asked of them, and the clock."""
     sleep_ns: Callable[[int], None]
     """The function that lets simulated time pass [ns]."""
+    failed: Callable[[Exception], None]
+    """The function that takes what a callback raised, with which the window goes on."""
     _buttons: list[Callable[[], Any]] = field(default_factory=list, init=False)
     """What is still to be pressed, in its order."""
     _last: list[Callable[[], Any]] = field(default_factory=list, init=False)
@@ -90,32 +51,40 @@ class Windows:
     """When the next button is pressed [ns]; `None` before the first loop."""
     _sliders: int = field(default=0, init=False)
     """The number of widgets that were asked for a number nobody gave them."""
-    is_closed: bool = field(default=False, init=False)
+    _is_closed: bool = field(default=False, init=False)
     """Whether the program has closed its window."""
     _is_looping: bool = field(default=False, init=False)
     """Whether a main loop runs: a dialog within it is confirmed at once."""
+    _is_pressing: bool = field(default=False, init=False)
+    """Whether what a button calls has not returned: nothing else is pressed meanwhile."""
 
     def bind(self, function: object, *given: object, text: object = "") -> None:
         """Press once, with as many of the values `given` as the function takes."""
         if callable(function) and not isinstance(function, Placeholder):
             name = getattr(function, "__name__", "")
-            ends = _ENDS.search(name) or (isinstance(text, str) and _ENDS.search(text))
+            ends = names.ENDS.search(name) or (isinstance(text, str) and names.ENDS.search(text))
             (self._last if ends else self._buttons).append(lambda: _called(function, *given))
 
-    def later(self, delay_ms: object, function: object, *given: object) -> None:
-        """Call a function when the time has passed."""
-        if callable(function) and not isinstance(function, Placeholder):
-            delay_ns = max(_LEAST_NS, round(float(delay_ms) * 1e6))  # type: ignore[arg-type]
-            due_ns = self.values.now_ns() + delay_ns
-            self._timers.append((due_ns, lambda: _called(function, *given)))
+    def later(self, delay_ms: object, function: object, *given: object) -> object:
+        """Call a function when the time has passed, and return what `cancel` takes."""
+        if not callable(function) or isinstance(function, Placeholder):
+            return None
+        delay_ns = 0 if isinstance(delay_ms, str) else round(float(delay_ms) * 1e6)  # type: ignore[arg-type]
+        due_ns = self.values.now_ns() + max(_LEAST_NS, delay_ns)
+        timer = due_ns, lambda: _called(function, *given)
+        self._timers.append(timer)
+        return timer
 
-    def every(self, interval_ms: object, functions: Sequence[Callable[..., Any]]) -> None:
-        """Call functions again and again."""
+    def cancel(self, timer: object) -> None:
+        """Call nothing that waits for its time."""
+        self._timers = [waiting for waiting in self._timers if waiting is not timer]
+
+    def every(self, interval_ms: object, function: Callable[[], bool]) -> None:
+        """Call a function again and again, as long as it returns that it goes on."""
 
         def tick() -> None:
-            for function in functions:
-                _called(function)
-            self.later(interval_ms, tick)
+            if function():
+                self.later(interval_ms, tick)
 
         self.later(interval_ms, tick)
 
@@ -136,26 +105,39 @@ class Windows:
             self._next_ns = now_ns + _FIRST_NS
         due = [timer for timer in self._timers if timer[0] <= now_ns]
         self._timers = [timer for timer in self._timers if timer[0] > now_ns]
-        calls = [call for _, call in sorted(due, key=lambda timer: timer[0])]
+        for _, call in sorted(due, key=lambda timer: timer[0]):
+            self._call(call)
         left = self._buttons or self._last
-        is_press = bool(left) and now_ns >= self._next_ns
-        if is_press:
-            calls.append(left.pop(0))
-        for call in calls:
-            try:
-                call()
-            except Exception:  # noqa: BLE001 - as the main loop of Tk, which goes on
-                traceback.print_exc()
-        if is_press:
+        if left and now_ns >= self._next_ns and not self._is_pressing:
+            self._is_pressing = True
+            self._call(left.pop(0))
+            self._is_pressing = False
             self._next_ns = self.values.now_ns() + _BETWEEN_NS
 
-    def loop(self) -> int:
-        """Press what is to be pressed, and return when the window is closed."""
-        if self._is_looping:
-            return 1
-        self._is_looping = True
+    def _call(self, function: Callable[[], Any]) -> None:
         try:
-            while not self.is_closed:
+            function()
+        except Exception as error:  # noqa: BLE001 - as the main loop of Tk, which goes on
+            traceback.print_exc()
+            self.failed(error)
+
+    def close(self) -> None:
+        """Close the window, and with it all that could still be pressed."""
+        self._is_closed = True
+        for waiting in (self._buttons, self._last, self._timers):
+            waiting.clear()
+
+    def loop(self) -> int:
+        """Press what is to be pressed, and return when the window is closed.
+
+        A callback that has closed the window may open another one, with its own loop.
+        """
+        if self._is_looping and not self._is_closed:
+            return 1
+        outer = self._is_looping, self._is_pressing
+        self._is_closed, self._is_looping, self._is_pressing = False, True, False
+        try:
+            while not self._is_closed:
                 self.turn()
                 assert self._next_ns is not None
                 now_ns = self.values.now_ns()
@@ -164,7 +146,8 @@ class Windows:
                 due_ns = min([self._next_ns, *(timer_ns for timer_ns, _ in self._timers)])
                 self.sleep_ns(max(due_ns - now_ns, _LEAST_NS))
         finally:
-            self._is_looping = False
+            self._is_closed = True
+            self._is_looping, self._is_pressing = outer
         return 0
 
 
@@ -173,7 +156,9 @@ class Widget(Placeholder):
 
     def __init__(self, name: str, windows: Windows, owner: Widget | None = None) -> None:
         super().__init__(name, windows.values)
-        vars(self).update(_windows=windows, _owner=owner, _parts={}, _slots=[], _state={})
+        vars(self).update(
+            _windows=windows, _owner=owner, _parts={}, _slots=[], _state={}, _bound=[]
+        )
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
@@ -228,9 +213,17 @@ class Widget(Placeholder):
         values = options.get("values")
         if isinstance(values, list | tuple) and values:
             self._state.setdefault("value", values[0])
-        if "command" in options:
+        if "command" in options and self._is_new(options["command"]):
             text = options.get("text", "")
             self._windows.bind(options["command"], self._value(), text=text)
+
+    def _is_new(self, function: Any) -> bool:
+        """Return whether the widget did not call a function yet; it may call two in turn."""
+        plain = getattr(function, "func", function)
+        key = getattr(plain, "__code__", plain), getattr(plain, "__self__", None)
+        is_new = not any(key[0] is code and key[1] is owner for code, owner in self._bound)
+        self._bound.append(key)
+        return is_new
 
     def _value(self) -> Any:
         """Return what the widget holds; a number where nobody put anything there."""
@@ -239,46 +232,29 @@ class Widget(Placeholder):
         if isinstance(shown, Widget):
             return shown._value()
         if "value" not in state:
-            low, high = state.get("from_"), state.get("to")
-            state["value"] = self._windows.number(low, high)
-        return state["value"]
+            is_whole = names.WHOLE.search(self._placeholder[0]) is not None
+            low, high = state.get("from_", 0 if is_whole else None), state.get("to")
+            number = self._windows.number(low, 99 if is_whole and high is None else high)
+            state["value"] = round(number) if is_whole else number
+        value = state["value"]
+        return str(value) if names.TYPED.search(self._placeholder[0]) else value
 
 
-def window_finder(names: Collection[str], windows: Windows) -> PlaceholderFinder:
+def window_finder(modules: Collection[str], windows: Windows) -> PlaceholderFinder:
     """Return the finder of libraries for windows, which goes before the real ones."""
     made = partial(widget_of, windows=windows)
-    return PlaceholderFinder(names, made, _starred, is_first=True)
-
-
-def _starred(module: str) -> Sequence[str]:
-    parts = module.split(".")
-    ends = (".".join(parts[-length:]) for length in (2, 1))
-    named = next((_STARRED[end] for end in ends if end in _STARRED), "").split()
-    return [*named, *_constants()] if parts[0] == "tkinter" else named
-
-
-@lru_cache(maxsize=1)
-def _constants() -> Mapping[str, object]:
-    """Return the constants of Tk, as `END`; they are in a module that needs no screen."""
-    file = Path(sysconfig.get_path("stdlib"), "tkinter", "constants.py")
-    known = runpy.run_path(str(file)) if file.is_file() else {}
-    return {name: value for name, value in known.items() if name.isupper()}
+    return PlaceholderFinder(modules, made, names.starred, is_first=True)
 
 
 def widget_of(name: str, windows: Windows, owner: Widget | None = None) -> Any:
     """Return what a library for windows has under a name; an `except` clause needs a class."""
     module, _, constant = name.rpartition(".")
-    if module in ("tkinter", "tkinter.constants") and constant in _constants():
-        return _constants()[constant]
+    if module in ("tkinter", "tkinter.constants") and constant in names.tk_constants():
+        return names.tk_constants()[constant]
     last = name.rpartition(".")[2]
     if last[:1].isupper() and last.endswith(("Error", "Exception")):
         return type(last, (Exception,), {})
     return Widget(name, windows, owner)
-
-
-def needs_screen(error: BaseException) -> bool:
-    """Return whether an error says that Tk has no screen."""
-    return type(error).__name__ == "TclError" and "display" in str(error)
 
 
 def _called(function: Callable[..., Any], *given: object) -> Any:
@@ -304,7 +280,9 @@ def _in_thread(function: Callable[[], Any]) -> None:
 
 def _connect(signal: Any, slot: Any = None, *_: Any, **__: Any) -> None:
     name = signal._placeholder[0].rpartition(".")[2]
-    if name in _PRESSED:
+    if name in names.PRESSED:
+        if not signal._is_new(slot):
+            return
         owner = signal._owner
         signal._windows.bind(slot, False if owner is None else owner._value())
     elif callable(slot):
@@ -318,10 +296,17 @@ def _emit(signal: Any, *given: Any) -> None:
 
 def _start(widget: Any, interval_ms: Any = None, *_: Any) -> None:
     """Start a timer, or a thread of a library."""
-    parts = widget._parts
+    parts, state = widget._parts, widget._state
     if "timeout" in parts:
-        interval = widget._state.get("interval", 0) if interval_ms is None else interval_ms
-        widget._windows.every(interval or 1, parts["timeout"]._slots)
+        started = state["started"] = object()
+
+        def tick() -> bool:
+            if state.get("started") is started:
+                _emit(parts["timeout"])
+            return state.get("started") is started and not state.get("is_single")
+
+        interval = state.get("interval", 0) if interval_ms is None else interval_ms
+        widget._windows.every(interval or 1, tick)
     for slot in parts["started"]._slots if "started" in parts else ():
         _in_thread(slot)
 
@@ -336,7 +321,7 @@ def _add_command(widget: Any, **named: Any) -> None:
 
 def _bind(widget: Any, sequence: Any = "", function: Any = None, *_: Any, **__: Any) -> None:
     """Bind an event: a press of a button or of a key that it names."""
-    key = _KEY.fullmatch(str(sequence))
+    key = names.KEY.fullmatch(str(sequence))
     if key is None and "Button" not in str(sequence):
         return
     pressed = key["key"] if key is not None else ""
@@ -345,11 +330,18 @@ def _bind(widget: Any, sequence: Any = "", function: Any = None, *_: Any, **__: 
     widget._windows.bind(function, event)
 
 
-def _set(widget: Any, value: Any = "", *_: Any) -> None:
+def _after(widget: Any, ms: Any = 0, func: Any = None, *given: Any) -> Any:
+    """Call a function later; without one, wait."""
+    if func is None and not isinstance(ms, str):
+        return widget._windows.sleep_ns(max(0, round(float(ms) * 1e6)))
+    return widget._windows.later(ms, func, *given)
+
+
+def _set(widget: Any, value: Any = "", *_: Any, **__: Any) -> None:
     widget._state["value"] = value
 
 
-def _insert(widget: Any, _: Any = 0, value: Any = "", *__: Any) -> None:
+def _insert(widget: Any, _: Any = 0, value: Any = "", *__: Any, **___: Any) -> None:
     widget._state.setdefault("value", value)
 
 
@@ -363,22 +355,35 @@ def _add_items(widget: Any, items: Any = (), *_: Any) -> None:
 
 
 def _close(widget: Any, *_: Any) -> None:
-    widget._windows.is_closed = True
+    """Close the window of the program; a widget in it, or a dialog, leaves it open."""
+    if names.PROGRAM.search(widget._placeholder[0]):
+        widget._windows.close()
+
+
+def _quit(widget: Any, *_: Any) -> None:
+    """End the main loop, which each widget of Tk can; of Qt, a thread has such a method, too."""
+    if names.PROGRAM.search(name := widget._placeholder[0]) or not names.OF_QT.search(name):
+        widget._windows.close()
 
 
 _METHODS: Mapping[str, Callable[..., Any]] = {
     **dict.fromkeys(("mainloop", "exec_", "exec"), lambda widget, *_: widget._windows.loop()),
     **dict.fromkeys(("update", "processEvents"), lambda widget, *_: widget._windows.turn()),
     **dict.fromkeys(("get", "value"), lambda widget, *_: widget._value()),
-    **dict.fromkeys(("text", "toPlainText", "currentText"), lambda widget: str(widget._value())),
+    **dict.fromkeys(
+        ("text", "toPlainText", "currentText"), lambda widget, *_: str(widget._value())
+    ),
     **dict.fromkeys(("set", "setValue", "setText"), _set),
     **dict.fromkeys(("config", "configure"), _configure),
     **dict.fromkeys(("addItem", "addItems"), _add_items),
-    **dict.fromkeys(("destroy", "quit"), _close),
-    "after": lambda widget, delay=0, function=None, *given: widget._windows.later(
-        delay, function, *given
-    ),
+    "after": _after,
+    "after_cancel": lambda widget, timer=None: widget._windows.cancel(timer),
+    "after_idle": lambda widget, func=None, *given: widget._windows.later(0, func, *given),
+    "destroy": _close,
+    "quit": _quit,
     "singleShot": lambda widget, delay=0, function=None, *_: widget._windows.later(delay, function),
+    "setSingleShot": lambda widget, is_single=True: widget._state.update(is_single=is_single),
+    "stop": lambda widget, *_: widget._state.pop("started", None) and None,
     "setInterval": lambda widget, interval=0: widget._state.update(interval=interval),
     "setRange": _set_range,
     "setMinimum": lambda widget, low: widget._state.update(from_=low),
@@ -388,7 +393,7 @@ _METHODS: Mapping[str, Callable[..., Any]] = {
     "connect": _connect,
     "emit": _emit,
     "insert": _insert,
-    "protocol": lambda widget, _name="", function=None: None,  # noqa: ARG005
+    "protocol": lambda *_, **__: None,
     "start": _start,
 }
 """What the methods of widgets do whose names say it, in Tk and in Qt."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from tracerisk.errors import Location
@@ -19,6 +20,7 @@ from tracerisk.pipeline.workspace.prefixes import python_folders
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import Workspace
 from tracerisk.ros.controller.needs import WINDOW_MODULES
+from tracerisk.ros.graph.failures import callback_failed
 from tracerisk.ros.imports.finder import StandInFinder
 from tracerisk.ros.imports.installed_libraries import InstalledLibraries
 from tracerisk.ros.imports.placeholder_modules import PlaceholderFinder, PlaceholderValues
@@ -80,7 +82,8 @@ def build_imports(
     values = PlaceholderValues(lambda: watches.values.posture, lambda: scheduler.now_ns)
     named = {name for name, _ in world.scenario.modules}
     placeholders = PlaceholderFinder.of_values(named - WINDOW_MODULES, values)
-    windows = window_finder(named & WINDOW_MODULES, Windows(values, scheduler.sleep))
+    failed = partial(callback_failed, "a callback of a window")
+    windows = window_finder(named & WINDOW_MODULES, Windows(values, scheduler.sleep, failed))
     missing = MissingModules(script, root, stand_ins.provides)
     return Imports(stand_ins, beside, installed, placeholders, windows, own, missing)
 
