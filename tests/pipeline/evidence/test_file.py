@@ -16,6 +16,8 @@ from tracerisk.common.evidence.file import (
     read_evidence,
 )
 from tracerisk.errors import InputError, Location
+from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
+from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.trace import Exposure
 
 CELL = Cell(
@@ -72,6 +74,21 @@ def test_a_malformed_share_before_is_refused(row):
     assert broken != text
     with pytest.raises(InputError, match="before: expected rows of a unit"):
         loads_evidence(broken, "tracerisk.evidence")
+
+
+@pytest.mark.parametrize("place", ["pick.py:\u00b2", "pick.py", f"pick.py:{'9' * 5000}", ":3"])
+def test_a_place_that_is_none_is_refused(place):
+    found = replace(EVIDENCE, cells=(replace(CELL, missed_check="result", missed_at=place),))
+    with pytest.raises(InputError, match="missed_at: expected file:line, not '"):
+        loads_evidence(dump_evidence({"a.py": found}), "tracerisk.evidence")
+
+
+def test_places_in_what_is_no_source_stay_as_they_are(example):
+    example.write("pick.py", "print()\n")
+    example.write("broken.py", "def (\n# | @Function := {\n")
+    controller = load_controller(example.folder / "pick.py")
+    cells = (replace(CELL, missed_at="broken.py:2"), replace(CELL, missed_at="../x.py:1"))
+    assert at_lines_now(replace(EVIDENCE, cells=cells), controller).cells == cells
 
 
 def written(tmp_path, text, name="tracerisk.evidence"):

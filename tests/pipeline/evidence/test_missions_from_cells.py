@@ -153,6 +153,18 @@ def test_figures_and_places_are_in_every_form_that_programs_read(campaign):
         if result["ruleId"] == "undetected-failure"
     ]
     assert sorted(alerts) == sorted(helped)
+    alike = [result for result in run["results"] if result["ruleId"] == "undetected-failure"]
+    functions = {
+        lines[
+            result["locations"][0]["physicalLocation"]["region"]["startLine"] - 1
+        ].strip(): result["locations"][0]["logicalLocations"][0]["fullyQualifiedName"]
+        for result in alike
+    }
+    assert set(functions.items()) <= {
+        ("return arm.go(wait=True)", "home"),
+        ("home(arm)  # goes on, and does not look whether it arrives", "main"),
+    }
+    assert len({result["partialFingerprints"]["tracerisk/v1"] for result in alike}) == len(alike)
     entries = json.loads(folder.read("q.json"))
     mine = [entry for entry in entries if entry["check_name"] == "undetected-failure"]
     assert sorted(

@@ -6,9 +6,15 @@ import re
 from hypothesis import given
 
 from tests.report.ci.test_sarif import alerts
+from tracerisk.common.evidence.cells import Evidence
 from tracerisk.errors import Location
 from tracerisk.report.ci.code_quality import render_code_quality
-from tracerisk.report.ci.open_metrics import Sample, render_open_metrics, review_metrics
+from tracerisk.report.ci.open_metrics import (
+    Sample,
+    evidence_metrics,
+    render_open_metrics,
+    review_metrics,
+)
 from tracerisk.report.ci.sarif import alert_at
 
 
@@ -51,6 +57,10 @@ def test_metrics_are_lines_of_name_labels_and_value():
         'tracerisk_run{controller="a \\"b\\"\\\\\\n.py",verdict="complete"} 1',
         "# EOF",
     ]
+
+
+def test_of_no_drawn_failure_no_part_is_undetected():
+    assert list(evidence_metrics("a.py", Evidence("f", "panda", 0, 0, (), ()))) == []
 
 
 def test_a_change_has_its_figures_before_and_after(difference, review_of):

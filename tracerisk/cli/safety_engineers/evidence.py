@@ -159,7 +159,7 @@ def _print(options: argparse.Namespace, found: Evidence) -> None:
 
 def _fates_data(found: Evidence) -> dict[str, Any]:
     """Return what became of the missions with drawn failures, where the file says it."""
-    if not found.has_fates:
+    if not found.has_fates or found.undetected_fraction is None:
         return {}
     low, fraction, high = found.undetected_fraction
     undetected = {"fraction": fraction, "low": low, "high": high}

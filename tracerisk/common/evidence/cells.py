@@ -198,12 +198,14 @@ class Evidence:
         return {fate: counts[fate] for fate in FATES}
 
     @property
-    def undetected_fraction(self) -> tuple[float, float, float]:
+    def undetected_fraction(self) -> tuple[float, float, float] | None:
         """The part of the drawn failures that ended the mission undetected, between the ends of
-        its 90 % interval."""
+        its 90 % interval; `None` where none was drawn."""
+        if not self.drawn:
+            return None
         undetected = sum(1 for cell in self.cells if cell.drawn and cell.is_undetected)
         low, high = clopper_pearson(undetected, self.drawn)
-        return low, undetected / self.drawn if self.drawn else 0.0, high
+        return low, undetected / self.drawn, high
 
     @property
     def counts(self) -> bool:

@@ -8,6 +8,7 @@ shows which cell was edited, and whether one was added or removed.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, asdict, fields, replace
 from pathlib import Path
@@ -196,6 +197,7 @@ _DEFAULTS: dict[str, Any] = {
 }
 
 
+_PLACE = re.compile(r".+:[0-9]{1,9}")
 _TEXTS = (
     *("component", "unit", "mode", "function", "shows_in", "next_function", "local", "told_by"),
     *("contact", "missed_at"),
@@ -319,6 +321,9 @@ def _cell(data: Any, where: Location) -> Cell:
     for key in _TEXTS:
         if not isinstance(given[key], str):
             raise InputError(f"a cell: {key}: expected a string, not {given[key]!r:.60}", where)
+    if given["missed_at"] and not _PLACE.fullmatch(given["missed_at"]):
+        words = f"expected file:line, not {given['missed_at']!r:.60}"
+        raise InputError(f"a cell: missed_at: {words}", where)
     for key in ("noticed_s", "told_after_s", "effect_after_s", "followed_s"):
         if given[key] is not None:
             given[key] = _seconds(given[key], key, where)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from tracerisk.errors import InputError
 from tracerisk.pipeline.trace.kept_verdict import bare_lines, block_lines
 
 if TYPE_CHECKING:
@@ -35,5 +36,8 @@ def _moved(place: str, controller: Controller, lines: _Lines) -> str:
     file, _, line = place.rpartition(":")
     if not file or not line.isdigit() or not controller.path_of(file).is_file():
         return place
-    sources, shown = {file: controller.source_of(file)}, {file: str(controller.path_of(file))}
-    return f"{file}:{lines(sources, shown)(file, int(line))}"
+    try:
+        sources, shown = {file: controller.source_of(file)}, {file: str(controller.path_of(file))}
+        return f"{file}:{lines(sources, shown)(file, int(line))}"
+    except InputError:
+        return place  # of a file whose blocks cannot be told from its code

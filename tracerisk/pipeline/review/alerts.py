@@ -30,7 +30,7 @@ from tracerisk.pipeline.trace.last_run import (
     kept_uncovered,
     unexpected_contacts,
 )
-from tracerisk.pipeline.workspace.controller import Controller, load_controller
+from tracerisk.pipeline.workspace.controller import Controller, function_of, load_controller
 from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.review.model_parts import single_points
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
@@ -241,7 +241,8 @@ def _of_evidence(controller: Controller) -> Iterator[Alert]:
     from tracerisk.common.evidence.advice import advice_of
 
     for advice in advice_of(evidence.cells):
-        place, names = advice.location, {"subject": advice.check}
+        place = advice.location
+        names = {"function": function_of(controller, place), "subject": advice.check}
         yield _alert("undetected-failure", advice.words, place, controller.root, **names)
 
 

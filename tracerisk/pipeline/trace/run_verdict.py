@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.adder.sources.python_lines import parse_python
 from tracerisk.common.verdict import Acceptance, Coverage, Verdict
-from tracerisk.errors import Location, TraceRiskError
+from tracerisk.errors import Location
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.marks.call_log import CALLS, Calls
 from tracerisk.instrument.marks.caught_exceptions import with_settled_refusals
 from tracerisk.instrument.motion_calls import Commanding, missed_calls
 from tracerisk.instrument.recording import NEAR, STOPS, Recording
-from tracerisk.instrument.source.function_definitions import function_at
 from tracerisk.pipeline.mission.facts import mission_facts
 from tracerisk.pipeline.mission.judged import missed
 from tracerisk.pipeline.mission.named_objects import check_objects
@@ -36,7 +33,7 @@ from tracerisk.pipeline.trace.recorded_run import (
     UnmetNeed,
 )
 from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
-from tracerisk.pipeline.workspace.controller import from_root
+from tracerisk.pipeline.workspace.controller import from_root, function_of
 from tracerisk.ros.scenario.file.marks import Unconfirmed
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.trace import NOTHING_TO_GRASP, UNUSED, EndCause, Finding, Visit
@@ -80,24 +77,6 @@ def _placed(finding: Finding, controller: Controller) -> Finding:
     if placed.location is None:
         return placed
     return replace(placed, function=function_of(controller, placed.location))
-
-
-def function_of(controller: Controller, place: Location | None) -> str:
-    """Return the qualified name of the function around a place; empty where there is none."""
-    if place is None or place.line is None or not place.file.endswith(".py"):
-        return ""
-    path = controller.path_of(place.file)
-    if place.file != controller.file and not path.is_file():
-        return ""
-    return _function_at(controller.source_of(place.file), str(path), place.line)
-
-
-@lru_cache(maxsize=4096)
-def _function_at(source: bytes, file: str, line: int) -> str:
-    try:
-        return function_at(parse_python(source, file).tree, line)
-    except TraceRiskError:
-        return ""
 
 
 def run_verdict(

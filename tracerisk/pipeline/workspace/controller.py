@@ -7,12 +7,15 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 
 from tracerisk.adder.sources.line_map import line_maps
+from tracerisk.adder.sources.python_lines import parse_python
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, Location, readable
+from tracerisk.errors import InputError, Location, TraceRiskError, readable
+from tracerisk.instrument.source.function_definitions import function_at
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.workspace.project import Project
 
@@ -217,3 +220,21 @@ def string_literals(controller: Controller) -> tuple[str, ...]:
         # It knows how to say what is wrong, and of Python 2.
         tree = parse_source(controller.source, str(controller.path)).tree
     return (*texts_in(tree), *(name for node in ast.walk(tree) for name in counted_names(node)))
+
+
+def function_of(controller: Controller, place: Location | None) -> str:
+    """Return the qualified name of the function around a place; empty where there is none."""
+    if place is None or place.line is None or not place.file.endswith(".py"):
+        return ""
+    path = controller.path_of(place.file)
+    if place.file != controller.file and not path.is_file():
+        return ""
+    return _function_at(controller.source_of(place.file), str(path), place.line)
+
+
+@lru_cache(maxsize=4096)
+def _function_at(source: bytes, file: str, line: int) -> str:
+    try:
+        return function_at(parse_python(source, file).tree, line)
+    except TraceRiskError:
+        return ""

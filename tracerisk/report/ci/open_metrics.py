@@ -80,12 +80,13 @@ def run_metrics(name: str, verdict: Verdict | None) -> Iterator[Sample]:
 
 def evidence_metrics(name: str, evidence: Evidence) -> Iterator[Sample]:
     """Yield what became of the missions with drawn failures, whose fates are known."""
-    if not evidence.has_fates:
+    undetected = evidence.undetected_fraction
+    if not evidence.has_fates or undetected is None:
         return
     for fate, count in evidence.drawn_fates.items():
         yield Sample("tracerisk_evidence_failures", name, count, (("fate", fate),))
     metric = "tracerisk_evidence_undetected_fraction"
-    low, fraction, high = evidence.undetected_fraction
+    low, fraction, high = undetected
     yield Sample(metric, name, fraction)
     yield Sample(f"{metric}_low", name, low)
     yield Sample(f"{metric}_high", name, high)
