@@ -148,6 +148,19 @@ def test_an_arm_that_is_not_shipped_is_no_shipped_one(tmp_path, script):
     assert (robot, "name it with --robot" in words) == ("generic", True)
 
 
+@pytest.mark.parametrize("name", ["myArm", "my_arm", "myarm_2", "swarm_myarmy"])
+def test_what_a_program_calls_its_arm_is_no_other_model(tmp_path, name):
+    source = f"from mycobot_communication.msg import MycobotSetAngles\n{name} = 'mycobot_280'\n"
+    assert chosen_by(project(tmp_path, source))[0] == "mycobot_280"
+
+
+@pytest.mark.parametrize("arm", ["myArm 300 Pi", "myarm_m750", "MyArm-C650", "mech_arm_270"])
+def test_another_arm_of_the_maker_is_named_in_many_ways(tmp_path, arm):
+    source = f"# {arm}\nfrom mycobot_communication.msg import MycobotSetAngles\n"
+    robot, words = chosen_by(project(tmp_path, source))
+    assert (robot, "name it with --robot" in words) == ("generic", True)
+
+
 def test_the_arm_itself_stays_what_its_source_names(tmp_path):
     script = COUNTING.replace(", 'joint5', 'joint6'", "") + "GROUP = 'open_manipulator'\n"
     assert chosen_by(project(tmp_path, script))[0] == "open_manipulator_x"

@@ -36,9 +36,13 @@ _NUMBERED = frozenset({"axis", "j", "joint", "link"})
 
 
 OTHERS_OF_MAKER: Mapping[str, tuple[str, ...]] = {
-    "mycobot": ("mecharm", "mypalletizer", "myarm", "mybuddy", "ultraarm"),
+    "mycobot": (
+        *("mech[ _-]?arm", "mypalletizer", r"myarm[ _-]?[mc]?[ _-]?\d{3}", "mybuddy"),
+        "ultra[ _-]?arm",
+    ),
 }
-"""Arms that are not shipped, and speak in the messages of those whose name begins so."""
+"""Arms that are not shipped, and speak in the messages of those whose name begins so: patterns of
+words of their own. `myarm` alone is what any program may call its arm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +89,8 @@ def another_arm(text: str, robot: str) -> str | None:
     """Return the arm of a robot's maker that a text names, and that is not shipped."""
     said = text.lower()
     others = (OTHERS_OF_MAKER[name] for name in OTHERS_OF_MAKER if robot.startswith(name))
-    return next((other for names in others for other in names if other in said), None)
+    words = (re.search(f"(?<![a-z]){other}(?![a-z])", said) for names in others for other in names)
+    return next((word[0] for word in words if word is not None), None)
 
 
 def words_in(strings: Iterable[str]) -> frozenset[str]:
