@@ -303,6 +303,17 @@ def test_what_is_in_use_without_a_figure_is_an_assumption(compute, active):
     assert lines == ((f"{words}1 torque sensor (a/torque)",) if active else ())
 
 
+@pytest.mark.parametrize(
+    ("idle", "listed"), [("e", "4 joints (a to d)"), ("c", "4 joints (a, b, d, e)")]
+)
+def test_only_elements_that_are_all_in_use_are_told_as_one_to_another(compute, idle, listed):
+    elements = tuple(Element(name, "joint") for name in "xabcde")
+    use = {name: moved(2.0) for name in "xabcde" if name != idle}
+    trace = replace(trace_of(("move", 2.0, {"x": moved(2.0)})), elements=elements, active=use)
+    (line,) = compute(trace, RATE, "twin: {joints: [x]}").assumptions
+    assert line.endswith(f": {listed}")
+
+
 @pytest.mark.parametrize("held_s", [0.0, 15.0])
 @pytest.mark.parametrize("figure", ["probability: {value: 2e-8, per: demand}", RATE])
 def test_holding_that_no_figure_of_a_gripper_counts_is_an_assumption(compute, figure, held_s):

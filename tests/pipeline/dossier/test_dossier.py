@@ -326,6 +326,11 @@ def test_spares_are_no_static_tree_and_the_guide_says_so(of_blocks):
     assert "it has spares, which fail at another rate once they work" in text
 
 
+def test_without_a_run_nothing_is_said_of_the_failure_data(of_blocks):
+    assumptions = (of_blocks(SPARES) / "assumptions.md").read_text()
+    assert "data without a source\n\nNot known: the run is not in this dossier." in assumptions
+
+
 def test_the_same_report_gives_the_same_bytes(of_blocks, tmp_path):
     of_blocks(SHARED)
     first = (tmp_path / "out.zip").read_bytes()

@@ -292,7 +292,11 @@ def test_a_difference_is_reported_in_the_words_of_diff(arm, report_of, parsed, e
 def test_a_model_that_cannot_fail_says_so(report_of, parsed):
     model = HybridModel.of("idle.py", {"rest": FaultTree.of("rest", {"rest": ("or",)}, {})})
     page = parsed(render_report(report_of(model)))
-    assert "No hardware failure that is modelled" in page.xpath("//h1")[0].text
+    assert page.xpath("//h1")[0].text.startswith("No hardware failure that is modelled")
+    cut = parsed(render_report(report_of(model, verdict=("stuck: nothing can happen",))))
+    assert cut.xpath("//h1")[0].text.startswith(
+        "Of what ran, for the run is stuck: no hardware failure that is modelled"
+    )
     assert "No function leans on a component." in page.text_content()
 
 

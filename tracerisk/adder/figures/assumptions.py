@@ -12,7 +12,7 @@ from tracerisk.common.hardware.model import Basis, Component
 from tracerisk.common.hardware.units import DANGEROUS_KINDS
 
 if TYPE_CHECKING:
-    from tracerisk.trace import Trace
+    from tracerisk.trace import Element, Trace
 
 
 def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
@@ -78,14 +78,27 @@ def uncounted(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:
         return ()
     sorts: dict[str, list[str]] = {}
     for element in missing:
-        sort = f"{element.sensor} sensor" if element.sensor else element.kind
-        sorts.setdefault(sort, []).append(element.name)
+        sorts.setdefault(_sort(element), []).append(element.name)
+    alike: dict[str, list[str]] = {}
+    for element in trace.elements:
+        alike.setdefault(_sort(element), []).append(element.name)
     listed = ", ".join(
-        f"{len(names)} {sort}{'' if len(names) == 1 else 's'} ({names[0]}"
-        f"{f' to {names[-1]}' if len(names) > 1 else ''})"
+        f"{len(names)} {sort}{'' if len(names) == 1 else 's'} ({_run_of(names, alike[sort])})"
         for sort, names in sorts.items()
     )
     return (f"in use and not counted, for the hardware data has no figure of them: {listed}",)
+
+
+def _sort(element: Element) -> str:
+    return f"{element.sensor} sensor" if element.sensor else element.kind
+
+
+def _run_of(names: Sequence[str], all_names: Sequence[str]) -> str:
+    """Return names in words: the first to the last where they are all between these."""
+    start = all_names.index(names[0])
+    if len(names) > 1 and list(all_names[start : start + len(names)]) == list(names):
+        return f"{names[0]} to {names[-1]}"
+    return ", ".join(names)
 
 
 def uncounted_holds(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:

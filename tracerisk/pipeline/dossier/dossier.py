@@ -157,10 +157,12 @@ def _assumptions(report: ReportInput) -> str:
     listed = "".join(f"- {line}\n" for line in lines) or "None beyond the model itself.\n"
     found = (*report.findings, *report.assessment.findings)
     findings = "".join(f"- {line}\n" for line in found) or "Nothing stood out.\n"
+    figures = report.figures
+    unknown = "None." if figures is not None else "Not known: the run is not in this dossier."
     assumed = "".join(
         f"- {figure.component} ({share_text(figure.fussell_vesely)} of the figure): "
         f"{figure.source}\n"
-        for figure in (report.figures.assumed if report.figures is not None else ())
+        for figure in (() if figures is None else figures.assumed)
     )
     pins = "".join(
         f"- {pin.location}: {pin.field} := {pin.value}, computed {pin.computed or 'nothing'}; "
@@ -171,7 +173,7 @@ def _assumptions(report: ReportInput) -> str:
     return (
         f"# Assumptions of {report.model.name}\n\n{warning}"
         f"The figures hold if these do.\n\n{listed}\n"
-        f"## Failure data without a source\n\n{assumed or 'None.'}\n\n"
+        f"## Failure data without a source\n\n{assumed or unknown}\n\n"
         f"## Findings\n\n{findings}\n"
         f"## Values set by hand\n\n{pins or 'None: every value is computed.'}"
     ).rstrip("\n") + "\n"

@@ -52,17 +52,22 @@ def _verdict(line: str) -> tuple[str, str]:
 def _headline(report: ReportInput) -> tuple[str, str, str]:
     """Return the sentence, the figure that ends it, and that as one in so many missions."""
     risk = report.assessment.mission.failure_probability
-    if risk == 0.0:
-        text = f"No hardware failure that is modelled can end a mission of {report.model.name}."
-        return text, "", ""
-    often = figures.one_in(risk)
     kind = _verdict(report.verdict[0])[0] if report.verdict else ""
-    of_what = f"Of what ran, for the run is {kind}: probability" if kind in BAD else "Probability"
+    of_what = f"Of what ran, for the run is {kind}: " if kind in BAD else ""
+    if risk == 0.0:
+        text = f"no hardware failure that is modelled can end a mission of {report.model.name}."
+        return _begun(of_what + text), "", ""
+    often = figures.one_in(risk)
+    text = f"probability that a hardware failure ends a mission of {report.model.name}:"
     return (
-        f"{of_what} that a hardware failure ends a mission of {report.model.name}:",
+        _begun(of_what + text),
         figures.powered(risk, digits=4),
         f"{often} missions" if often else "",
     )
+
+
+def _begun(sentence: str) -> str:
+    return sentence[:1].upper() + sentence[1:]
 
 
 def _undetected(report: ReportInput) -> str:
