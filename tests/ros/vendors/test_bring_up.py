@@ -352,6 +352,19 @@ def test_the_plain_controller_that_a_program_means_is_assumed_to_run(run):
     assert "does not start it" in both.findings[0]
 
 
+def test_a_package_or_a_type_of_that_name_means_no_controller(run, tmp_path):
+    (tmp_path / "cell").mkdir()
+    depends = f"<package><name>cell</name><exec_depend>{PLAIN}</exec_depend></package>"
+    (tmp_path / "cell/package.xml").write_text(depends)
+    (tmp_path / "cell/README.md").write_text(f"Install `{PLAIN}` first.")
+    listing = ROS_2.replace("SwitchController", "ListControllers") + "listed = states()\n"
+    ran = run(
+        f"{listing}KIND = '{PLAIN}/JointTrajectoryController'\n",
+        packages={"cell": tmp_path / "cell"},
+    )
+    assert (ran["listed"][f"scaled_{PLAIN}"], ran.findings) == ("active", [])
+
+
 def test_a_controller_that_nobody_describes_takes_its_messages(run):
     ran = run(ROS_2 + "send('/my_controller/commands', [0.0, -1.57, 0.0, -1.57, 0.0, 0.2])\n")
     assert ran.findings == []

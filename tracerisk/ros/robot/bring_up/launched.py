@@ -52,6 +52,14 @@ class LaunchedControllers:
         pattern = re.compile(rf"(?<!\w){re.escape(word)}(?!\w)")
         return any(pattern.search(text) for text in (*self._texts, *self._sources))
 
+    def command(self, controller: str) -> bool:
+        """Whether a program has a text that is a controller, or a topic or an action below it.
+
+        A package that is called as the controller is, and a type of its controllers, are none.
+        """
+        text = rf"[\"'/]{re.escape(controller)}([\"']|/(?!\w+Controller\b))"
+        return any(re.search(text, source) for source in self._sources)
+
     def call(self, service: str) -> bool:
         """Whether a file names a service, which somebody calls then beside the controller."""
         return any(service in text for text in self._texts)

@@ -257,7 +257,7 @@ class ControllerStates:
         where nothing names that one or switches controllers: an assumption of the run.
         """
         first, held = next(iter(made.active)), made.held_for_trajectories
-        if held is None or not files.name(held):
+        if held is None or not files.command(held):
             return made
         if files.name(first) or files.name("SwitchController"):
             return made
