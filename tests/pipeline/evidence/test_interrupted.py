@@ -1,6 +1,7 @@
 """A campaign that is interrupted, at any moment and however, goes on and ends with the same bytes."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -118,8 +119,10 @@ def test_it_goes_on_and_leaves_nothing(moment, number, workers, whole, tmp_path,
     if number != signal.SIGKILL:
         assert not list(temporary.iterdir())
 
-    again = folder.run(*ALONE, environment={"TMPDIR": str(temporary)})
+    again = folder.run(*ALONE[:-1], environment={"TMPDIR": str(temporary)})
     assert again.code == 0, again.err
+    if moment == "between batches":
+        assert re.search(r"\d+ failures to try, \d+ of them now: 4 are drawn, as", again.err)
     assert folder.read("tracerisk.evidence") == whole
     assert not list(temporary.iterdir())
     assert not list(cache.glob("evidence-*"))

@@ -101,6 +101,15 @@ def test_a_thing_off_its_goal_is_not_placed(offset):
     assert cell.lost == ("tube not at slot",)
 
 
+@pytest.mark.parametrize(
+    ("place", "effect"), [((0.1, 0.2, 0.3), "nothing"), ((0.13, 0.2, 0.3), "not_placed")]
+)
+def test_a_thing_that_lies_where_it_lay_is_not_lost_by_a_goal_that_another_left(place, effect):
+    astray = ObjectOffset("tube", "slot", 0.3, 0.0, True)
+    failed = run(objects=(replace(astray, goal="free", offset_m=0.2),), things={"tube": place})
+    assert judge(run(objects=(astray,)), failed, CELL).effect == effect
+
+
 def test_a_thing_without_a_goal_is_to_end_where_it_ended():
     nominal = run(objects=(), things={"cup": (0.0, 0.0, 0.0)})
     failed = run(objects=(), things={"cup": (0.03, 0.0, 0.0)})

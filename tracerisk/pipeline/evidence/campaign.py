@@ -190,10 +190,12 @@ def run_campaign(plan: Plan, options: CampaignOptions) -> Evidence:
     ]
     if options.fresh:
         plan.journal.unlink(missing_ok=True)
-    if len(plan.cells) > plan.declared:
+    if todo and len(plan.cells) > plan.declared:
+        here = "" if len(todo) == len(plan.cells) else f", {len(todo)} of them now"
         noted(
-            f"{len(todo)} failures to try: {plan.declared} are drawn, as asked, and the table of "
-            f"units and modes needs {len(plan.cells) - plan.declared} more; --time limits them"
+            f"{len(plan.cells)} failures to try{here}: {plan.declared} are drawn, as asked, and "
+            f"the table of units and modes needs {len(plan.cells) - plan.declared} more; --time "
+            "limits them"
         )
     began = time.monotonic()
     try:

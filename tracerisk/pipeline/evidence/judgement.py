@@ -257,15 +257,25 @@ def _things(nominal: MissionRun, failed: MissionRun) -> Iterator[_Seen]:
         if object_offset.goal is None or not after:
             continue
         with_goal.add(object_offset.name)
-        now = after.get(object_offset.name)
-        if now is None or _is_worse(object_offset, now):
-            yield _Seen("not_placed", None, f"{object_offset.name} not at {object_offset.goal}")
+        name, now = object_offset.name, after.get(object_offset.name)
+        # The nearest free goal of a thing astray is another one where another thing left its own.
+        if now is not None and now.goal != object_offset.goal and not object_offset.stands_at_goal:
+            is_worse = _is_elsewhere(name, nominal, failed)
+        else:
+            is_worse = now is None or _is_worse(object_offset, now)
+        if is_worse:
+            yield _Seen("not_placed", None, f"{name} not at {object_offset.goal}")
     if nominal.things is None or failed.things is None:
         return
-    for name, place in nominal.things.items():
-        now_at = failed.things.get(name)
-        if name not in with_goal and (now_at is None or _distance(place, now_at) > MOVED_M):
+    for name in nominal.things:
+        if name not in with_goal and _is_elsewhere(name, nominal, failed):
             yield _Seen("not_placed", None, f"{name} not where it ended without the failure")
+
+
+def _is_elsewhere(name: str, nominal: MissionRun, failed: MissionRun) -> bool:
+    """Return whether a thing is not where it ended without the failure, or nobody knows."""
+    before, now = ((run.things or {}).get(name) for run in (nominal, failed))
+    return before is None or now is None or _distance(before, now) > MOVED_M
 
 
 def _is_worse(before: ObjectOffset, now: ObjectOffset) -> bool:
