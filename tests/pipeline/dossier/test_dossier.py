@@ -331,6 +331,12 @@ def test_without_a_run_nothing_is_said_of_the_failure_data(of_blocks):
     assert "data without a source\n\nNot known: the run is not in this dossier." in assumptions
 
 
+def test_each_page_with_the_figure_says_where_no_run_stands_behind_it(of_blocks):
+    folder = of_blocks(SPARES)
+    for page in ("README.md", "assumptions.md", "sheet.md"):
+        assert "**Do not use the figures of this dossier**" in (folder / page).read_text()
+
+
 def test_the_same_report_gives_the_same_bytes(of_blocks, tmp_path):
     of_blocks(SHARED)
     first = (tmp_path / "out.zip").read_bytes()

@@ -289,6 +289,18 @@ def test_a_difference_is_reported_in_the_words_of_diff(arm, report_of, parsed, e
     assert "a note" in text
 
 
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (("a.py: complete, 1 of 1", "b.py: stuck: nothing"), "for the run of b.py is stuck"),
+        (("partial: never ran", "accepted: faulted: as it should"), "Probability"),
+    ],
+)
+def test_the_first_line_of_a_page_says_which_run_went_wrong(arm, report_of, parsed, lines, words):
+    page = parsed(render_report(report_of(arm, verdict=lines)))
+    assert words in page.xpath("//h1")[0].text_content()
+
+
 def test_a_model_that_cannot_fail_says_so(report_of, parsed):
     model = HybridModel.of("idle.py", {"rest": FaultTree.of("rest", {"rest": ("or",)}, {})})
     page = parsed(render_report(report_of(model)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tracerisk.pipeline.dossier.guide import by_hand_words
+from tracerisk.pipeline.dossier.guide import by_hand_words, warning_of
 from tracerisk.report.explain.words import number
 
 if TYPE_CHECKING:
@@ -45,6 +45,7 @@ def sheet(report: ReportInput) -> str:
         (
             f"# Before you rely on the figure of {report.model.name}",
             "",
+            *warning_of(report),
             f"{number(figures.failure_probability)} a mission ({figures.reading}){commit}."
             f'{by_hand} "Before you rely on it" in the safety manual (`tracerisk docs safety`) '
             "says what each "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from markupsafe import Markup
 
 from tracerisk.common.verdict import BAD, UNKNOWN_VERDICT, VERDICTS
@@ -12,6 +14,9 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.run.risk_shares import RISK, risk_data
 from tracerisk.report.html.section import Data
+
+_BAD_RUN = re.compile(rf"(?!accepted: )(?:(?P<name>\S+): )?(?P<kind>{'|'.join(sorted(BAD))})\b")
+"""A line of the verdict that says that a run went wrong, with its controller where it is named."""
 
 
 def lead(report: ReportInput) -> Markup:
@@ -52,8 +57,11 @@ def _verdict(line: str) -> tuple[str, str]:
 def _headline(report: ReportInput) -> tuple[str, str, str]:
     """Return the sentence, the figure that ends it, and that as one in so many missions."""
     risk = report.assessment.mission.failure_probability
-    kind = _verdict(report.verdict[0])[0] if report.verdict else ""
-    of_what = f"Of what ran, for the run is {kind}: " if kind in BAD else ""
+    bad = next(filter(None, map(_BAD_RUN.match, report.verdict)), None)
+    of_what = ""
+    if bad is not None:
+        whose = f" of {bad['name']}" if bad["name"] else ""
+        of_what = f"Of what ran, for the run{whose} is {bad['kind']}: "
     if risk == 0.0:
         text = f"no hardware failure that is modelled can end a mission of {report.model.name}."
         return _begun(of_what + text), "", ""
