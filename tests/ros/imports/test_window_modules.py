@@ -207,6 +207,8 @@ def test_widgets_give_values_of_their_own_type(tk):
     assert list(range(slider.value())) == list(range(17))
     tree = tk.Listbox(tk.Tk())
     tree.insert("", "end", text="cup", values=(1, 2))
+    for child in (*tree.winfo_children(), *tree.get_children()):
+        child.destroy()
 
 
 def test_timers_that_are_stopped_call_no_more(tk):

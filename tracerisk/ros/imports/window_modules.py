@@ -393,7 +393,7 @@ _METHODS: Mapping[str, Callable[..., Any]] = {
     "connect": _connect,
     "emit": _emit,
     "insert": _insert,
-    "protocol": lambda *_, **__: None,
+    **dict.fromkeys(("winfo_children", "get_children"), lambda *_: []),
     "start": _start,
 }
 """What the methods of widgets do whose names say it, in Tk and in Qt."""
