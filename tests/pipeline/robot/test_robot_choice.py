@@ -161,6 +161,23 @@ def test_another_arm_of_the_maker_is_named_in_many_ways(tmp_path, arm):
     assert (robot, "name it with --robot" in words) == ("generic", True)
 
 
+@pytest.mark.parametrize(
+    "script",
+    [
+        "GROUP = 'open_manipulator'\np = Pose()\n",
+        "move('open_manipulator', y)\n",
+        "# Moves an OpenManipulator.\n# P is its pose.\n",
+    ],
+)
+def test_a_letter_behind_the_name_of_an_arm_is_no_other_model(tmp_path, script):
+    assert chosen_by(project(tmp_path, script))[0] == "open_manipulator_x"
+
+
+@pytest.mark.parametrize("name", ["OpenManipulator P", "OpenMANIPULATOR-P", "open_manipulator_p"])
+def test_a_letter_that_belongs_to_the_name_of_an_arm_is_another_model(tmp_path, name):
+    assert chosen_by(project(tmp_path, f"# {name}\n"))[0] == "generic"
+
+
 def test_the_arm_itself_stays_what_its_source_names(tmp_path):
     script = COUNTING.replace(", 'joint5', 'joint6'", "") + "GROUP = 'open_manipulator'\n"
     assert chosen_by(project(tmp_path, script))[0] == "open_manipulator_x"

@@ -32,6 +32,7 @@ _PLAIN = frozenset({
     "trajectory", "twist", "upper", "upperarm", "vel", "velocity", "visual", "waist", "wheel",
     "with", "world", "wrist", "yaw",
 })  # fmt: skip
+_LETTER_ALONE = re.compile(r"(?<![A-Za-z0-9])(?<![A-Za-z0-9][-_/ ])(?=[A-Za-z](?![A-Za-z0-9]))")
 _NUMBERED = frozenset({"axis", "j", "joint", "link"})
 
 
@@ -115,14 +116,18 @@ def _phrases(robots: Mapping[str, RobotNames]) -> list[tuple[str, set[str]]]:
 
 
 def _plain(text: str) -> str:
-    """Return a text as words between blanks, twice: as it is, and with its CamelCase parted."""
+    """Return a text as words between blanks, twice: as it is, and with its CamelCase parted.
+
+    A letter alone belongs to the word before it in `open_manipulator_p`, and not in `arm, p`.
+    """
+    text = _LETTER_ALONE.sub(_APART, text)
     parted = re.sub(r"(?<=[a-z0-9])(?=[A-Z][a-z])", " ", text)
     words = [*_split(text.lower()), _APART, *_split(parted.lower())]
     return f" {' '.join(words)} "
 
 
 def _split(text: str) -> list[str]:
-    return re.findall(r"[a-z0-9]+", text)
+    return re.findall(rf"[a-z0-9]+|{_APART}", text)
 
 
 def is_plain(name: str) -> bool:
