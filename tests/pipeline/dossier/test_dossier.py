@@ -467,7 +467,10 @@ def test_the_guide_has_band_duration_rate_and_versions(with_own_hardware, exampl
     assert ("No package index has version" in text) is (".dev" in facts["tracerisk"])
     assumed = (folder / "assumptions.md").read_text()
     assert "\n- in use and not counted, for the hardware data has no figure of them: " in assumed
-    assert "## Failure data without a source\n\n" in assumed
+    assert (
+        "## Failure data without a source\n\n- power (100 % of the figure): no source is given\n\n"
+        in assumed
+    )
     assert "error factor 3" in (folder / "calculation.md").read_text()
     steps = tables(
         (folder / "sheet.md").read_text(),

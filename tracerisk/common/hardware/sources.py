@@ -1,4 +1,4 @@
-"""Which figures of a description have no source but an assumption."""
+"""Which figures of a description have no source, or none but an assumption."""
 
 from __future__ import annotations
 
@@ -26,3 +26,13 @@ def assumed_sources(hardware: Hardware) -> dict[str, str]:
                 " ".join(name.split()) for name in dict.fromkeys(assumed)
             )
     return sources_of
+
+
+def without_source(hardware: Hardware) -> tuple[str, ...]:
+    """Return the components of which a figure has no source at all, in the order of the file."""
+    return tuple(
+        component.name
+        for component in hardware.components
+        if not (component.source or hardware.source)
+        and any(figure.source is None for figure in component.figures)
+    )

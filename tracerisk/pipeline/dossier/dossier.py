@@ -14,6 +14,7 @@ from tracerisk.adder.figures.derive import derive_function
 from tracerisk.adder.sources.read import read_blocks
 from tracerisk.common import trace_json
 from tracerisk.common.hardware.shipped import shipped_bytes
+from tracerisk.common.hardware.sources import without_source
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.text.printable import printable_json, without_controls
 from tracerisk.errors import InputError, Location
@@ -28,6 +29,7 @@ from tracerisk.prm.hybrid.mission_tree import MissionTree, mission_tree
 from tracerisk.prm.other_models.formats.conversion import logic_of_functions, logic_of_tree
 from tracerisk.prm.other_models.formats.open_psa.writer import dumps_open_psa
 from tracerisk.report.html.record import report_record
+from tracerisk.report.instances import component_shares
 from tracerisk.report.tables import share_text
 
 if TYPE_CHECKING:
@@ -157,13 +159,6 @@ def _assumptions(report: ReportInput) -> str:
     listed = "".join(f"- {line}\n" for line in lines) or "None beyond the model itself.\n"
     found = (*report.findings, *report.assessment.findings)
     findings = "".join(f"- {line}\n" for line in found) or "Nothing stood out.\n"
-    figures = report.figures
-    unknown = "None." if figures is not None else "Not known: the run is not in this dossier."
-    assumed = "".join(
-        f"- {figure.component} ({share_text(figure.fussell_vesely)} of the figure): "
-        f"{figure.source}\n"
-        for figure in (() if figures is None else figures.assumed)
-    )
     pins = "".join(
         f"- {pin.location}: {pin.field} := {pin.value}, computed {pin.computed or 'nothing'}; "
         f"{pin.reason or 'no reason is given'}\n"
@@ -173,10 +168,30 @@ def _assumptions(report: ReportInput) -> str:
     return (
         f"# Assumptions of {report.model.name}\n\n{warning}"
         f"The figures hold if these do.\n\n{listed}\n"
-        f"## Failure data without a source\n\n{assumed or unknown}\n\n"
+        f"## Failure data without a source\n\n{_without_source(report)}\n\n"
         f"## Findings\n\n{findings}\n"
         f"## Values set by hand\n\n{pins or 'None: every value is computed.'}"
     ).rstrip("\n") + "\n"
+
+
+def _without_source(report: ReportInput) -> str:
+    """Return which failure data are assumed, or have no source at all, as a list."""
+    if report.figures is None or report.hardware is None:
+        return "Not known: the run is not in this dossier."
+    stated = [
+        (figure.component, figure.fussell_vesely, figure.source)
+        for figure in report.figures.assumed
+    ]
+    shares = component_shares(report.assessment)
+    stated += [
+        (name, shares[name], "no source is given")
+        for name in without_source(report.hardware)
+        if name in shares
+    ]
+    lines = (
+        f"- {name} ({share_text(share)} of the figure): {text}" for name, share, text in stated
+    )
+    return "\n".join(lines) or "None."
 
 
 def _files(report: ReportInput, root: Path) -> dict[str, bytes]:
