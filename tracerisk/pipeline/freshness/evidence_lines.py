@@ -40,4 +40,4 @@ def _moved(place: str, controller: Controller, lines: _Lines) -> str:
         sources, shown = {file: controller.source_of(file)}, {file: str(controller.path_of(file))}
         return f"{file}:{lines(sources, shown)(file, int(line))}"
     except InputError:
-        return place  # of a file whose blocks cannot be told from its code
+        return place  # of a file whose blocks cannot be read
