@@ -335,6 +335,9 @@ def test_each_page_with_the_figure_says_where_no_run_stands_behind_it(of_blocks)
     folder = of_blocks(SPARES)
     for page in ("README.md", "assumptions.md", "sheet.md"):
         assert "**Do not use the figures of this dossier**" in (folder / page).read_text()
+    rows = dict(tables((folder / "README.md").read_text(), "what", "how it was established"))
+    for what in ("the risk blocks", "sources, settings and other inputs"):
+        assert rows[what] == "**on trust**: no lock says of which run they are"
 
 
 def test_the_same_report_gives_the_same_bytes(of_blocks, tmp_path):
