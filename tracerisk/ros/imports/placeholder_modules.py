@@ -2,8 +2,8 @@
 
 A placeholder can be handed on, called, indexed, derived from, and gives more of its kind. Where
 numbers are asked of it, it is a posture of the arm: what such a program makes of a library's
-numbers is most often a goal of its joints. That is an assumption of the scenario which names the
-module, and no run on it is complete.
+numbers is most often a goal of its joints. That is an assumption of the run, until somebody has
+confirmed the scenario that names the module.
 """
 
 from __future__ import annotations
