@@ -266,6 +266,13 @@ def test_a_callback_of_a_window_that_raises_makes_the_run_faulted(example):
     assert (reason["location"]["line"], reason["function"]) == (place, "App.send")
 
 
+def test_an_error_for_want_of_a_screen_says_what_gives_windows(example):
+    error = "class TclError(Exception):\n    pass\n\nraise TclError('no display name')\n"
+    example.write("panel.py", error)
+    said = example.run("trace", "panel.py", "--robot", "panda", "--no-draft").err
+    assert "a scenario with `modules: [{module: tkinter}]` gives windows" in " ".join(said.split())
+
+
 @pytest.mark.parametrize(("program", "library"), [(TK, "tkinter"), (QT, "PyQt5")])
 def test_a_run_presses_the_buttons_of_a_program_and_says_so(example, program, library):
     example.write("panel.py", dedent(program))

@@ -75,6 +75,13 @@ def tk_constants() -> Mapping[str, object]:
     return {name: value for name, value in known.items() if name.isupper()}
 
 
+NO_SCREEN = (
+    "a run has no screen: a scenario with `modules: [{module: tkinter}]` gives windows whose "
+    "buttons are pressed once each"
+)
+"""What to do about an error of Tk that says so."""
+
+
 def needs_screen(error: BaseException) -> bool:
     """Return whether an error says that Tk has no screen."""
     return type(error).__name__ == "TclError" and "display" in str(error)
