@@ -139,7 +139,7 @@ class DriverError(InputError):
 
 
 class SandboxError(InputError):
-    """A sandbox is required that does not work here."""
+    """A sandbox, or a network without others, is required that the system does not allow."""
 
     code = "sandbox"
 

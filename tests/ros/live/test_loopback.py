@@ -5,6 +5,9 @@ import sys
 
 import pytest
 
+from tracerisk.errors import SandboxError
+from tracerisk.pipeline.run.live import child
+from tracerisk.ros.live import loopback
 from tracerisk.ros.live.loopback import loopback_environment
 
 ALONE = """
@@ -47,3 +50,27 @@ def test_nothing_but_loopback_is_left():
     if "not allowed" in done.stdout:
         pytest.skip("the kernel allows no network of its own here")
     assert done.stdout.split() == ["lo", "ConnectionRefusedError", str(CONNECTION_REFUSED)]
+
+
+@pytest.mark.parametrize(
+    ("may_leave", "interfaces", "is_alone"),
+    [(True, ("eth0", "lo"), True), (False, ("lo",), True), (False, ("eth0", "lo"), False)],
+)
+def test_a_network_with_others_is_left_or_is_not_there(
+    monkeypatch, may_leave, interfaces, is_alone
+):
+    monkeypatch.setattr(loopback, "leave_network", lambda: may_leave)
+    monkeypatch.setattr(loopback, "interfaces", lambda: interfaces)
+    assert loopback.leaves_others() == is_alone
+
+
+def test_no_node_starts_on_a_network_with_others(monkeypatch, tmp_path):
+    """It could name the master of a real robot by itself."""
+    (tmp_path / "request.json").write_text("{}")
+    monkeypatch.setattr(sys, "argv", ["child", str(tmp_path / "request.json")])
+    monkeypatch.setattr(child.kernel, "adopt_orphans", lambda: None)
+    monkeypatch.setattr(child.RunRequest, "loads", lambda text: text)
+    monkeypatch.setattr(child, "leaves_others", lambda: False)
+    monkeypatch.setattr(child, "recorded", lambda request, run: run(request, None, None))
+    with pytest.raises(SandboxError, match="could move a real robot"):
+        child.main()

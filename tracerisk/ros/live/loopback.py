@@ -1,7 +1,7 @@
 """Processes that talk to each other over loopback and to nobody else.
 
-Where the kernel allows it, the network of a live run has no other interface: nothing can leave it,
-whatever the controller asks for. Elsewhere its addresses alone keep it on loopback.
+The network of a live run has no other interface: nothing can leave it, whatever the controller asks
+for. Where the kernel does not allow that, there is no live run.
 """
 
 from __future__ import annotations
@@ -9,7 +9,16 @@ from __future__ import annotations
 import socket
 from collections.abc import Mapping
 
+from tracerisk.common.sandbox.kernel_features import leave_network
+
 _LOOPBACK = "127.0.0.1"
+REACHES_OTHERS = (
+    "the system allows the run no network of its own, and this machine has others: what the "
+    "controller, a script or a launch file opens by itself could move a real robot; run it in a "
+    "container without a network (docker run --network none), or where namespaces of networks are "
+    "allowed: as root, or as a user where kernel.apparmor_restrict_unprivileged_userns is 0"
+)
+"""Why a process that shares its network with others starts no node."""
 _INHERITED = ("ROS_", "RMW_", "FASTRTPS_", "CYCLONEDDS_")
 
 
@@ -54,3 +63,11 @@ def command_environment(environment: Mapping[str, str], master: str) -> dict[str
 def interfaces() -> tuple[str, ...]:
     """Return the names of the network interfaces of this process, sorted."""
     return tuple(sorted(name for _, name in socket.if_nameindex()))
+
+
+def leaves_others() -> bool:
+    """Leave all networks that others are on; return whether this process has loopback alone.
+
+    To be called while the process has one thread.
+    """
+    return leave_network() or interfaces() == ("lo",)

@@ -19,7 +19,7 @@ from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.sandbox import kernel_features as kernel
 from tracerisk.common.sandbox.limited_process import mark_start
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, file_text
-from tracerisk.errors import Location, TraceRiskError
+from tracerisk.errors import Location, SandboxError, TraceRiskError
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.recording import CELL
 from tracerisk.instrument.source.language import is_c
@@ -45,6 +45,7 @@ from tracerisk.ros.graph.parameter_files import private_of
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.graph.runtime import activate
 from tracerisk.ros.live.bridge import Bridge, frames_of
+from tracerisk.ros.live.loopback import REACHES_OTHERS, leaves_others
 from tracerisk.ros.live.messages.modules import make_missing_modules
 from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.messages.ros1 import Interfaces
@@ -54,10 +55,6 @@ from tracerisk.ros.time.scheduler import RunOver
 from tracerisk.trace import EndCause
 from tracerisk.twin.recording.samples import SampleWriter
 
-_NO_NETWORK = (
-    "the system allows no network of its own: master and twin are on loopback, and connections "
-    "that the controller opens by itself are not held there"
-)
 _SHARE_OF_STEP = 0.5
 _EXIT_POLL_S = 0.005
 _EXIT_S = 5.0
@@ -67,11 +64,11 @@ def main() -> int:
     """Run the request named on the command line; the exit code says whether anything ran."""
     kernel.adopt_orphans()
     request = RunRequest.loads(file_text(sys.argv[1], most=MOST_WRITTEN))
-    is_alone = kernel.leave_network()
+    is_alone = leaves_others()
 
     def run(asked: RunRequest, samples: SampleWriter, recorder: Recorder) -> None:
         if not is_alone:
-            recorder.finding("not_simulated", _NO_NETWORK)
+            raise SandboxError(REACHES_OTHERS)
         _LiveRun(asked, samples, recorder).run()
 
     return recorded(request, run)
