@@ -215,7 +215,7 @@ def recording_folder(
     """
     record = options.record
     if record is not None:
-        from tracerisk.pipeline.recordings.write import check_rate, load_writer
+        from tracerisk.pipeline.recordings.writing.write import check_rate, load_writer
 
         check_rate(options.record_rate)
         if not Path(record).absolute().parent.is_dir():
@@ -234,6 +234,6 @@ def write_record(options: argparse.Namespace, keep: Path | None, trace: Trace) -
     """Write the run that `keep` holds as an MCAP file, where one was asked for."""
     if options.record is None or keep is None:
         return
-    from tracerisk.pipeline.recordings.write import write_recording
+    from tracerisk.pipeline.recordings.writing.write import write_recording
 
     write_recording(keep, trace, Path(options.record), rate_hz=options.record_rate)

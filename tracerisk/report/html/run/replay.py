@@ -106,7 +106,7 @@ def make_replay(
         bodies, drawn_as = with_looks(bodies, run.robot)
     else:
         bodies = with_joins(bodies)
-    values, quanta = _columns(samples, run.robot, run.scene)
+    values, quanta = pose_columns(samples, run.robot, run.scene)
     notes = [drawn_as] if drawn_as else []
     if run.declared:
         from tracerisk.report.html.run.replay_declared import MOST_BODIES, declared_bodies
@@ -143,7 +143,7 @@ def make_replay(
     )
 
 
-def _columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
+def pose_columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
     """Return the values (n_frames, n_columns) that pose the bodies, and the quantum of each."""
     import numpy as np
 

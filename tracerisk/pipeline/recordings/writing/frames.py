@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from tracerisk.common.geometry.frames import rotation
 from tracerisk.common.geometry.rotation import quaternion_of
-from tracerisk.pipeline.recordings.cdr import Cdr
-from tracerisk.pipeline.recordings.packed import Rows, Times, put, put_stamps
+from tracerisk.pipeline.recordings.recorded_topics import WORLD
+from tracerisk.pipeline.recordings.writing.cdr import Cdr
+from tracerisk.pipeline.recordings.writing.packed import Rows, Times, put, put_stamps
 from tracerisk.twin.recording.samples import Samples
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.robots.robot_parts import Attachment
 
-_WORLD = "world"
 _PLACE_BYTES = 24
 _AT_REST = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 _Numbers = NDArray[np.float64]
@@ -44,8 +44,8 @@ def fixed_frames(robot: Robot, samples: Samples) -> bytes:
     frames = [
         _fixed(attachment) for attachment in robot.attachments if attachment.name not in moving
     ]
-    if _WORLD not in robot.link_names:
-        frames.insert(0, _Frame(_WORLD, robot.base_link, _AT_REST))
+    if WORLD not in robot.link_names:
+        frames.insert(0, _Frame(WORLD, robot.base_link, _AT_REST))
     data, _, _ = _message(frames)
     return data
 

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 from rosbags.typesys import Stores, get_typestore
 
-from tracerisk.pipeline.recordings import packed
-from tracerisk.pipeline.recordings.cdr import DEFINITIONS, definition, log_message
-from tracerisk.pipeline.recordings.packed import Message, PackedWriter, Part, Series
+from tracerisk.pipeline.recordings.writing import packed
+from tracerisk.pipeline.recordings.writing.cdr import DEFINITIONS, definition, log_message
+from tracerisk.pipeline.recordings.writing.packed import Message, PackedWriter, Part, Series
 
 LATER = 4
 
