@@ -57,7 +57,7 @@ def lived(tmp_path_factory, example_in, real_ros):
         for _ in range(MOST_RACES):
             done = example.run(
                 *("trace", "steps.py", "--live", "--speed", "5", "--robot", "panda"),
-                *("-o", "live.json", "--log", "live.log"),
+                *("-o", "live.json", "--log", "live.log", "--record", "live.mcap"),
             )
             if LOST_TRANSITION not in done.out + done.err:
                 break
@@ -83,6 +83,22 @@ def test_the_trace_says_that_it_is_measured_and_what_is_lost(lived):
     assert reported[0] == "measured: live, on real rospy with the twin as a node"
     assert any(each.startswith("lost: repeatability") for each in reported)
     assert trace["end"]["cause"] == "ended"
+
+
+def test_the_recording_holds_the_goals_of_the_trace_as_numbers(lived):
+    from rosbags.highlevel import AnyReader
+
+    trace = trace_json.loads(lived.read("live.json").decode(), "live.json")
+    with AnyReader([lived.folder / "live.mcap"]) as reader:
+        goals = [
+            (time_ns, reader.deserialize(raw, connection.msgtype))
+            for connection, time_ns, raw in reader.messages()
+            if connection.topic == "/tracerisk/goals"
+        ]
+    moves = [command for command in trace.commands if command.end != "refused"]
+    assert goals
+    assert [round(time_ns * 1e-9, 9) for time_ns, _ in goals] == [move.issue_s for move in moves]
+    assert [tuple(goal.name) for _, goal in goals] == [move.elements for move in moves]
 
 
 @pytest.fixture(scope="module")
