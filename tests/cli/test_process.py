@@ -323,6 +323,26 @@ def modules_of(example, code: str) -> set[str]:
     return set(done.stderr.decode().split())
 
 
+TREE = """\
+<opsa-mef>
+  <define-fault-tree name="pumps">
+    <define-gate name="top"><and><basic-event name="a"/><basic-event name="b"/></and></define-gate>
+    <define-basic-event name="a"><float value="0.01"/></define-basic-event>
+    <define-basic-event name="b"><float value="0.02"/></define-basic-event>
+  </define-fault-tree>
+</opsa-mef>
+"""
+
+
+def test_a_fault_tree_is_solved_without_what_few_model_files_hold(example):
+    example.write("tree.xml", TREE)
+    loaded = modules_of(example, LISTING.format(arguments=["solve", "tree.xml"]))
+    logic = "tracerisk.prm.other_models.logic"
+    assert f"{logic}.model" in loaded
+    rare = {f"{logic}.{name}" for name in ("mission_parts", "phased", "common_cause")}
+    assert not loaded & (rare | HEAVY)
+
+
 def test_no_verb_on_a_controller_loads_what_only_models_of_other_tools_need(annotated):
     calls = [
         "run controller.py",

@@ -10,13 +10,14 @@ from tracerisk.cli.shared.output import note
 from tracerisk.cli.solving.solved import Render, Solved, chosen, no_mission_time
 from tracerisk.errors import InputError, ModelError
 from tracerisk.prm.other_models.logic.checks import needs_mission_time
-from tracerisk.prm.other_models.logic.model import Alignment, LogicModel
+from tracerisk.prm.other_models.logic.model import LogicModel
 from tracerisk.report.model_files import render_event_tree, render_top_importance, render_tops
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    from tracerisk.prm.other_models.logic.mission_parts import Alignment
     from tracerisk.prm.questions.uncertainty import Uncertainty
 
 

@@ -27,6 +27,7 @@ from tracerisk.prm.other_models.expressions.deviates import (
 )
 from tracerisk.prm.other_models.expressions.laws import Exponential, Glm, PeriodicTest, Weibull
 from tracerisk.prm.other_models.logic.common_cause import CommonCauseLaw
+from tracerisk.prm.other_models.logic.mission_parts import GroupDefinition
 from tracerisk.prm.other_models.logic.model import (
     ALWAYS,
     NEVER,
@@ -34,7 +35,6 @@ from tracerisk.prm.other_models.logic.model import (
     Container,
     EventDefinition,
     GateDefinition,
-    GroupDefinition,
     HouseDefinition,
     LogicModel,
     ParameterDefinition,

@@ -34,15 +34,17 @@ from tracerisk.prm.other_models.formats.openpra import (
 )
 from tracerisk.prm.other_models.logic.common_cause import CommonCauseLaw
 from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
-from tracerisk.prm.other_models.logic.model import (
+from tracerisk.prm.other_models.logic.mission_parts import (
     Alignment,
+    EventTreeDefinition,
+    Substitution,
+)
+from tracerisk.prm.other_models.logic.model import (
     Container,
     EventDefinition,
-    EventTreeDefinition,
     GateDefinition,
     LogicModel,
     Place,
-    Substitution,
 )
 from tracerisk.prm.trees.gates import Gate, GateKind
 

@@ -18,13 +18,12 @@ from tracerisk.prm.other_models.event_trees.event_tree import EventTree
 from tracerisk.prm.other_models.expressions import Number
 from tracerisk.prm.other_models.formats.open_psa import read_open_psa
 from tracerisk.prm.other_models.logic.event_trees import solved_event_trees
+from tracerisk.prm.other_models.logic.mission_parts import EventTreeDefinition, Substitution
 from tracerisk.prm.other_models.logic.model import (
     EventDefinition,
-    EventTreeDefinition,
     GateDefinition,
     HouseDefinition,
     LogicModel,
-    Substitution,
 )
 from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind

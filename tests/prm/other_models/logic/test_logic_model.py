@@ -7,19 +7,21 @@ from tracerisk.errors import Location, ModelError
 from tracerisk.prm.other_models.expressions import MissionTime, Number, Reference
 from tracerisk.prm.other_models.expressions.laws import Exponential
 from tracerisk.prm.other_models.logic.common_cause import CommonCauseLaw
+from tracerisk.prm.other_models.logic.mission_parts import (
+    Alignment,
+    GroupDefinition,
+    Phase,
+    Substitution,
+)
 from tracerisk.prm.other_models.logic.model import (
     ALWAYS,
-    Alignment,
     Container,
     EventDefinition,
     GateDefinition,
-    GroupDefinition,
     HouseDefinition,
     LogicModel,
     ParameterDefinition,
-    Phase,
     Place,
-    Substitution,
 )
 from tracerisk.prm.trees.events import HouseEvent
 from tracerisk.prm.trees.gates import Gate, GateKind

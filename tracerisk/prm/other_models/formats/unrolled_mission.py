@@ -24,10 +24,10 @@ from tracerisk.prm.other_models.event_trees.elements import (
 from tracerisk.prm.other_models.event_trees.event_tree import EventTree
 from tracerisk.prm.other_models.expressions import Number
 from tracerisk.prm.other_models.formats.conversion import logic_of_functions, with_a_gate
+from tracerisk.prm.other_models.logic.mission_parts import EventTreeDefinition
 from tracerisk.prm.other_models.logic.model import (
     Container,
     EventDefinition,
-    EventTreeDefinition,
     GateDefinition,
     HouseDefinition,
     LogicModel,

@@ -16,7 +16,8 @@ from tracerisk.prm.other_models.expressions import Expression, ExpressionModel, 
 from tracerisk.prm.other_models.expressions.laws import Glm
 from tracerisk.prm.other_models.expressions.laws import PeriodicTest as TestedExpression
 from tracerisk.prm.other_models.logic.common_cause import ShareOf
-from tracerisk.prm.other_models.logic.model import Alignment, LogicModel
+from tracerisk.prm.other_models.logic.mission_parts import Alignment
+from tracerisk.prm.other_models.logic.model import LogicModel
 from tracerisk.prm.trees.events import BasicEvent, FailureModel, HouseEvent
 from tracerisk.prm.trees.failure_models import GLM, NEVER, PeriodicTest
 from tracerisk.prm.trees.fault_tree import FaultTree

@@ -17,7 +17,8 @@ from tracerisk.prm.trees.gates import Gate, GateKind
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.other_models.logic.common_cause import CommonCauseGroup
-    from tracerisk.prm.other_models.logic.model import GroupDefinition, LogicModel
+    from tracerisk.prm.other_models.logic.mission_parts import GroupDefinition
+    from tracerisk.prm.other_models.logic.model import LogicModel
 
 
 def tree_below(

@@ -18,14 +18,7 @@ from tracerisk.prm.other_models.formats.open_psa.stochastic import (
     read_float,
 )
 from tracerisk.prm.other_models.formats.open_psa.xml_elements import Element
-from tracerisk.prm.other_models.logic.model import (
-    Alignment,
-    Attribute,
-    Container,
-    HouseDefinition,
-    Phase,
-    Place,
-)
+from tracerisk.prm.other_models.logic.model import Attribute, Container, HouseDefinition, Place
 from tracerisk.prm.trees.events import HouseEvent
 
 TYPE_CHECKING = False
@@ -33,6 +26,7 @@ if TYPE_CHECKING:
     from typing import NamedTuple
 
     from tracerisk.prm.other_models.formats.open_psa.rewriting import NameForm
+    from tracerisk.prm.other_models.logic.mission_parts import Alignment
 
     class Home(NamedTuple):
         """Where a definition stands: the path of its home, and whether it is private there."""
@@ -334,6 +328,8 @@ class Collector:
                         )
 
     def _alignment(self, element: Element) -> None:
+        from tracerisk.prm.other_models.logic.mission_parts import Alignment, Phase
+
         place = self.place(element)
         phases = []
         for child in element.children:

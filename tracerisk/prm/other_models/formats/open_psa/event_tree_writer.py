@@ -28,7 +28,8 @@ from tracerisk.prm.other_models.formats.open_psa.stochastic import (
     expression_node,
 )
 from tracerisk.prm.other_models.formats.open_psa.xml_text import notes
-from tracerisk.prm.other_models.logic.model import Attribute, EventTreeDefinition, LogicModel, Place
+from tracerisk.prm.other_models.logic.mission_parts import EventTreeDefinition
+from tracerisk.prm.other_models.logic.model import Attribute, LogicModel, Place
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -36,7 +36,8 @@ from tracerisk.prm.other_models.formats.open_psa.formulas import (
 from tracerisk.prm.other_models.formats.open_psa.rewriting import END_STATE_MARK, FREQUENCY_MARK
 from tracerisk.prm.other_models.formats.open_psa.stochastic import read_bool
 from tracerisk.prm.other_models.formats.open_psa.xml_elements import Element
-from tracerisk.prm.other_models.logic.model import Attribute, EventTreeDefinition, Place
+from tracerisk.prm.other_models.logic.mission_parts import EventTreeDefinition
+from tracerisk.prm.other_models.logic.model import Attribute, Place
 from tracerisk.prm.trees.gates import Gate
 
 if TYPE_CHECKING:

@@ -16,18 +16,17 @@ from tracerisk.prm.other_models.logic.model import (
     ElementError,
     EventDefinition,
     GateDefinition,
-    GroupDefinition,
     Locations,
     LogicModel,
     ParameterDefinition,
     Place,
-    Substitution,
 )
 from tracerisk.prm.trees.gates import Gate
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from tracerisk.prm.other_models.formats.open_psa.event_trees import EventTrees
+    from tracerisk.prm.other_models.logic.mission_parts import GroupDefinition, Substitution
 
 
 class Linker:
@@ -193,6 +192,8 @@ class Linker:
         if not factors:
             element.fail(f"common cause group '{pending.name}' has no <factor>; give it one")
         factors.sort(key=lambda factor: factor[0])
+        from tracerisk.prm.other_models.logic.mission_parts import GroupDefinition
+
         return GroupDefinition(
             pending.name, laws[law], tuple(members), distribution, tuple(factors), pending.place
         )
@@ -240,4 +241,6 @@ class Linker:
         if not hypothesis or target is None:
             element.fail(f"substitution '{name}' needs a <hypothesis> and a <target>")
         kind = element.attributes.get("type", "")
+        from tracerisk.prm.other_models.logic.mission_parts import Substitution
+
         return Substitution(name, hypothesis, target, sources, kind, place)

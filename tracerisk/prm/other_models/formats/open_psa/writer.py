@@ -26,18 +26,16 @@ from tracerisk.prm.other_models.formats.open_psa.stochastic import (
     expression_node,
 )
 from tracerisk.prm.other_models.formats.open_psa.xml_text import document, notes
+from tracerisk.prm.other_models.logic.mission_parts import Alignment, GroupDefinition, Substitution
 from tracerisk.prm.other_models.logic.model import (
     NOWHERE,
-    Alignment,
     Attribute,
     EventDefinition,
     GateDefinition,
-    GroupDefinition,
     HouseDefinition,
     LogicModel,
     ParameterDefinition,
     Place,
-    Substitution,
 )
 from tracerisk.prm.trees.fault_tree import FaultTree
 from tracerisk.prm.trees.gates import Gate, GateKind

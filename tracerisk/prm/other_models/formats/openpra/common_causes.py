@@ -11,12 +11,8 @@ from dataclasses import replace
 from tracerisk.errors import ModelError
 from tracerisk.prm.other_models.event_trees.forest import Forest
 from tracerisk.prm.other_models.expressions import Expression, Number
-from tracerisk.prm.other_models.logic.model import (
-    EventDefinition,
-    GateDefinition,
-    GroupDefinition,
-    LogicModel,
-)
+from tracerisk.prm.other_models.logic.mission_parts import GroupDefinition
+from tracerisk.prm.other_models.logic.model import EventDefinition, GateDefinition, LogicModel
 from tracerisk.prm.other_models.logic.trees import forest
 from tracerisk.prm.trees.gates import Gate
 

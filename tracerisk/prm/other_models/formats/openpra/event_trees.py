@@ -20,7 +20,8 @@ from tracerisk.prm.other_models.event_trees.elements import (
     Target,
 )
 from tracerisk.prm.other_models.event_trees.event_tree import EventTree
-from tracerisk.prm.other_models.logic.model import EventTreeDefinition, Place
+from tracerisk.prm.other_models.logic.mission_parts import EventTreeDefinition
+from tracerisk.prm.other_models.logic.model import Place
 
 STATES = ("failure", "success", "bypass")
 YEARLY = "yr-1"

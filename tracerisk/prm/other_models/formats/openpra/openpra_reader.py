@@ -17,15 +17,14 @@ from tracerisk.prm.other_models.formats.openpra.event_trees import read_event_tr
 from tracerisk.prm.other_models.formats.openpra.logic import read_logic
 from tracerisk.prm.other_models.logic.checks import suggestion
 from tracerisk.prm.other_models.logic.common_cause import CommonCauseLaw
+from tracerisk.prm.other_models.logic.mission_parts import EventTreeDefinition, GroupDefinition
 from tracerisk.prm.other_models.logic.model import (
     ALWAYS,
     NEVER,
     Container,
     ElementError,
     EventDefinition,
-    EventTreeDefinition,
     GateDefinition,
-    GroupDefinition,
     HouseDefinition,
     Locations,
     LogicModel,
