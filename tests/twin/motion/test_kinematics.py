@@ -206,10 +206,17 @@ def test_a_group_that_turns_freely_comes_to_the_position_turned_as_near_as_it_ma
     assert turn_between(there.orientation, aside.orientation) < 0.55
 
 
-def test_what_the_solver_needs_not_of_numpy_is_there_for_who_does():
+def test_solvers_that_no_run_calls_are_imported_for_who_does():
     program = (
-        "import sys, numpy, tracerisk.twin.motion.kinematics\n"
-        "assert 'numpy.f2py' not in sys.modules\n"
-        "assert numpy.f2py.__file__ and 'numpy.f2py' in sys.modules\n"
+        "import sys, tracerisk.twin.motion.kinematics, mink\n"
+        "assert not {'numpy.f2py', 'qpsolvers', 'scipy'} & set(sys.modules)\n"
+        "model = mink.Configuration.__init__.__globals__['mujoco'].MjModel.from_xml_string(\n"
+        "    '<mujoco><worldbody><body><joint/><geom size=\".1\"/></body></worldbody></mujoco>')\n"
+        "task = mink.PostureTask(model, cost=1.0)\n"
+        "task.set_target([0.5])\n"
+        "at_rest = mink.Configuration(model)\n"
+        "assert abs(mink.solve_ik(at_rest, [task], 1.0, 'daqp', 0.0)[0] - 0.5) < 1e-9\n"
+        "import qpsolvers\n"
+        "assert isinstance(mink.build_ik(at_rest, [task], 1.0), qpsolvers.Problem)\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True)

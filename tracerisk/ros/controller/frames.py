@@ -23,7 +23,7 @@ _LIBRARIES = tuple(
 )
 
 # They read the clock to find the end of a wait, to stamp a record, or to say how long they took:
-# no busy wait of theirs. `qpsolvers` is what inverse kinematics are solved with.
+# no busy wait of theirs. With `qpsolvers`, controllers of their own mink solve inverse kinematics.
 _QUIET = frozenset(
     {"asyncio", "concurrent", "logging", "qpsolvers", "queue", "sched", "threading", "tracerisk"}
 )

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -17,21 +14,17 @@ from tracerisk.twin.physics import builder  # noqa: F401 - says that no window i
 from tracerisk.twin.physics.motion import LinkTarget, PlanningError, Pose
 
 # After the builder, which says that no window is needed.
-import daqp  # noqa: F401  # isort: skip - mink looks for it only when it solves
-
-# scipy, below mink, takes over every name of numpy, and would import f2py for it: a front end of
-# compilers that no run calls, and a fortieth of the processor time of one.
-with ExitStack() as _without_f2py:
-    if "numpy.f2py" not in sys.modules:
-        np.f2py = ModuleType("numpy.f2py")
-        _without_f2py.callback(delattr, np, "f2py")
-    import mink
+import daqp  # isort: skip
+from tracerisk.twin.motion.mink_alone import mink  # isort: skip
 
 _MAX_ITERATIONS = 40
 TURN_COST = 0.3
 """Of a turn that is missed, beside a distance [m/rad]."""
 _FREE_TURN_COST = 1e-3  # where any turn will do, and the nearest is wanted [m/rad]
 _STALLED = 1e-8  # a step this small changes nothing more [rad]
+_DAMPING = 1e-6  # of a step, beside the squares of what is missed
+_UNBOUNDED = -1e30  # what DAQP takes for no lower bound
+_EQUAL = 5  # what DAQP calls a constraint that holds with equality
 
 Miss = tuple[float, float]
 """The distance [m] and the turn [rad] from a target."""
@@ -69,22 +62,38 @@ class Descent:
             miss, is_there = self._miss()
             if is_there:
                 return configuration.q.copy(), miss
-            try:
-                velocity = mink.solve_ik(
-                    configuration,
-                    self._tasks,
-                    1.0,
-                    solver="daqp",
-                    damping=1e-6,
-                    limits=self._limits,
-                    constraints=self._frozen,
-                )
-            except mink.NoSolutionFound:
+            velocity = self._velocity()
+            if velocity is None:
                 return None, miss
             if float(np.abs(velocity).max()) < _STALLED:
                 return None, miss
             configuration.integrate_inplace(velocity, 1.0)
         return None, miss
+
+    def _velocity(self) -> NDArray[np.float64] | None:
+        """Return the step that a quadratic program finds, (n_dofs,), `None` where it finds none."""
+        residuals = [task.compute_qp_residual(self._configuration) for task in self._tasks]
+        weighted = np.vstack([jacobian for jacobian, _, _ in residuals])
+        cost = weighted.T @ weighted
+        cost.flat[:: len(cost) + 1] += _DAMPING
+        gradient = -(np.concatenate([error for _, error, _ in residuals]) @ weighted)
+        limits = [limit.compute_qp_inequalities(self._configuration, 1.0) for limit in self._limits]
+        bounded = [limit for limit in limits if not limit.inactive]
+        still = [
+            (task.compute_jacobian(self._configuration), task.compute_error(self._configuration))
+            for task in self._frozen or ()
+        ]
+        none = np.zeros((0, len(cost)))
+        rows = [none, *(limit.G for limit in bounded), *(jacobian for jacobian, _ in still)]
+        bounds = [none[:, 0], *(limit.h for limit in bounded), *(-error for _, error in still)]
+        upper = np.concatenate(bounds)
+        sense = np.zeros(len(upper), dtype=np.intc)
+        sense[len(upper) - sum(len(error) for _, error in still) :] = _EQUAL
+        velocity: NDArray[np.float64]
+        velocity, _, exit_flag, _ = daqp.solve(
+            cost, gradient, np.vstack(rows), upper, np.full(len(upper), _UNBOUNDED), sense
+        )
+        return velocity if exit_flag > 0 else None
 
     def _miss(self) -> tuple[Miss, bool]:
         """Return the furthest miss of a target, and whether all are reached."""

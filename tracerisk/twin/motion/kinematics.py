@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.motion.branches import branches
 from tracerisk.twin.motion.descent import Descent, Miss, miss_cost
+from tracerisk.twin.motion.mink_alone import mink
 from tracerisk.twin.motion.plausible_units import length_guess
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import LinkTarget, PlanningError, Pose
@@ -20,7 +21,6 @@ from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.robots.robot_parts import Joint
 
 # After the builder, which says that no window is needed.
-import mink  # isort: skip
 import mujoco  # isort: skip
 
 _TURN = 2 * math.pi
