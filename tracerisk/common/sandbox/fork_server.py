@@ -79,7 +79,7 @@ class Forked(subprocess.Popen[bytes]):
     def wait(self, timeout: float | None = None) -> int:
         """Wait for its end, at most for a time [s]. Raises TimeoutExpired after that."""
         if self.returncode is None:
-            if not _is_ready(self._replies.fileno(), timeout):
+            if not is_ready(self._replies.fileno(), timeout):
                 raise subprocess.TimeoutExpired(self.args, timeout or 0.0)
             data = b""
             with contextlib.suppress(ConnectionError):
@@ -88,7 +88,7 @@ class Forked(subprocess.Popen[bytes]):
                 self.returncode = os.waitstatus_to_exitcode(*_NUMBER.unpack(data))
             else:
                 # The server was killed; what it forked ends by itself.
-                if not _is_ready(self._process, _GRACE_S):
+                if not is_ready(self._process, _GRACE_S):
                     self.send_signal(signal.SIGKILL)
                 self.returncode = -signal.SIGKILL
             self._replies.close()
@@ -250,7 +250,8 @@ def _inherited() -> list[str]:
     return [*lines, *texts, str(os.getpriority(os.PRIO_PROCESS, 0))]
 
 
-def _is_ready(descriptor: int, timeout_s: float | None) -> bool:
+def is_ready(descriptor: int, timeout_s: float | None) -> bool:
+    """Return whether there is something to read within a time [s]; `None` for all time."""
     poll = select.poll()
     poll.register(descriptor, select.POLLIN)
     return bool(poll.poll(None if timeout_s is None else max(0.0, timeout_s) * 1000))

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.limits import Sandbox, is_secret
-from tracerisk.common.sandbox.fork_server import OF_LIBRARIES, forked
+from tracerisk.common.sandbox.fork_server import OF_LIBRARIES, forked, is_ready
 from tracerisk.common.sandbox.kernel_features import support
 from tracerisk.common.sandbox.ros_prefix import without_ros
 from tracerisk.errors import SandboxError
@@ -66,6 +66,25 @@ OF_FORKED = {
     "stderr": subprocess.STDOUT,
 }
 """What `subprocess.Popen` is given for a process that a server may fork."""
+
+
+class _Started(subprocess.Popen[bytes]):
+    """A process that was started afresh."""
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for its end, at most for a time [s], asleep: `Popen` itself would look for it.
+
+        Raises TimeoutExpired after that.
+        """
+        if timeout and self.returncode is None and sys.platform == "linux":
+            with contextlib.suppress(AttributeError, OSError):  # where there is no such descriptor
+                end_of_it = os.pidfd_open(self.pid)
+                try:
+                    is_ready(end_of_it, timeout)
+                finally:
+                    os.close(end_of_it)
+                timeout = 0.0
+        return super().wait(timeout)
 
 
 class SandboxWarning(UserWarning):
@@ -194,7 +213,7 @@ def _popen(
     with tempfile.TemporaryFile() as stream:
         stream.write(json.dumps(plan).encode())
         stream.seek(0)
-        return subprocess.Popen(
+        return _Started(
             [sys.executable, "-s", *options, str(_START), str(stream.fileno()), module, *arguments],
             env=dict(environment),
             pass_fds=(stream.fileno(), *pass_fds),
