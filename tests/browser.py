@@ -24,11 +24,12 @@ _DRAWING = (
     "--no-sandbox",
     "--disable-dev-shm-usage",
     "--window-size=1400,1000",
-    # WebGL 2 in software, and a sixteenth of the pixels for it.
+    # WebGL 2 in software, and for it a sixteenth of the pixels, each computed once.
     "--use-gl=angle",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--force-device-scale-factor=0.25",
+    "--webgl-antialiasing-mode=none",
 )
 
 

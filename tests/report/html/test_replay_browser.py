@@ -1,5 +1,6 @@
 """Replay and timeline in a browser: they show what the run did, and one cursor moves both."""
 
+import base64
 import math
 import re
 from collections.abc import Callable, Mapping
@@ -47,14 +48,8 @@ const canvas = document.getElementById("replay-canvas");
 const gl = canvas.getContext("webgl2");
 const bytes = new Uint8Array(canvas.width * canvas.height * 4);
 gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
-const seen = [];
-for (let y = 0; y < canvas.height; y++) {
-  for (let x = 0; x < canvas.width; x++) {
-    const at = 4 * (y * canvas.width + x);
-    seen.push(bytes[at], bytes[at + 1], bytes[at + 2]);
-  }
-}
-return [canvas.height, canvas.width, seen];
+const text = Array.from(bytes, (value) => String.fromCharCode(value)).join("");
+return [canvas.height, canvas.width, btoa(text)];
 """
 _CHART = """
 const chart = document.querySelector(".timeline-chart");
@@ -176,8 +171,9 @@ def page(shown_run, as_opened, open_page, chromium):
 
 def pixels(page):
     """The picture, (height, width, 3), from below."""
-    height, width, values = page.execute_script(_PIXELS)
-    return np.array(values).reshape(height, width, 3)
+    height, width, text = page.execute_script(_PIXELS)
+    values = np.frombuffer(base64.b64decode(text), np.uint8).reshape(height, width, 4)
+    return values[:, :, :3].astype(int)
 
 
 def go_to(page, time):
@@ -471,12 +467,13 @@ def test_the_picture_holds_all_that_the_arm_reaches_and_little_more(page, shown_
     page.execute_script("tracerisk.replay.camera.reset(); tracerisk.replay.ask();")
     page.execute_async_script(_AFTER_FRAMES)
     names = [body.name for body in shown_run.replay.bodies if body.kind in ("robot", "object")]
-    places = []
-    for time in np.linspace(0, shown_run.trace.end.simulated_s, 40):
-        page.execute_script("tracerisk.clock.set(arguments[0], 'test')", float(time))
-        places += page.execute_script(
-            "return arguments[0].map(tracerisk.replay.bodyPosition)", names
-        )
+    # In one go: each time at which the page comes to itself is drawn.
+    places = page.execute_script(
+        "return arguments[0].flatMap((time) => { tracerisk.clock.set(time, 'test');"
+        " return arguments[1].map(tracerisk.replay.bodyPosition); })",
+        np.linspace(0, shown_run.trace.end.simulated_s, 40).tolist(),
+        names,
+    )
     matrix = page.execute_script(
         "const { camera } = tracerisk.replay; return camera.matrix(camera.aspect, camera.covered)"
     )
