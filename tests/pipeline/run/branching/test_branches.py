@@ -187,7 +187,7 @@ def test_a_run_that_claims_branches_without_end_ends_all_the_same(tmp_path):
 
 def test_a_branch_that_does_harm_loses_only_itself(tmp_path, monkeypatch):
     monkeypatch.setattr(watch_module, "_MOST_WRITTEN", 40 * 1024**2)
-    controller, settings, nominal = odd(tmp_path, stall_limit_s=5.0)
+    controller, settings, nominal = odd(tmp_path, stall_limit_s=2.0)
     wanted = [Branch(0), *map(jam, range(1, 7))]
     found = list(run_branches(controller, settings, nominal, wanted, at_once=2))
     without, hung, crashed, forked, filled, left, wrote = found
