@@ -123,15 +123,24 @@ def test_goals_that_are_sent_at_once_are_replaced_before_they_begin(run):
     assert (first["replaced_by"], second["replaced_by"], third["replaced_by"]) == (2, 3, None)
 
 
-def test_a_goal_that_another_line_cuts_half_way_is_named_with_the_line(run):
-    program = ARM2 + "send(0.8)\nwait(1.0)\nsend(-0.8)\nwait(4.0)\n"
-    trace = run(program)
-    assert ends(trace) == ["arrived", "replaced", "arrived"]
-    (reason,) = (each for each in trace["verdict"]["reasons"] if "replaced" in each["code"])
+CUT = (
+    ARM2
+    + "send(0.8)\nwait(1.0)\nsend(-0.8)\nwait(4.0)\n"
+    + "def left():\n    topic.publish(way(0.7))\n\n"
+    + "def right():\n    topic.publish(way(-0.7))\n\n"
+    + "left()\nwait(0.5)\nright()\nwait(4.0)\n"
+)
+
+
+def test_a_goal_that_another_line_cuts_and_a_message_that_another_overtakes_are_replaced(run):
+    trace = run(CUT)
+    assert ends(trace) == ["arrived", "replaced", "arrived", "replaced", "arrived"]
+    goal, message = (each for each in trace["verdict"]["reasons"] if "replaced" in each["code"])
+    assert [goal["code"], message["code"]] == ["command-replaced"] * 2
+    assert (goal["function"], message["function"]) == ("send", "left")
     assert trace["commands"][1]["way_done"] == pytest.approx(0.5, abs=0.1)
-    # Both commands are of `send`: the lines of its calls tell them apart.
-    assert reason["by"]["line"] == trace_line(trace, program, "send(-0.8)")
-    assert reason["function"] == "send"
+    # Both goals are of `send`: the lines of its calls tell them apart.
+    assert goal["by"]["line"] == trace_line(trace, CUT, "send(-0.8)")
 
 
 def trace_line(trace, program: str, text: str) -> int:
@@ -148,63 +157,78 @@ def test_a_motion_of_moveit_is_stopped_by_that_of_another_group(run):
     assert [code for code, _ in reasons(trace)] == ["command-replaced"]
 
 
-def test_a_message_that_another_place_overtakes_is_replaced(run):
-    trace = run(
-        ARM2 + "def left():\n    topic.publish(way(0.7))\n\n"
-        "def right():\n    topic.publish(way(-0.7))\n\n"
-        "left()\nwait(0.5)\nright()\nwait(4.0)\n"
-    )
-    assert ends(trace) == ["arrived", "replaced", "arrived"]
-    (found,) = reasons(trace)
-    assert found[0] == "command-replaced"
-
-
-@pytest.mark.parametrize(
-    "body",
-    [
-        # A loop that tracks something leads on from goal to goal.
+# Each part with its commands' ends. No goal of a part is sent again in another, which would be
+# another reason to excuse that it was cut.
+EXCUSED = {
+    "a loop that tracks something leads on from goal to goal": (
         "for step in range(12):\n    topic.publish(way(0.05 * step, 1.0))\n    wait(0.1)\nwait(3.0)\n",
-        pytest.param(
-            "for step in range(8):\n    send(0.08 * step)\n    wait(0.3)\nwait(4.0)\n",
-            marks=pytest.mark.slow,
-        ),
-        # Who publishes a message three times is to be heard.
-        pytest.param(
-            "for _ in range(3):\n    topic.publish(way(0.5))\nwait(4.0)\n", marks=pytest.mark.slow
-        ),
-        # It had practically arrived.
-        "send(0.5)\nwait(1.95)\nsend(0.0)\nwait(4.0)\n",
-        # The controller stopped it.
-        "goal = send(0.8)\nrclpy.spin_until_future_complete(node, goal)\nwait(0.5)\n"
-        "goal.result().cancel_goal_async()\nwait(2.0)\nsend(0.0)\nwait(4.0)\n",
-        # What was left was less than a cell can tell.
-        pytest.param("send(0.03)\nwait(1.5)\nsend(0.4)\nwait(4.0)\n", marks=pytest.mark.slow),
-        # What was cut was sent again.
-        "send(0.5)\nwait(0.5)\nsend(0.0)\nwait(4.0)\nsend(0.5)\nwait(4.0)\n",
-    ],
-)
-def test_what_leads_on_was_there_or_was_stopped_is_no_reason(run, body):
-    trace = run(ARM2 + body)
-    assert reasons(trace) == []
+        [*["replaced"] * 11, "arrived"],
+    ),
+    "so do goals of an action": (
+        "for step in range(8):\n    send(0.08 * step)\n    wait(0.3)\nwait(4.0)\n",
+        [*["replaced"] * 7, "arrived"],
+    ),
+    "who publishes a message three times is to be heard": (
+        "for _ in range(3):\n    topic.publish(way(-0.2))\nwait(4.0)\n",
+        ["replaced", "replaced", "arrived"],
+    ),
+    "it had practically arrived": (
+        "send(0.7)\nwait(1.95)\nsend(-0.3)\nwait(4.0)\n",
+        ["replaced", "arrived"],
+    ),
+    "the controller stopped it": (
+        "goal = send(0.9)\nrclpy.spin_until_future_complete(node, goal)\nwait(0.5)\n"
+        "goal.result().cancel_goal_async()\nwait(2.0)\nsend(-0.4)\nwait(4.0)\n",
+        ["cancelled", "arrived"],
+    ),
+    "what was left was less than a cell can tell": (
+        "send(-0.43)\nwait(1.5)\nsend(-0.1)\nwait(4.0)\n",
+        ["replaced", "arrived"],
+    ),
+    "what was cut was sent again": (
+        "send(1.1)\nwait(0.5)\nsend(-0.5)\nwait(4.0)\nsend(1.1)\nwait(4.0)\n",
+        ["replaced", "arrived", "arrived"],
+    ),
+    "a stream of set points is one command to where it led in the end": (
+        "for step in range(50):\n    topic.publish(way(1.1 - 0.01 * step, 0.1))\n    wait(0.02)\n"
+        "wait(2.0)\n",
+        ["arrived"],
+    ),
+}
 
 
-@pytest.mark.parametrize(("wait_s", "codes"), [(1.0, []), (0.0, ["command-replaced"])])
-def test_the_speed_of_a_generic_arm_says_nothing_of_what_it_did_not_reach(run, wait_s, codes):
+@pytest.fixture(scope="module")
+def excused(tmp_path_factory, example_in):
+    """One run in which command after command is cut or stopped with an excuse."""
+    example = example_in(tmp_path_factory.mktemp("excused"))
+    example.write("c.py", ARM2 + "".join(body for body, _ in EXCUSED.values()))
+    outcome = example.run("run", "c.py", "--robot", "panda", "--json")
+    assert outcome.code == 0, outcome.err
+    return outcome.json["trace"]
+
+
+def test_what_leads_on_was_there_or_was_stopped_is_no_reason(excused):
+    assert reasons(excused) == []
+    left = ends(excused)[1:]
+    for part, (_, own) in EXCUSED.items():
+        assert left[: len(own)] == own, part
+        del left[: len(own)]
+    assert left == []
+
+
+def test_the_speed_of_a_generic_arm_says_nothing_of_what_it_did_not_reach(run):
+    """What is cut after a second is excused; what is replaced at once was never on its way."""
     trace = run(
-        ARM2 + f"send(0.8)\nwait({wait_s})\nsend(-0.8)\nwait(4.0)\n",
+        ARM2 + "send(0.8)\nwait(1.0)\nsend(-0.8)\nwait(4.0)\nsend(0.6)\nwait(0.0)\nsend(-0.6)\n"
+        "wait(4.0)\n",
         *("--robot", "generic"),
     )
-    found = [code for code, _ in reasons(trace) if code.startswith("command-")]
-    assert found == codes
-
-
-def test_a_stream_of_set_points_is_one_command_to_where_it_led_in_the_end(run):
-    trace = run(
-        ARM2 + "for step in range(50):\n    topic.publish(way(0.01 * step, 0.1))\n    wait(0.02)\n"
-        "wait(2.0)\n"
+    (reason,) = (
+        each for each in trace["verdict"]["reasons"] if each["code"].startswith("command-")
     )
-    assert ends(trace) == ["arrived", "arrived"]
-    assert reasons(trace) == []
+    assert reason["code"] == "command-replaced"
+    assert ends(trace) == ["arrived", "replaced", "arrived", "replaced", "arrived"]
+    assert reason["time_s"] == trace["commands"][3]["issue_s"]
 
 
 # Left on
@@ -239,17 +263,14 @@ def test_a_single_message_of_one_joints_velocity_is_left_on(run):
     assert "'wrist_1_joint' (1 rad/s)" in words
 
 
-@pytest.mark.parametrize(
-    ("body", "end"),
-    [
-        ("jog(0.3)\njog(0.0, 1)\n", ["cancelled"]),
-        # Another velocity is no miss of the first: neither has a goal.
-        ("jog(0.3)\nrospy.sleep(0.5)\njog(-0.3, 5)\njog(0.0, 1)\n", ["replaced", "cancelled"]),
-    ],
-)
-def test_a_velocity_that_is_taken_back_is_no_reason(run, body, end):
-    trace = run(VELOCITY + body, robot="ur5e")
-    assert ends(trace) == end
+def test_a_velocity_that_is_taken_back_is_no_reason(run):
+    # Another velocity is no miss of the first: neither has a goal.
+    trace = run(
+        VELOCITY + "jog(0.3)\njog(0.0, 1)\nrospy.sleep(0.5)\n"
+        "jog(0.3)\nrospy.sleep(0.5)\njog(-0.3, 5)\njog(0.0, 1)\n",
+        robot="ur5e",
+    )
+    assert ends(trace) == ["cancelled", "replaced", "cancelled"]
     assert reasons(trace) == []
 
 
@@ -267,42 +288,28 @@ def test_a_loop_of_velocities_that_the_duration_cuts_was_not_left_on(run):
 # Aborted
 
 
-@pytest.mark.parametrize(
-    ("body", "words"),
-    [
-        (
-            "grasp.send_goal_and_wait(GraspGoal(width=0.0, speed=0.05, force=10.0))\n",
-            "the fingers stopped at a width of 0.0399 m; width and epsilon allow 0.0000 to 0.0000",
-        ),
-        pytest.param(
-            "goal = GraspGoal(width=0.02, speed=0.05, force=0.0)\n"
-            "goal.epsilon.inner = goal.epsilon.outer = 0.005\ngrasp.send_goal_and_wait(goal)\n",
-            "width and epsilon allow 0.0150 to 0.0250 m",
-            marks=pytest.mark.slow,
-        ),
-        # A move is no grasp: it is to get there.
-        ("move.send_goal_and_wait(MoveGoal(width=0.01, speed=0.05))\n", "stalled at"),
-    ],
-)
-def test_a_gripper_that_does_not_come_to_what_it_was_asked_for_is_a_fault(run, body, words):
-    trace = run(FRANKA + AT_THE_CUBE + body, "--scenario", "cell.yaml")
-    assert ends(trace)[-1] == "aborted"
-    aborted = [said for code, said in reasons(trace) if code == "command-aborted"]
-    assert len(aborted) == 1
-    assert words in aborted[0]
-    assert trace["verdict"]["kind"] == "faulted"
-
-
-def test_a_grasp_of_the_right_width_is_none(run):
+def test_a_gripper_that_does_not_come_to_what_it_was_asked_for_is_a_fault(run):
     trace = run(
+        # A grasp of the right width is none.
         FRANKA + AT_THE_CUBE + "goal = GraspGoal(width=0.04, speed=0.05, force=10.0)\n"
         "goal.epsilon.inner = goal.epsilon.outer = 0.005\ngrasp.send_goal_and_wait(goal)\n"
-        "move.send_goal_and_wait(MoveGoal(width=0.08, speed=0.1))\n",
+        "move.send_goal_and_wait(MoveGoal(width=0.08, speed=0.1))\n"
+        "grasp.send_goal_and_wait(GraspGoal(width=0.0, speed=0.05, force=10.0))\n"
+        "goal = GraspGoal(width=0.02, speed=0.05, force=0.0)\n"
+        "goal.epsilon.inner = goal.epsilon.outer = 0.005\ngrasp.send_goal_and_wait(goal)\n"
+        # A move is no grasp: it is to get there.
+        "move.send_goal_and_wait(MoveGoal(width=0.01, speed=0.05))\n",
         "--scenario",
         "cell.yaml",
     )
-    assert reasons(trace) == []
-    assert set(ends(trace)) == {"arrived"}
+    assert ends(trace) == [*["arrived"] * 5, *["aborted"] * 3]
+    codes, words = zip(*reasons(trace), strict=True)
+    assert codes == ("command-aborted",) * 3
+    stopped = "the fingers stopped at a width of 0.0399 m; width and epsilon allow "
+    assert f"{stopped}0.0000 to 0.0000 m" in words[0]
+    assert f"{stopped}0.0150 to 0.0250 m" in words[1]
+    assert "stalled at" in words[2]
+    assert trace["verdict"]["kind"] == "faulted"
 
 
 def test_a_path_that_is_left_ends_aborted_and_not_cancelled(run):
@@ -322,22 +329,6 @@ def test_a_path_that_is_left_ends_aborted_and_not_cancelled(run):
 # Refused, ignored, cut
 
 
-def test_refused_goals_and_ignored_messages_are_commands_with_an_end(run):
-    body = (
-        "bad = way(0.3)\nbad.joint_names = ['elbow', *JOINTS[1:]]\n"
-        "arm.send_goal_async(FollowJointTrajectory.Goal(trajectory=bad))\nwait(0.5)\n"
-        "topic.publish(bad)\nwait(0.5)\n"
-    )
-    trace = run(ARM2 + body)
-    assert ends(trace) == ["arrived", "refused", "ignored"]
-    assert [code for code, _ in reasons(trace)] == ["command-rejected", "command-ignored"]
-    assert [each["elements"] for each in trace["commands"][1:]] == [[], []]
-    # They moved nothing: neither visits nor functions know of them.
-    assert [each["function"]["name"] for each in trace["visits"]] == ["send"]
-    plain = run(ARM2)
-    assert plain["visits"][0]["exposures"].keys() == trace["visits"][0]["exposures"].keys()
-
-
 def test_each_refused_goal_of_a_line_is_a_command_and_a_stream_of_messages_is_one(run):
     body = (
         "bad = way(0.3)\nbad.joint_names = ['elbow', *JOINTS[1:]]\n"
@@ -348,6 +339,12 @@ def test_each_refused_goal_of_a_line_is_a_command_and_a_stream_of_messages_is_on
     trace = run(ARM2 + body)
     assert ends(trace) == ["arrived", *["refused"] * 3, *["ignored"] * 2]
     assert [code for code, _ in reasons(trace)] == ["command-rejected", "command-ignored"]
+    # They moved nothing: neither visits nor functions know of them.
+    assert [each["elements"] for each in trace["commands"][1:]] == [[]] * 5
+    (visit,) = trace["visits"]
+    assert visit["function"]["name"] == "send"
+    (plain,) = run(ARM2)["visits"]
+    assert visit["exposures"].keys() == plain["exposures"].keys()
 
 
 def test_a_motion_that_the_end_of_the_run_cuts_is_a_reason_if_the_controller_was_done(run):
