@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
+from tests.conftest import program
 from tracerisk.cli.set_up import init
 from tracerisk.pipeline.start.ci_files import ci_files, template
 
@@ -204,8 +205,9 @@ def test_ci_files_name_where_the_installed_package_came_from(
 def test_what_is_typed_at_its_question_is_understood(cell, typed, code, said):
     before = files(cell)
     keyboard, terminal = pty.openpty()
-    command = [sys.executable, "-m", "tracerisk", "init", "--blocks", "published"]
-    # In a session of its own, the terminal is what a signal of the keyboard comes from.
+    # A signal of the keyboard comes to those of the terminal's session alone.
+    start = program(os.environ, is_afresh=typed == b"\x03", verb="init")
+    command = [*start, "init", "--blocks", "published"]
     process = subprocess.Popen(
         ["setsid", "--ctty", "--wait", *command],
         stdin=terminal,
