@@ -10,10 +10,11 @@ from tests.conftest import quick_controller
 
 _HERE = "here = os.path.dirname(os.path.abspath(__file__))"
 _TURNS = "for _ in range(turns): arm.go(joints, wait=True)"
+# Of each way: the file, and what reads a number from it.
 _READS = {
     "open": ("plan.json", "import json; turns = json.load(open(os.path.join(here, 'plan.json')))"),
-    "os.open": ("plan.json", "turns = int(os.read(os.open(b'plan.json', os.O_RDONLY), 9))"),
-    "numpy": ("plan.txt", "import numpy; turns = int(numpy.loadtxt(here + '/plan.txt'))"),
+    "os.open": ("plan.bin", "turns = int(os.read(os.open(b'plan.bin', os.O_RDONLY), 9))"),
+    "numpy": ("plan.csv", "import numpy; turns = int(numpy.loadtxt(here + '/plan.csv'))"),
     "pathlib": ("data/plan", "import pathlib; turns = int(pathlib.Path('data/plan').read_text())"),
     "update": ("plan.txt", "stream = open('plan.txt', 'r+'); turns = int(stream.read())"),
     "rospkg": (
@@ -31,21 +32,35 @@ def _files(example) -> dict[str, str]:
     return entry["inputs"]["files"]
 
 
-@pytest.mark.parametrize("how", _READS)
-def test_a_file_that_the_controller_reads_is_an_input(example, how):
-    name, read = _READS[how]
-    example.write(name, "2\n")
+@pytest.fixture(scope="module")
+def of_reader(tmp_path_factory, example_in):
+    """The folder of a controller that has read a file in each way, once it has run."""
+    example = example_in(tmp_path_factory.mktemp("reader"))
+    for name, _ in _READS.values():
+        example.write(name, "2\n")
     example.write("package.xml", _PACKAGE)
-    example.write("c.py", quick_controller(_HERE, read, _TURNS))
-    example.run("run", "c.py")
-    assert list(_files(example)) == [name]
-    assert example.run("check", "c.py").code == 0
+    reads = [f"{read}; assert turns == 2" for _, read in _READS.values()]
+    example.write("c.py", quick_controller(_HERE, *reads, _TURNS))
+    ran = example.run("run", "c.py")
+    assert ran.code == 0, ran.err
     assert example.run("report", "c.py", "--dossier", "d").code == 0
-    with zipfile.ZipFile(example.folder / "d") as archive:
+    return example
+
+
+def test_what_a_controller_reads_and_nothing_else_is_an_input(of_reader):
+    assert set(_files(of_reader)) == {name for name, _ in _READS.values()}
+    assert of_reader.run("check", "c.py").code == 0
+
+
+@pytest.mark.parametrize("how", _READS)
+def test_a_file_that_the_controller_reads_is_in_a_dossier_and_its_change_shows(of_reader, how):
+    name, _ = _READS[how]
+    with zipfile.ZipFile(of_reader.folder / "d") as archive:
         assert archive.read(f"files/{name}") == b"2\n"
         assert f'"{name}"' in archive.read("record.json").decode()
-    example.write(name, "5\n")
-    outcome = example.run("check", "c.py")
+    of_reader.write(name, "5\n")
+    outcome = of_reader.run("check", "c.py")
+    of_reader.write(name, "2\n")
     assert outcome.code == 1
     assert f"{name} has changed" in outcome.out + outcome.err
 
