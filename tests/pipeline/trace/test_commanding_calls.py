@@ -1,9 +1,5 @@
 """Calls that command: the verdict rests on those that were executed, however they are written."""
 
-import pytest
-
-from tests.slow import slow_but
-
 CELL = """\
 import atexit, functools
 from contextlib import contextmanager
@@ -50,12 +46,15 @@ SAME = {
 }
 
 
-@pytest.mark.parametrize("way", slow_but(("generator", "timer"), [*SAME]))
-def test_the_same_motions_are_complete_however_they_are_called(example, way):
-    example.write("cell.py", CELL + SAME[way])
-    outcome = example.run("run", "cell.py")
+def test_the_same_motions_are_complete_however_they_are_called(example):
+    """All ways in one program: what is said of a call names its line."""
+    example.write("cell.py", CELL + "".join(SAME.values()))
+    outcome = example.run("run", "cell.py", "--json")
     assert outcome.code == 0, outcome.err
-    assert outcome.out.startswith("complete, "), outcome.out[:300]
+    verdict = outcome.json["verdict"]
+    assert (verdict["kind"], verdict["reasons"]) == ("complete", [])
+    moved = [visit["function"]["name"] for visit in outcome.json["trace"]["visits"]]
+    assert len(moved) >= 2 * len(SAME)
 
 
 # Of each way, after a call that commands: the call that commands nothing, and what is said of it.
