@@ -23,6 +23,7 @@ from tests import other_system, slow
 from tests.browser import browser as browser
 from tests.browser import chromium as chromium
 from tests.commands import Commands
+from tests.reports import pytest_runtest_protocol as pytest_runtest_protocol
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.common.sandbox.ros_prefix import without_ros
 from tracerisk.pipeline.workspace.prefixes import PREFIX_VARIABLES, SOURCES_VARIABLE
