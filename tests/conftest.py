@@ -126,8 +126,18 @@ def pytest_xdist_auto_num_workers() -> int:
     return (os.cpu_count() or 1) + 1
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Look for no garbage while tests are collected: there are thousands, and all stay."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+
+
 def pytest_collection_finish() -> None:
-    """Look through no collected test for garbage: there are thousands, and all stay."""
+    """Look through no collected test later either."""
     gc.collect()
     gc.freeze()
     gc.set_threshold(100_000, 50, 100)

@@ -74,26 +74,25 @@ def test_a_change_that_accepts_its_own_fault_is_reported_first_and_can_fail(
     assert "newly accepted, and --no-new-accepts: error-logged" in strict.err
 
 
-def test_a_lock_of_before_verdicts_is_read_and_refreshed(example, quick):
+def test_of_a_lock_of_before_verdicts_and_of_code_that_did_not_run_the_verdict_is_unknown(
+    example, quick
+):
     example.write("c.py", quick())
     assert example.run("run", "c.py", "-q").code == 0
+    assert first_line(example.run("solve", "c.py")).startswith("partial, ")
+    ran = example.read("c.py")
+    example.write("c.py", ran + b"\nLATER = 1\n")
+    assert first_line(example.run("solve", "c.py")) == "verdict unknown", "of code that did not run"
+    example.write("c.py", ran)
     lock = json.loads(example.read("tracerisk.lock"))
     del lock["controllers"]["c.py"]["trace"]["verdict"]
     example.write("tracerisk.lock", json.dumps(lock))
     checked = example.run("check", "c.py")
     assert (checked.code, checked.out) == (0, "c.py: verdict unknown\n")
     assert "`tracerisk refresh c.py` gives it one" in checked.err
-    assert first_line(example.run("solve", "c.py")) == "verdict unknown"
+    assert first_line(example.run("solve", "c.py")) == "verdict unknown", "of an old lock"
     assert example.run("refresh", "c.py").code == 0
     assert example.run("check", "c.py").out.startswith("c.py: partial, ")
-
-
-def test_code_that_is_not_that_of_the_run_has_an_unknown_verdict(example, quick):
-    example.write("c.py", quick())
-    assert example.run("run", "c.py", "-q").code == 0
-    assert first_line(example.run("solve", "c.py")).startswith("partial, ")
-    example.write("c.py", example.read("c.py") + b"\nLATER = 1\n")
-    assert first_line(example.run("solve", "c.py")) == "verdict unknown"
 
 
 def test_a_retry_that_succeeds_clears_a_look_up(example, quick):
