@@ -13,7 +13,9 @@ import resource
 import signal
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import TextIO
 
 from tracerisk.common.sandbox.limited_process import lower_limit, mark_start
 from tracerisk.errors import ExitCode, TraceRiskError
@@ -26,6 +28,7 @@ from tracerisk.pipeline.run.assembly.surroundings import controller_surroundings
 from tracerisk.pipeline.run.assembly.watches import build_watches, note_run_over
 from tracerisk.pipeline.run.assembly.world import build_world, wall_clock
 from tracerisk.pipeline.run.branching.points import BranchPoints
+from tracerisk.pipeline.run.child_output import tell_wait
 from tracerisk.pipeline.run.controller_end import ControllerEnd
 from tracerisk.pipeline.run.preparation import prepare
 from tracerisk.pipeline.trace.run_files import (
@@ -55,7 +58,7 @@ def main() -> int:
     with (folder / STACKS).open("w") as stacks:
         # The parent asks where an endless loop stands before it ends the process.
         faulthandler.register(signal.SIGUSR1, file=stacks, all_threads=True)
-        return recorded(request, _run)
+        return recorded(request, partial(_run, stacks))
 
 
 def recorded(request: RunRequest, run: Callable[[RunRequest, SampleWriter, Recorder], None]) -> int:
@@ -76,7 +79,7 @@ def recorded(request: RunRequest, run: Callable[[RunRequest, SampleWriter, Recor
     return 0
 
 
-def _run(request: RunRequest, samples: SampleWriter, recorder: Recorder) -> None:
+def _run(stacks: TextIO, request: RunRequest, samples: SampleWriter, recorder: Recorder) -> None:
     """Build what a run is made of, and let the controller run in it to its end."""
     project = Project(Path(request.root))
     world = build_world(request, samples, recorder)
@@ -95,6 +98,7 @@ def _run(request: RunRequest, samples: SampleWriter, recorder: Recorder) -> None
         scheduler.outlast,
         on_missing=watches.needs.modules_missing,
     )
+    scheduler.on_silence = partial(tell_wait, stacks)
     scheduler.on_stuck, scheduler.on_abort = end.kill, end.abort
     with controller_surroundings(request, project, world, graph, watches, imports) as controller:
         _begin(request, project, graph, recorder, controller.entry)

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import codecs
 import contextlib
+import json
 import os
 import re
 import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, TextIO
 
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.common.text.printable import colorless, escaped
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.run_files import MOST_TEXT
+from tracerisk.ros.controller.thread import RunOver
 
 _STACK_LINE = re.compile(r'  File "(?P<file>.*)", line (?P<line>\d+) in ')
+_WAIT = "Waits for a program: "
 _END_OF_OUTPUT = 2000  # bytes that are kept of it
 _MOST_AT_ONCE = 65536
 _MOST_HELD = 1000  # characters; what is longer is blanks
@@ -136,12 +139,36 @@ def _has_descriptor(stream: Any) -> bool:
     return True
 
 
-def place_in(stacks: Path, root: Path) -> Location | None:
-    """Return the innermost place of the controller among the stacks that the child sent."""
+def tell_wait(stacks: TextIO, over: RunOver | None) -> None:
+    """Write in the child, where its stacks go, what it waits for in real time; None: nothing."""
+    if over is not None or stacks.tell():
+        stacks.seek(0)
+        stacks.truncate()
+    if over is not None:
+        place = over.location
+        told = [over.message, None if place is None else [place.file, place.line]]
+        stacks.write(f"{_WAIT}{json.dumps(told)}\n\n")
+        stacks.flush()
+
+
+def stopped_at(stacks: Path, root: Path, limit: str) -> tuple[str, Location | None]:
+    """Return how a limit ended the child, in words, and where its controller stood.
+
+    That is the wait for a program that the child told, or else the innermost place among the
+    stacks that it sent.
+    """
     try:
         text = file_bytes(stacks, MOST_TEXT, through_links=False).decode(errors="replace")
     except OSError:
-        return None
+        return limit, None
+    if text.startswith(_WAIT):
+        with contextlib.suppress(ValueError, TypeError):
+            words, place = json.loads(text.partition("\n")[0].removeprefix(_WAIT))
+            return f"{words}: {limit}", None if place is None else Location(*place)
+    return limit, _place_in(text, root)
+
+
+def _place_in(text: str, root: Path) -> Location | None:
     threads = text.split("\n\n")
     current = [name for name in threads if name.startswith("Current thread")]
     for thread in [*current, *threads]:

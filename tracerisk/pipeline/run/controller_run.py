@@ -26,7 +26,7 @@ from tracerisk.common.sandbox.process import (
 from tracerisk.common.sandbox.process import start as start_process
 from tracerisk.config import Settings
 from tracerisk.instrument.source.language import is_c
-from tracerisk.pipeline.run.child_output import PassingOn, place_in
+from tracerisk.pipeline.run.child_output import PassingOn, stopped_at
 from tracerisk.pipeline.run.ended_run import (
     PLAIN,
     ControllerRun,
@@ -404,4 +404,4 @@ def _stop(
         time.sleep(POLL_S)
     time.sleep(POLL_S)
     end(child)
-    return ProcessEnd(child.returncode, limit, place_in(stacks, Path(request.root)))
+    return ProcessEnd(child.returncode, *stopped_at(stacks, Path(request.root), limit))

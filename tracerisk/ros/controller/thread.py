@@ -10,6 +10,7 @@ from typing import Any, Literal, Protocol
 
 from tracerisk.errors import Location
 from tracerisk.ros.controller.node_process import NodeProcess
+from tracerisk.ros.controller.programs import Awaited
 from tracerisk.trace import EndCause
 
 WaitKind = Literal["blocked", "idle", "unmet"]
@@ -80,6 +81,8 @@ class Wait:
     """A function that returns what the wait means at present."""
     on: HoldsLock | ControllerThread | None
     """The lock or thread that could end it; `None` where there is none."""
+    awaited: Awaited | None = None
+    """What a program of the controller may bring that ends it; `None`: nothing."""
     frame: FrameType | None = None
     """The Python frame that waits; `None` while the thread does not wait."""
     satisfied: bool = False

@@ -12,6 +12,7 @@ from types import FrameType
 from typing import Any
 
 from tracerisk.ros.controller.frames import is_quiet
+from tracerisk.ros.controller.programs import Awaited
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.threads import NANOSECONDS, nanoseconds
 
@@ -89,6 +90,9 @@ class VirtualClock:
             timeout_ns=None if timeout is None else nanoseconds(timeout),
             reason="a file to be ready",
             kind="idle",
+            awaited=Awaited(
+                descriptors=tuple(map(_descriptor, (*read, *write, *exceptional))), limit_s=timeout
+            ),
         )
         return result[0]
 
@@ -196,6 +200,10 @@ def _named_as(function: Callable[..., Any], real: Callable[..., Any]) -> Callabl
     function.__doc__ = real.__doc__
     function.__module__ = real.__module__
     return function
+
+
+def _descriptor(file: Any) -> int:
+    return int(file if isinstance(file, int) else file.fileno())
 
 
 _LONGEST_SLEEP_S = (2**63 - 1) / NANOSECONDS

@@ -28,6 +28,7 @@ from tracerisk.ros.controller.frames import is_quiet
 from tracerisk.ros.controller.thread import RunOver
 from tracerisk.ros.time.alarm import VirtualAlarm
 from tracerisk.ros.time.clock import VirtualClock
+from tracerisk.ros.time.processes.programs import program_replacements
 from tracerisk.ros.time.processes.sockets import socket_replacements
 from tracerisk.ros.time.processes.starting import process_replacements
 from tracerisk.ros.time.scheduler import Scheduler
@@ -81,6 +82,7 @@ def _replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
     yield from _pool_replacements(scheduler)
     yield from _process_replacements(scheduler)
     yield from socket_replacements(scheduler)
+    yield from program_replacements(scheduler)
 
 
 def _loader_replacements() -> Iterator[tuple[Any, str, Any]]:

@@ -25,6 +25,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.controller.exit_calls import ExitCalls
 from tracerisk.ros.controller.needs import Need, NeedLedger
 from tracerisk.ros.controller.node_process import NodeProcess
+from tracerisk.ros.controller.programs import Awaited, Programs
 from tracerisk.ros.controller.signals import Signals
 from tracerisk.ros.controller.thread import (
     ControllerThread,
@@ -37,7 +38,7 @@ from tracerisk.ros.controller.thread import (
 from tracerisk.ros.time.baton import Baton, ThreadBaton
 from tracerisk.ros.time.busy_wait import READ_STEP_NS, Turns, calls_are_spent, has_looked
 from tracerisk.ros.time.event_queue import EventQueue, ScheduledCall
-from tracerisk.ros.time.standstill import end_of_duration, end_of_standstill
+from tracerisk.ros.time.standstill import end_of_duration, end_of_standstill, wait_without_limit
 from tracerisk.ros.time.world import CallTracer, World
 from tracerisk.trace import EndCause
 
@@ -85,6 +86,8 @@ class Scheduler:
     a thousand times; it should end the process.
     `on_over` (an attribute) is called when the run is over before the controller has ended, and
     when its main program has failed, before its exit calls.
+    `on_silence` (an attribute) is called when a program is waited for that has been silent for
+    long, with how the run ends if it stays so, and with None once it is not waited for any more.
     `on_abort` (an attribute) is called where the process is to end at once.
     `process` (an attribute) is the companion whose code runs, None for the controller's;
     `has_companions` says that there may be any, and `on_process_change` is called at each change.
@@ -118,6 +121,7 @@ class Scheduler:
         self._over: RunOver | None = None
         self._fault: BaseException | None = None
         self.on_over: Callable[[], None] | None = None
+        self.on_silence: Callable[[RunOver | None], None] = lambda _: None
         self.on_abort: Callable[[str, Location | None], NoReturn] | None = None
         self.when_alone: list[Callable[[], None]] = []
         self.has_companions = False
@@ -126,6 +130,7 @@ class Scheduler:
         self.exit_calls = ExitCalls()
         self.signals = Signals()
         self.needs = NeedLedger()
+        self.programs = Programs()
 
     # Companions
 
@@ -268,13 +273,15 @@ class Scheduler:
         kind: WaitKind | Callable[[], Meaning] = "blocked",
         on: HoldsLock | ControllerThread | None = None,
         need: Need | None = None,
+        awaited: Awaited | None = None,
     ) -> bool:
         """Wait until `predicate` holds, and return whether it does; False after `timeout_ns`.
 
         `predicate` must change nothing and read no clock; it is asked whenever something has
         happened. `reason` says what the wait is for: `service /add (pkg/Add)`. `kind` says
         what it means if it never ends, or returns what it means when somebody asks; `on` is the
-        lock or thread that could end it, `need` what of the world outside it is for.
+        lock or thread that could end it, `need` what of the world outside it is for, `awaited`
+        what of the programs that the controller has started.
 
         Raises:
             RunOver: the run is over.
@@ -295,7 +302,7 @@ class Scheduler:
             raise RuntimeError(f"a kernel event cannot wait for {reason}")
         deadline_ns = None if timeout_ns is None else self._now_ns + timeout_ns
         thread.waits += 1
-        is_met = self._block(thread, predicate, deadline_ns, reason, kind, on)
+        is_met = self._block(thread, predicate, deadline_ns, reason, kind, on, awaited)
         if need is not None:
             if is_met:
                 self.needs.meet(need)
@@ -464,10 +471,11 @@ class Scheduler:
         reason: str,
         kind: WaitKind | Callable[[], Meaning],
         on: HoldsLock | ControllerThread | None,
+        awaited: Awaited | None = None,
     ) -> Wait:
         since = next(self._sequence)
         meaning = _MEANINGS[kind] if isinstance(kind, str) else kind
-        return Wait(since, self._now_ns, predicate, deadline_ns, reason, meaning, on)
+        return Wait(since, self._now_ns, predicate, deadline_ns, reason, meaning, on, awaited)
 
     def _require_current(self) -> ControllerThread:
         thread = self.current
@@ -483,9 +491,10 @@ class Scheduler:
         reason: str,
         kind: WaitKind | Callable[[], Meaning] = "blocked",
         on: HoldsLock | ControllerThread | None = None,
+        awaited: Awaited | None = None,
     ) -> bool:
         self._raise_if_over(thread)
-        wait = self._new_wait(predicate, deadline_ns, reason, kind, on)
+        wait = self._new_wait(predicate, deadline_ns, reason, kind, on, awaited)
         while True:
             wait.frame = _getframe(1)
             thread.wait = wait
@@ -538,7 +547,7 @@ class Scheduler:
                 if self._turns.are_spent(self._now_ns):
                     self._pass_time(READ_STEP_NS)
                     continue
-                ready = self._first_ready()
+                ready = self._first_ready() or self._first_answered()
                 if ready is not None:
                     if ready.is_controllers:
                         self._stirred_ns = self._now_ns
@@ -570,6 +579,31 @@ class Scheduler:
             if thread.interrupt is not None or thread.signals:
                 return thread
         return None
+
+    def _first_answered(self) -> ControllerThread | None:
+        """Return a thread that can go on for what a program has done, before time passes."""
+        waits = {thread: thread.wait for thread in self._threads if thread.wait is not None}
+        awaited = {thread: wait.awaited for thread, wait in waits.items() if wait.awaited}
+        if not awaited or not self.programs.are_there:
+            return None
+        is_due = any(wait.deadline_ns is not None for wait in waits.values())
+        ready: list[ControllerThread | None] = [None]
+
+        def is_ready() -> bool:
+            ready[0] = self._first_ready()
+            return ready[0] is not None
+
+        only = not (is_due or self._events.is_expecting or self.world.busy)
+        silent: list[RunOver] = []
+
+        def tell() -> None:
+            silent.append(wait_without_limit(awaited))
+            self.on_silence(silent[0])
+
+        self.programs.wait(awaited, is_ready, only=only, on_silence=tell)
+        if silent:
+            self.on_silence(None)
+        return ready[0]
 
     def _pass_time(self, at_most_ns: int | None = None) -> None:
         deadlines = [

@@ -10,7 +10,9 @@ import stat
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from tracerisk.ros.controller.programs import Awaited
 from tracerisk.ros.time.busy_wait import POLL_COST
+from tracerisk.ros.time.processes.programs import may_answer
 from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.time.threads import NANOSECONDS
 
@@ -45,7 +47,7 @@ class VirtualSelector(selectors.BaseSelector):
 
     def select(self, timeout: float | None = None) -> Ready:
         """Return what is ready, after at most `timeout` seconds of virtual time."""
-        return selected(self._scheduler, self._real.select, timeout)
+        return selected(self._scheduler, self._real, self._real.select, timeout)
 
     def close(self) -> None:
         """Close the real selector."""
@@ -57,9 +59,15 @@ class VirtualSelector(selectors.BaseSelector):
 
 
 def selected(
-    scheduler: Scheduler, real: Callable[[float | None], Ready], timeout: float | None
+    scheduler: Scheduler,
+    selector: selectors.BaseSelector,
+    real: Callable[[float | None], Ready],
+    timeout: float | None,
 ) -> Ready:
-    """Return what a `real` selector finds ready, after at most `timeout` virtual seconds."""
+    """Return what a selector finds ready, after at most `timeout` virtual seconds.
+
+    `real` asks it, and waits in real time.
+    """
     if scheduler.current is None:
         return real(timeout)
     if timeout is not None and timeout <= 0:
@@ -67,16 +75,20 @@ def selected(
         return real(0)
     # Rounded up: a loop that wakes a nanosecond early finds nothing due and polls again.
     timeout_ns = None if timeout is None else max(1, math.ceil(timeout * NANOSECONDS))
+    descriptors = tuple(key.fd for key in selector.get_map().values())
     scheduler.wait_until(
-        lambda: bool(real(0)), timeout_ns=timeout_ns, reason="an event of its loop"
+        lambda: bool(real(0)),
+        timeout_ns=timeout_ns,
+        reason="an event of its loop",
+        awaited=Awaited(None, descriptors, timeout, may_answer=True) if descriptors else None,
     )
     return real(0)
 
 
 def select_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
-    """Yield owner, name and value of what the kinds of selectors wait by that servers name.
+    """Yield owner, name and value of what the kinds of selectors wait by that are named.
 
-    `subprocess` waits by one for the pipes of a program, which runs in real time.
+    Servers name them, and `subprocess` waits by one for the pipes of a program.
     """
     for kind in (selectors.SelectSelector, getattr(selectors, "PollSelector", None)):
         if kind is not None:
@@ -87,7 +99,9 @@ def _by_virtual_time(scheduler: Scheduler, real: Callable[..., Ready]) -> Callab
     @functools.wraps(real)
     def select(self: Any, timeout: float | None = None) -> Ready:
         wait = functools.partial(real, self)
-        return selected(scheduler, wait, timeout) if _has_socket(self) else wait(timeout)
+        if not _has_socket(self) and not may_answer(scheduler):
+            return wait(timeout)
+        return selected(scheduler, self, wait, timeout)
 
     return select
 

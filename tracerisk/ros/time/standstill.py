@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from tracerisk.ros.controller.frames import controller_stack, library_call
+from tracerisk.ros.controller.programs import Awaited
 from tracerisk.ros.controller.thread import ControllerThread, RunOver
 from tracerisk.trace import EndCause
 
@@ -39,6 +40,14 @@ def end_of_standstill(threads: Iterable[ControllerThread], *, listens: bool) -> 
         return _over("quiescent", main, f"nothing can happen any more: {_in_words(main)}")
     last = _chain(main)[-1]
     return _over("deadlock", last, f"{_in_words(last)}, which nothing can end")
+
+
+def wait_without_limit(awaited: Mapping[ControllerThread, Awaited]) -> RunOver:
+    """Report which thread waits for a program without a limit."""
+    order = sorted(
+        awaited, key=lambda thread: (awaited[thread].limit_s is not None, _since(thread))
+    )
+    return _over("wall_limit", order[0], f"{_in_words(order[0])}, which does not answer")
 
 
 def end_of_duration(main: ControllerThread | None, duration_ns: int) -> RunOver:

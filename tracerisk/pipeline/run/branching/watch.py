@@ -17,7 +17,8 @@ from typing import Any
 from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings
-from tracerisk.pipeline.run.child_output import place_in
+from tracerisk.errors import Location
+from tracerisk.pipeline.run.child_output import stopped_at
 from tracerisk.pipeline.run.controller_run import (
     RunningChild,
     reached_limit,
@@ -181,19 +182,19 @@ class BranchWatch:
                 reached = f"it has written more than {_MOST_WRITTEN // 1024**2} MB"
         if reached is None or WallTime.is_in(live.folder):
             return
-        live.end = ProcessEnd(-signal.SIGKILL, reached, self._place(live))
+        live.end = ProcessEnd(-signal.SIGKILL, *self._stopped_at(live, reached))
         live.send(signal.SIGKILL)
 
     @staticmethod
-    def _place(live: _Live) -> Any:
-        """Ask a branch where it stands; return the innermost place of the controller."""
+    def _stopped_at(live: _Live, limit: str) -> tuple[str, Location | None]:
+        """Ask a branch where it stands; return how the limit ended it, and where."""
         stacks = live.folder / STACKS
         before, deadline = size_of(stacks), time.monotonic() + _STACK_S
         live.send(signal.SIGUSR1)
         while size_of(stacks) == before and time.monotonic() < deadline:
             time.sleep(POLL_S)
         time.sleep(POLL_S)
-        return place_in(stacks, Path(live.request.root))
+        return stopped_at(stacks, Path(live.request.root), limit)
 
 
 def _of(process: Any, parent: int | None) -> int | None:

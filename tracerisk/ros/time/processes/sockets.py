@@ -8,14 +8,18 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import os
 import select
 import struct
 from collections.abc import Callable, Iterator
 from time import monotonic  # the real one: it is about packets of the system
 from typing import Any
 
+from tracerisk.common.sandbox.loopback import is_of_run
+from tracerisk.ros.controller.programs import Awaited
+from tracerisk.ros.time.processes.programs import is_ready, may_answer
 from tracerisk.ros.time.scheduler import Scheduler
-from tracerisk.ros.time.threads import NANOSECONDS
+from tracerisk.ros.time.threads import nanoseconds
 
 # The place of the flags among the arguments of each.
 _READING = {
@@ -51,6 +55,7 @@ def socket_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
     yield kind, "accept", _accepting(scheduler, kind.accept)
     for name in ("connect", "connect_ex"):
         yield kind, name, _connecting(scheduler, getattr(kind, name))
+    yield socket, "socketpair", _pairing(scheduler, socket.socketpair)
     yield Connection, "_recv", _receiving(scheduler, vars(Connection)["_recv"])
     yield Connection, "_send", _arriving(scheduler, vars(Connection)["_send"])
 
@@ -58,18 +63,24 @@ def socket_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]:
 def _wait(scheduler: Scheduler, descriptor: int, event: int, timeout: float | None = None) -> bool:
     """Wait in virtual time until a file is ready; return whether it is.
 
-    Where no other thread of the controller could make it so, there is nothing to wait for here.
+    Where neither another thread of the controller nor a program that it has started could make it
+    so, there is nothing to wait for here.
     """
-    if scheduler.current is None or scheduler.in_kernel or len(scheduler.threads) < 2:
+    if not _is_answerable(scheduler):
         return True
-    poll = select.poll()
-    poll.register(descriptor, event)
     return scheduler.wait_until(
-        lambda: bool(poll.poll(0)),
-        timeout_ns=None if timeout is None else round(timeout * NANOSECONDS),
+        is_ready(descriptor, event),
+        timeout_ns=None if timeout is None else nanoseconds(timeout),
         reason="the other end of a socket",
         kind="idle",
+        awaited=Awaited(descriptors=(descriptor,), limit_s=timeout),
     )
+
+
+def _is_answerable(scheduler: Scheduler) -> bool:
+    if scheduler.current is None or scheduler.in_kernel:
+        return False
+    return len(scheduler.threads) > 1 or scheduler.programs.are_there
 
 
 def _waiting(
@@ -88,7 +99,10 @@ def _waiting(
             may_wait = may_wait and not is_told_not_to(args, kwargs)
         if may_wait and not _wait(scheduler, self.fileno(), event, timeout):
             raise TimeoutError("timed out")
-        return real(self, *args, **kwargs)
+        result = real(self, *args, **kwargs)
+        if event == select.POLLIN:
+            scheduler.programs.received(self.fileno(), scheduler.current)
+        return result
 
     return call
 
@@ -98,7 +112,7 @@ def _sendall(scheduler: Scheduler, real: Callable[..., None]) -> Callable[..., N
 
     @functools.wraps(real)
     def sendall(self: Any, data: Any, flags: int = 0, /) -> None:
-        if self.gettimeout() == 0 or scheduler.current is None or len(scheduler.threads) < 2:
+        if self.gettimeout() == 0 or not _is_answerable(scheduler):
             real(self, data, flags)
             return
         with memoryview(data) as view, view.cast("B") as octets:
@@ -115,6 +129,7 @@ def _accepting(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., 
     @functools.wraps(real)
     def accept(self: Any) -> Any:
         connection, address = waiting(self)
+        scheduler.programs.accepted(connection.fileno())
         _send_at_once(scheduler, connection)
         return connection, address
 
@@ -125,9 +140,28 @@ def _connecting(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[...,
     @functools.wraps(real)
     def connect(self: Any, address: Any, /) -> Any:
         _send_at_once(scheduler, self)
+        scheduler.programs.sent(self.fileno())
+        if may_answer(scheduler) and _is_of_network(self):
+            # A program that starts may be about to listen.
+            scheduler.wait_until(
+                lambda: is_of_run("socket.connect", self, address),
+                timeout_ns=1,
+                reason="a program to listen",
+                awaited=Awaited(),
+            )
         return real(self, address)
 
     return connect
+
+
+def _pairing(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., Any]:
+    @functools.wraps(real)
+    def socketpair(*args: Any, **kwargs: Any) -> Any:
+        one, other = real(*args, **kwargs)
+        scheduler.programs.paired(one.fileno(), other.fileno())
+        return one, other
+
+    return socketpair
 
 
 def _send_at_once(scheduler: Scheduler, sock: Any) -> None:
@@ -145,7 +179,9 @@ def _receiving(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., 
     @functools.wraps(real)
     def receive(self: Any, *args: Any) -> Any:
         _wait(scheduler, self.fileno(), select.POLLIN)
-        return real(self, *args)
+        result = real(self, *args)
+        scheduler.programs.received(self.fileno(), scheduler.current)
+        return result
 
     return receive
 
@@ -156,6 +192,8 @@ def _arriving(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., A
     @functools.wraps(real)
     def send(self: Any, *args: Any, **kwargs: Any) -> Any:
         result = real(self, *args, **kwargs)
+        # An event loop goes on to wait at once, with what it has still to send.
+        scheduler.programs.sent(self.fileno(), is_all=not os.get_blocking(self.fileno()))
         if scheduler.current is not None and _is_of_network(self):
             _let_arrive(self.fileno())
         return result
