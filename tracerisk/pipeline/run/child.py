@@ -107,7 +107,10 @@ def _run(stacks: TextIO, request: RunRequest, samples: SampleWriter, recorder: R
             graph.companions.start()
             controller.run()
 
-        points = BranchPoints(request, world.twin, samples, end, controller.overlay, watches.fate)
+        points = BranchPoints(
+            *(request, world.twin, samples, end, controller.overlay, watches.fate),
+            programs=scheduler.programs,
+        )
         graph.reads.watch()
         mark_start()
         points.begin()

@@ -154,7 +154,7 @@ def tell_wait(stacks: TextIO, over: RunOver | None) -> None:
 def stopped_at(stacks: Path, root: Path, limit: str) -> tuple[str, Location | None]:
     """Return how a limit ended the child, in words, and where its controller stood.
 
-    That is the wait for a program that the child told, or else the innermost place among the
+    That is the wait for a program that the child reported, or else the innermost place among the
     stacks that it sent.
     """
     try:

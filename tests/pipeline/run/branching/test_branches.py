@@ -249,6 +249,11 @@ def test_a_file_that_is_open_is_each_branchs_own(tmp_path):
         pytest.param(
             "global file; file = tempfile.NamedTemporaryFile()", "has temporary files", marks=SLOW
         ),
+        pytest.param(
+            "import subprocess; subprocess.Popen(['sleep', '98'])",
+            "a program that the controller has started goes on",
+            marks=SLOW,
+        ),
         (
             "C = ctypes.CDLL(None); C.pthread_create(ctypes.byref(ctypes.c_ulong()), None, C.sleep, 98)",
             "runs its own threads",

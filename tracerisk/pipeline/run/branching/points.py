@@ -31,6 +31,7 @@ from tracerisk.pipeline.trace.run_files import (
     RunRequest,
     claimed,
 )
+from tracerisk.ros.controller.programs import Programs
 from tracerisk.twin.faults.armed import step_at
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleWriter
 from tracerisk.twin.simulation.twin import Twin
@@ -47,6 +48,7 @@ class BranchPoints:
     """Forks the process of a run before the faults of its branches.
 
     `folder` is that of the recording of this process: of the run, or of the branch that it is.
+    A branch would have no hold of the `programs` that the controller has started.
     """
 
     def __init__(
@@ -57,11 +59,13 @@ class BranchPoints:
         end: ControllerEnd,
         overlay: Overlay | None,
         fate: FateWatch | None = None,
+        *,
+        programs: Programs,
     ) -> None:
         self.folder = Path(request.folder)
         self._request = request
         self._twin, self._samples, self._end, self._overlay = twin, samples, end, overlay
-        self._fate = fate
+        self._fate, self._programs = fate, programs
         self._alive: dict[int, int] = {}
         self._unread: set[int] = set()
         self._is_branch = False
@@ -105,6 +109,8 @@ class BranchPoints:
             return
         moved = {self._request.folder: recording}
         try:
+            if self._programs.are_there:
+                raise NotForkableError("a program that the controller has started goes on")
             if self._request.written is not None:
                 self._check_files(self._request.written)
                 moved[self._request.written] = written

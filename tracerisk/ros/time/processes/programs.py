@@ -84,7 +84,7 @@ def _raw(stream: Any) -> Any:
 
 
 def _read_in_virtual_time(scheduler: Scheduler, raw: io.FileIO) -> None:
-    """Have a pipe wait for its other end: what is buffered on it asks the object."""
+    """Make a pipe wait for its other end: what is buffered on it asks the object."""
     descriptor = raw.fileno()
 
     def readinto(buffer: Any, /) -> int | None:
