@@ -52,10 +52,13 @@ class Programs:
     nor answering, is waited for as long as the wait says: without end if it has no limit, else for
     its limit. It is waited for briefly where a program may not be meant at all, as by a server that
     accepts connections, and where it may be silent since a thread owes it an answer.
+    `have_been` (an attribute) says whether one was ever started: what comes later may differ in
+    when it ended, and not in that.
     """
 
     def __init__(self) -> None:
         self._living: list[int] = []
+        self.have_been = False
         self._given: set[Identity] = set()
         self._partners: dict[Identity, Identity] = {}
         self._asking: set[Identity] = set()
@@ -67,6 +70,7 @@ class Programs:
     def started(self, process: int, files: Iterable[Identity] = ()) -> None:
         """Note a program, and the files and pipes that it was given."""
         self._living.append(process)
+        self.have_been = True
         self._given.update(files)
         self._known_still, self._still_s, self._is_restless = None, _FIRST_STILL_S, False
 
@@ -105,41 +109,48 @@ class Programs:
     def wait(
         self,
         awaited: Mapping[Any, Awaited],
-        is_ready: Callable[[], bool],
+        is_answered: Callable[[], bool],
         *,
         only: bool,
         on_silence: Callable[[], None],
-    ) -> bool:
-        """Really wait for programs; return whether something is ready.
+    ) -> None:
+        """Really wait for programs; time is to pass where nothing is answered afterwards.
 
-        `awaited` is what each thread waits for, `only` whether nothing but a program can make
-        anything happen. `on_silence` is called where the wait is without end and takes long.
+        `awaited` is what each thread waits for, `is_answered` returns whether one can go on, and
+        `only` says that nothing but a program can make anything happen. `on_silence` is called
+        where the wait is without end and takes long. Of several answers none counts before the
+        programs are silent: which came first depends on the machine.
         """
         if not self.are_there:
-            return False
-        waits = list(awaited.values())
+            return
         # A thread that waits for a program itself answers none meanwhile.
         owes = any(
             (thread not in awaited or awaited[thread].may_answer) and _is_open(descriptor, file)
             for descriptor, (file, thread) in self._owed.items()
         )
+        waits = list(awaited.values())
+        is_single = sum(map(self._meant, waits)) <= 1
         patience_s = max(self._patience_s(wait, owes=owes) for wait in waits)
         if only and patience_s > 0.0:
             patience_s = WITHOUT_END
         still_s = waited_s = 0.0
         pause_s = _SHORTEST_PAUSE_S
         seen = self._processor_times()
-        while self.are_there and (still_s < patience_s):
+        while self.are_there:
+            if is_answered():
+                if is_single:
+                    return
+                patience_s = min(patience_s, self._still_s)
+            if still_s >= patience_s:
+                break
             if patience_s < WITHOUT_END and waited_s > _MOST_PATIENCE_S:
                 self._is_restless = True
-                return False
+                return
             if patience_s == WITHOUT_END and waited_s < _LONG_S <= waited_s + pause_s:
                 on_silence()
             sleep(pause_s)
             # By the time asked for: on a busy machine the programs are kept waiting too.
             still_s, waited_s = still_s + pause_s, waited_s + pause_s
-            if is_ready():
-                return True
             for wait in waits:
                 wait.silent_s += pause_s
             now = self._processor_times()
@@ -150,8 +161,6 @@ class Programs:
             pause_s = min(2 * pause_s, longest_s)
         if still_s >= self._still_s:
             self._known_still, self._still_s = seen, _STILL_S
-        # It may have ended, or answered and ended, since it was last looked at.
-        return is_ready()
 
     def _patience_s(self, awaited: Awaited, *, owes: bool) -> float:
         """Return how long a program may be silent before simulated time goes on [s]."""
@@ -169,6 +178,13 @@ class Programs:
             limit_s = min(awaited.limit_s, _MOST_PATIENCE_S) - awaited.silent_s
         is_still = self._is_restless or self._known_still == self._processor_times()
         return limit_s if is_still else max(limit_s, self._still_s)
+
+    def _meant(self, awaited: Awaited) -> int:
+        """Return how many answers of programs may come, in an order that matters."""
+        count = int(awaited.ended in self._living) + sum(
+            self._can_answer(descriptor) is True for descriptor in awaited.descriptors
+        )
+        return count if awaited.may_answer else min(count, 1)
 
     def _can_answer(self, descriptor: int) -> bool | None:
         """Return whether a program can make a file ready; None where that is unknown."""

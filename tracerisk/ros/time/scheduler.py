@@ -288,7 +288,8 @@ class Scheduler:
         """
         thread = self._require_current()
         self._raise_if_over(thread)
-        if predicate():
+        is_deferred = awaited is not None and self.programs.have_been and not self._kernel_depth
+        if not is_deferred and predicate():
             self.count_call()
             if need is not None:
                 self.needs.meet(need)
@@ -571,7 +572,8 @@ class Scheduler:
             if wait is None:
                 continue
             self._enter(thread.process)
-            if wait.predicate is not None and wait.predicate():
+            is_deferred = wait.awaited is not None and self.programs.have_been
+            if not is_deferred and wait.predicate is not None and wait.predicate():
                 wait.satisfied = True
                 return thread
             if wait.deadline_ns is not None and wait.deadline_ns <= self._now_ns:
@@ -581,18 +583,26 @@ class Scheduler:
         return None
 
     def _first_answered(self) -> ControllerThread | None:
-        """Return a thread that can go on for what a program has done, before time passes."""
+        """Return a thread that can go on for what a program has done, before time passes.
+
+        It goes on when nothing else can: whether an answer is there earlier depends on the machine.
+        """
+        if not self.programs.have_been:
+            return None
         waits = {thread: thread.wait for thread in self._threads if thread.wait is not None}
         awaited = {thread: wait.awaited for thread, wait in waits.items() if wait.awaited}
-        if not awaited or not self.programs.are_there:
+        if not awaited:
             return None
+
+        def answered() -> ControllerThread | None:
+            for thread in sorted(awaited, key=lambda thread: waits[thread].since):
+                predicate = waits[thread].predicate
+                self._enter(thread.process)
+                if predicate is not None and predicate():
+                    return thread
+            return None
+
         is_due = any(wait.deadline_ns is not None for wait in waits.values())
-        ready: list[ControllerThread | None] = [None]
-
-        def is_ready() -> bool:
-            ready[0] = self._first_ready()
-            return ready[0] is not None
-
         only = not (is_due or self._events.is_expecting or self.world.busy)
         silent: list[RunOver] = []
 
@@ -600,10 +610,13 @@ class Scheduler:
             silent.append(wait_without_limit(awaited))
             self.on_silence(silent[0])
 
-        self.programs.wait(awaited, is_ready, only=only, on_silence=tell)
+        self.programs.wait(awaited, lambda: answered() is not None, only=only, on_silence=tell)
         if silent:
             self.on_silence(None)
-        return ready[0]
+        first = answered()
+        if first is not None:
+            waits[first].satisfied = True
+        return first
 
     def _pass_time(self, at_most_ns: int | None = None) -> None:
         deadlines = [

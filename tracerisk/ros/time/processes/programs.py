@@ -47,7 +47,7 @@ def program_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]
 def may_answer(scheduler: Scheduler) -> bool:
     """Return whether the thread that runs may wait for a program."""
     return (
-        scheduler.current is not None and not scheduler.in_kernel and scheduler.programs.are_there
+        scheduler.current is not None and not scheduler.in_kernel and scheduler.programs.have_been
     )
 
 
@@ -162,12 +162,10 @@ def _polling(
 ) -> Callable[[Any], int | None]:
     @functools.wraps(real)
     def poll(self: Any) -> int | None:
-        code = real(self)
         # `send_signal` asks it too, and waits for nothing.
-        if code is None and _getframe(1).f_globals is not vars(subprocess):
+        if self.returncode is None and _getframe(1).f_globals is not vars(subprocess):
             _look(scheduler, self.pid)
-            return real(self)
-        return code
+        return real(self)
 
     return poll
 
@@ -204,7 +202,7 @@ def _spawning(scheduler: Scheduler, real: Callable[..., int]) -> Callable[..., i
 def _waiting_by_number(scheduler: Scheduler, real: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(real)
     def waitpid(process: int, options: int, /) -> Any:
-        if process > 0 and may_answer(scheduler) and not has_ended(process):
+        if process > 0 and may_answer(scheduler):
             if options & os.WNOHANG:
                 _look(scheduler, process)
             else:

@@ -80,7 +80,7 @@ def _wait(scheduler: Scheduler, descriptor: int, event: int, timeout: float | No
 def _is_answerable(scheduler: Scheduler) -> bool:
     if scheduler.current is None or scheduler.in_kernel:
         return False
-    return len(scheduler.threads) > 1 or scheduler.programs.are_there
+    return len(scheduler.threads) > 1 or scheduler.programs.have_been
 
 
 def _waiting(
