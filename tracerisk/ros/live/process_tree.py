@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from tracerisk.ros.live.real_ros import end_process
@@ -31,6 +31,7 @@ class ProcessTree:
         self._others = frozenset(others)
         self._seen: tuple[int, ...] = ()
         self._seen_at = 0.0
+        self._ran: dict[int, int] = {}
         self._process = subprocess.Popen(
             command, env=dict(environment), stdin=subprocess.DEVNULL, close_fds=True
         )
@@ -51,6 +52,13 @@ class ProcessTree:
         if time.monotonic() - self._seen_at > _LOOK_S:
             self._look()
         return self._seen
+
+    def computed_ns(self) -> int:
+        """Return how long the busiest thread has computed since this was asked last [ns]."""
+        now = {task: ran for pid in self.pids for task, ran in _ran(pid)}
+        since = max((ran - self._ran.get(task, ran) for task, ran in now.items()), default=0)
+        self._ran = now
+        return since
 
     def end(self) -> None:
         """End all processes: the command by an interrupt, then what is left by stronger signals."""
@@ -87,6 +95,14 @@ def has_ended(pid: int) -> bool:
     except OSError:
         return True
     return line[line.rindex(b")") + 2 :][:1] in b"ZX"
+
+
+def _ran(pid: int) -> Iterator[tuple[int, int]]:
+    """Yield the threads of a process, and the time that each has had a processor [ns]."""
+    with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+        for task in os.scandir(f"/proc/{pid}/task"):
+            with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+                yield int(task.name), int(Path(task.path, "schedstat").read_bytes().split()[0])
 
 
 def _descendants(of: int, but: frozenset[int]) -> list[int]:

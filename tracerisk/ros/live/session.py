@@ -3,6 +3,9 @@
 The clock moves in steps of `STEP_NS`, no faster than the wall clock times `speed`, and only while
 every thread of the controller and of the relay sleeps and nothing is on its way: a machine that is
 slow or busy loses no simulated time.
+A compiled node that computes for `_PATIENCE_NS` between two steps may wait in a loop without a
+sleep, which ends only if time passes: from then on, until it sleeps, the clock moves by what the
+node computes, in time of the processor.
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
 STEP_NS = 2_000_000
 """By how much the clock moves at once [ns]."""
 _POLL_S = 0.0005
+_PATIENCE_NS = 50_000_000
 _STUCK_S = 60.0
 
 
@@ -78,6 +82,9 @@ class Session:
         self.controller: Link | None = None
         self._controller_process: subprocess.Popen[bytes] | None = None
         self._tree: ProcessTree | None = None
+        self._computed_ns = 0
+        self.is_computing = False
+        """Whether the clock moves by what a compiled node computes; messages may be under way."""
 
     @property
     def controller_code(self) -> int | None:
@@ -104,6 +111,8 @@ class Session:
     def settle(self) -> bool:
         """Take what has come until nothing stirs; False once the controller has ended.
 
+        A compiled node that computes on and on does not delay the clock for ever.
+
         Raises:
             LimitError: the controller computes, or waits for the disk, for too long.
         """
@@ -118,7 +127,10 @@ class Session:
                 )
             has_ended = self._tree is not None and self._tree.code is not None
             if not came and self._sleeps() and not self._has_input():
+                self._computed_ns, self.is_computing = 0, False
                 return not has_ended
+            if self._has_computed_a_step():
+                return True
             if came:
                 began = time.monotonic()
             elif time.monotonic() - began > _STUCK_S:
@@ -163,6 +175,17 @@ class Session:
         for header, body in of_relay:
             self.on_relay(header, body)
         return bool(of_relay or of_controller)
+
+    def _has_computed_a_step(self) -> bool:
+        """Return whether a compiled node has computed for as long as a step of the clock takes."""
+        if self._tree is None:
+            return False
+        self._computed_ns += self._tree.computed_ns()
+        self.is_computing = self.is_computing or self._computed_ns > _PATIENCE_NS
+        if not self.is_computing or self._computed_ns < STEP_NS:
+            return False
+        self._computed_ns = min(self._computed_ns - STEP_NS, STEP_NS)
+        return True
 
     def _links(self) -> Sequence[Link]:
         links = [self.relay] if self.controller is None else [self.relay, self.controller]

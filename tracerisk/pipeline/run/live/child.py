@@ -191,7 +191,8 @@ class _LiveRun:
                 session.wait_wall(_EXIT_POLL_S)
                 continue
             if self._nodes is not None:
-                self._nodes.settled()
+                if not session.is_computing:
+                    self._nodes.settled()
                 if self._nodes.is_awaited:
                     session.wait_wall(_EXIT_POLL_S)
                     continue
