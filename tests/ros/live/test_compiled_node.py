@@ -12,11 +12,19 @@ LIBRARIES = ("actionlib", "roscpp", "roscpp_serialization", "rosconsole", "rosti
 FLAGS = ("-g", "-O0", "-Iinclude", "-I/opt/ros/noetic/include", "-L/opt/ros/noetic/lib")
 AFTER = """\
   cell.home();
-  ROS_ERROR("lost %d parts", 2);
+  int parts = 0, more = 0;
+  std::cin >> parts >> more;  // the second answer is missing
+  ROS_ERROR("lost %d parts", parts + more);
   ROS_INFO("master %s", ros::master::getURI().c_str());
   const ros::Time until = ros::Time::now() + ros::Duration(0.2);
   while (ros::Time::now() < until) ros::spinOnce();  // without a sleep, as many nodes wait
+  cell.leave();
   return 3;
+"""
+MORE = """\
+  void place();
+  void park() { swing(1.0, 1.0); }
+  void leave() { hand_.sendGoal(control_msgs::GripperCommandGoal()); ros::Duration(0.1).sleep(); }
 """
 
 
@@ -31,9 +39,7 @@ def lived(tmp_path_factory, example_in, real_ros):
     example.write("pyproject.toml", "")
     text = SOURCE.read_text().replace("  cell.home();\n  return 0;\n", AFTER)
     assert AFTER in text
-    text = text.replace(
-        "  void place();\n", "  void place();\n  void park() { swing(1.0, 1.0); }\n"
-    )
+    text = text.replace("  void place();\n", MORE)
     example.write("pick.cpp", text)
     made = example.run("headers", "pick.cpp", "-o", "include")
     if made.code:
@@ -54,7 +60,7 @@ def lived(tmp_path_factory, example_in, real_ros):
         patch.setenv("ROS_IP", "192.0.2.2")
         done = example.run(
             *("trace", "--live", "--speed", "20", "--robot", "panda", "-o", "live.json"),
-            *("--log", "live.log", "--", "./pick"),
+            *("--log", "live.log", "--answer", "2", "--", "./pick"),
         )
     example.write("printed.txt", done.out + done.err)
     assert done.code == 1, done.out + done.err
@@ -67,12 +73,18 @@ def test_the_published_log_names_the_functions_of_the_node(lived):
     assert "CallSequence:cell::Cell::pick(),cell::Cell::place(),cell::Cell::home()" in text
 
 
+def test_a_goal_may_be_pursued_when_the_node_ends(lived):
+    commands = json.loads(lived.read("live.json").decode())["commands"]
+    assert commands[-1]["function"]["name"] == "cell::Cell::leave"
+
+
 def test_the_verdict_is_as_strict_as_on_the_stand_ins(lived):
     trace = json.loads(lived.read("live.json").decode())
     assert trace["end"]["cause"] == "exited"
     reasons = {reason["code"]: reason["words"] for reason in trace["verdict"]["reasons"]}
     assert reasons["run-exited"].endswith("pick ended with code 3")
     assert reasons["error-logged"] == "it logged ERROR: lost 2 parts"
+    assert "reads its standard input after 1 answers" in reasons["input-assumed"]
     assert reasons["never-ran"].startswith("cell::Cell::park can command hardware and never ran")
     assert not [line for line in trace["findings"] if "functions:" in line["message"]]
 
@@ -89,7 +101,7 @@ def test_blocks_are_written_into_the_functions_of_the_author(lived):
     text = lived.read("pick.cpp").decode()
     names = ("cell::Cell::home", "cell::Cell::pick", "cell::Cell::place")
     assert [f"name = {name}\n" in text for name in names] == [True] * 3
-    assert text.count("RiskAnnotation") == 3
+    assert text.count("RiskAnnotation") == 4
     solved = lived.run("solve", "pick.cpp")
     assert solved.code == 0, solved.err
     assert "cell::Cell::pick" in solved.out

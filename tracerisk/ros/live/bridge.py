@@ -225,8 +225,8 @@ class Bridge:
         )
 
     def _forward(self, topic: str, message: Any, publication: Publication) -> None:
-        if publication in self._ours:
-            return  # real ROS carries it from the one node to the other
+        if publication in self._ours or self._relay.is_closed:
+            return  # real ROS carries it from the one node to the other; or nobody hears any more
         self._advertise(topic, publication.type_name, latch=publication.latch)
         if topic in self._advertised:
             self._relay.send({"do": "publish", "topic": topic}, _bytes(message))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
+import platform
 import signal
 import subprocess
 import time
@@ -14,6 +16,10 @@ from tracerisk.ros.live.real_ros import end_process
 
 _LOOK_S = 0.02
 """How often processes that have come are looked for [s]."""
+_ASKED_S = 0.1
+"""How often it is looked whether a thread waits for input [s]."""
+_INPUT = f"{63 if platform.machine() == 'aarch64' else 0} 0x0 ".encode()
+"""How the kernel begins the line of a thread that waits in read() of the standard input."""
 _GRACE_S = 2.0
 _POLL_S = 0.02
 
@@ -22,19 +28,30 @@ class ProcessTree:
     """The processes of a command, by whomever they were started.
 
     To know those whose parents have ended, this process must adopt orphans; `others` are processes
-    that it started for itself.
+    that it started for itself. `answers` are the lines of the command's standard input.
     """
 
     def __init__(
-        self, command: Sequence[str], environment: Mapping[str, str], others: Sequence[int]
+        self,
+        command: Sequence[str],
+        environment: Mapping[str, str],
+        others: Sequence[int],
+        answers: Sequence[str] = (),
     ) -> None:
         self._others = frozenset(others)
         self._seen: tuple[int, ...] = ()
         self._seen_at = 0.0
         self._ran: dict[int, int] = {}
+        self._asked_at = 0.0
+        reads, self._writes = os.pipe()
+        text = "".join(f"{answer}\n" for answer in answers).encode()
+        # Room for all of them: nobody reads yet.
+        fcntl.fcntl(self._writes, fcntl.F_SETPIPE_SZ, max(len(text), 1))
+        os.write(self._writes, text)
         self._process = subprocess.Popen(
-            command, env=dict(environment), stdin=subprocess.DEVNULL, close_fds=True
+            command, env=dict(environment), stdin=reads, close_fds=True
         )
+        os.close(reads)
 
     @property
     def pid(self) -> int:
@@ -60,9 +77,25 @@ class ProcessTree:
         self._ran = now
         return since
 
+    def end_input(self) -> bool:
+        """End the standard input once a thread waits for more of it; return whether it was now."""
+        if self._writes < 0 or time.monotonic() - self._asked_at < _ASKED_S:
+            return False
+        self._asked_at = time.monotonic()
+        if not any(_reads_input(pid) for pid in self.pids):
+            return False
+        self._close_input()
+        return True
+
+    def _close_input(self) -> None:
+        if self._writes >= 0:
+            os.close(self._writes)
+            self._writes = -1
+
     def end(self) -> None:
         """End all processes: the command by an interrupt, then what is left by stronger signals."""
         end_process(self._process, signal.SIGINT)
+        self._close_input()
         for number in (signal.SIGTERM, signal.SIGKILL):
             self._look()
             for pid in self._seen:
@@ -103,6 +136,15 @@ def _ran(pid: int) -> Iterator[tuple[int, int]]:
         for task in os.scandir(f"/proc/{pid}/task"):
             with contextlib.suppress(FileNotFoundError, ProcessLookupError):
                 yield int(task.name), int(Path(task.path, "schedstat").read_bytes().split()[0])
+
+
+def _reads_input(pid: int) -> bool:
+    with contextlib.suppress(OSError):
+        for task in os.scandir(f"/proc/{pid}/task"):
+            with contextlib.suppress(OSError):
+                if Path(task.path, "syscall").read_bytes().startswith(_INPUT):
+                    return True
+    return False
 
 
 def _descendants(of: int, but: frozenset[int]) -> list[int]:

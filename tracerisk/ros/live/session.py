@@ -63,6 +63,8 @@ class Command:
     """The program and its arguments."""
     environment: Mapping[str, str]
     """The environment in which the user gave it, with what is added for its nodes."""
+    answers: tuple[str, ...] = ()
+    """The lines of its standard input."""
 
 
 class Session:
@@ -105,8 +107,13 @@ class Session:
     def begin_command(self, command: Command) -> int:
         """Start a command in the place of a controller; return the number of its process."""
         environment = command_environment(command.environment, self.master)
-        self._tree = ProcessTree(command.words, environment, [self._relay_process.pid])
+        others = [self._relay_process.pid]
+        self._tree = ProcessTree(command.words, environment, others, command.answers)
         return self._tree.pid
+
+    def end_input(self) -> bool:
+        """End the input of a command that waits for more than its answers; whether it did."""
+        return self._tree is not None and self._tree.end_input()
 
     def settle(self) -> bool:
         """Take what has come until nothing stirs; False once the controller has ended.

@@ -17,7 +17,8 @@ def made(tmp_path, monkeypatch):
     monkeypatch.setenv("TRACERISK_COMMAND_ENVIRONMENT", "{}")
     source = tmp_path / "pick.cpp"
     source.write_text("int main() { return 0; }\n")
-    request = SimpleNamespace(argv=("./pick",), controller=str(source), root=str(tmp_path))
+    files = {"controller": str(source), "root": str(tmp_path)}
+    request = SimpleNamespace(argv=("./pick",), answers=(), **files)
     with (tmp_path / "events.jsonl").open("wb", buffering=0) as stream:
         nodes = CompiledNodes(request, Recorder(stream, clock=lambda: 0), tmp_path)
 

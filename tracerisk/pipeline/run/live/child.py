@@ -191,6 +191,8 @@ class _LiveRun:
                 session.wait_wall(_EXIT_POLL_S)
                 continue
             if self._nodes is not None:
+                if session.end_input():
+                    self._nodes.input_ended()
                 if not session.is_computing:
                     self._nodes.settled()
                 if self._nodes.is_awaited:

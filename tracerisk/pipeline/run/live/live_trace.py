@@ -23,7 +23,7 @@ from tracerisk.trace import LIVE, LOST, Trace
 
 _LOST = (
     "repeatability: threads, connections and waits on the wall clock take the time that they take",
-    "other nodes of the workspace, drafted values and answers to input(): none are given",
+    "other nodes of the workspace and drafted values: none are given",
     "transforms, messages and services waited for in vain: no reason of the verdict speaks of it",
     "services and actions of the controller itself: no scenario calls them",
 )

@@ -39,7 +39,7 @@ class CompiledNodes:
 
     def __init__(self, request: RunRequest, recorder: Recorder, temporary: Path) -> None:
         self._recorder = recorder
-        self._words = command_words(request.argv)
+        self._words, self._answers = command_words(request.argv), request.answers
         self._environment: dict[str, str] = json.loads(os.environ.pop(COMMAND_ENVIRONMENT))
         self._probe: Path | None = None
         self._without_probe = ""
@@ -69,11 +69,20 @@ class CompiledNodes:
             preloaded = [str(self._probe), *filter(None, [environment.get(_PRELOAD)])]
             environment |= {_PRELOAD: ":".join(preloaded), VARIABLE: str(self._file)}
         self._recorder.note(STARTED)
-        self._pid = session.begin_command(Command(self._words, environment))
+        self._pid = session.begin_command(Command(self._words, environment, self._answers))
 
     def registered(self, caller: str) -> None:
         """Note that a node has registered with the master."""
         self._registered.add(caller)
+
+    def input_ended(self) -> None:
+        """Record that a node asked for more input than there was."""
+        self._recorder.finding(
+            "answer_assumed",
+            f"{self._words[0]} reads its standard input after {len(self._answers)} answers, and "
+            "its end is assumed; give what a user would type, in turn, by --answer TEXT",
+            object_name="standard input",
+        )
 
     def settled(self) -> None:
         """Note that nothing is under way between nodes and twin."""
