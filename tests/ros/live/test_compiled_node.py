@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-SOURCE = Path(__file__).parent / "programs" / "pick.cpp"
+PROGRAMS = Path(__file__).parent / "programs"
 LIBRARIES = ("actionlib", "roscpp", "roscpp_serialization", "rosconsole", "rostime")
 FLAGS = ("-g", "-O0", "-Iinclude", "-I/opt/ros/noetic/include", "-L/opt/ros/noetic/lib")
 AFTER = """\
@@ -29,32 +29,43 @@ MORE = """\
 
 
 @pytest.fixture(scope="module")
-def lived(tmp_path_factory, example_in, real_ros):
-    """A node that logs an error and ends with 3, run in an environment that points to a robot."""
+def compiled(tmp_path_factory, example_in, real_ros):
+    """Compiles a source under a name in a folder of its own; skips where that is impossible."""
     del real_ros
-    compiler = shutil.which("c++")
-    if compiler is None:
-        pytest.skip("no C++ compiler")
-    example = example_in(tmp_path_factory.mktemp("compiled"))
-    example.write("pyproject.toml", "")
-    text = SOURCE.read_text().replace("  cell.home();\n  return 0;\n", AFTER)
+
+    def compile_source(name, text):
+        compiler = shutil.which("c++")
+        if compiler is None:
+            pytest.skip("no C++ compiler")
+        example = example_in(tmp_path_factory.mktemp("compiled"))
+        example.write("pyproject.toml", "")
+        example.write(f"{name}.cpp", text)
+        made = example.run("headers", f"{name}.cpp", "-o", "include")
+        if made.code:
+            pytest.skip(made.err)
+        linked = [f"-l{library}" for library in LIBRARIES]
+        linked += ["-lboost_system", "-lboost_thread", "-lpthread"]
+        built = subprocess.run(
+            [compiler, *FLAGS, f"{name}.cpp", "-o", name, *linked],
+            cwd=example.folder,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if "ros/ros.h: No such file" in built.stderr:
+            pytest.skip("no roscpp")
+        assert built.returncode == 0, built.stderr
+        return example
+
+    return compile_source
+
+
+@pytest.fixture(scope="module")
+def lived(compiled):
+    """A node that logs an error and ends with 3, run in an environment that points to a robot."""
+    text = (PROGRAMS / "pick.cpp").read_text().replace("  cell.home();\n  return 0;\n", AFTER)
     assert AFTER in text
-    text = text.replace("  void place();\n", MORE)
-    example.write("pick.cpp", text)
-    made = example.run("headers", "pick.cpp", "-o", "include")
-    if made.code:
-        pytest.skip(made.err)
-    linked = [f"-l{name}" for name in LIBRARIES] + ["-lboost_system", "-lboost_thread", "-lpthread"]
-    built = subprocess.run(
-        [compiler, *FLAGS, "pick.cpp", "-o", "pick", *linked],
-        cwd=example.folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if "ros/ros.h: No such file" in built.stderr:
-        pytest.skip("no roscpp")
-    assert built.returncode == 0, built.stderr
+    example = compiled("pick", text.replace("  void place();\n", MORE))
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_MASTER_URI", "http://192.0.2.1:11311")
         patch.setenv("ROS_IP", "192.0.2.2")
@@ -105,3 +116,19 @@ def test_blocks_are_written_into_the_functions_of_the_author(lived):
     solved = lived.run("solve", "pick.cpp")
     assert solved.code == 0, solved.err
     assert "cell::Cell::pick" in solved.out
+
+
+def test_a_node_plans_with_moveit_where_there_is_none(compiled):
+    if Path("/usr/include/moveit").exists() or list(Path("/opt/ros").glob("*/include/moveit")):
+        pytest.skip("MoveIt is installed")
+    example = compiled("move_group", (PROGRAMS / "move_group.cpp").read_text())
+    done = example.run(
+        *("trace", "--live", "--speed", "20", "--robot", "panda", "-o", "live.json"),
+        *("--", "./move_group"),
+    )
+    assert done.code == 0, done.out + done.err
+    trace = json.loads(example.read("live.json").decode())
+    names = [command["function"]["name"] for command in trace["commands"]]
+    assert names == [f"Picker::{name}" for name in ("home", "home", "approach", "lower", "grip")]
+    assert {command["end"] for command in trace["commands"]} == {"arrived"}
+    assert trace["verdict"]["kind"] == "complete"

@@ -38,6 +38,7 @@ _LIBRARIES = frozenset(
             "actionlib",
             "class_loader",
             "pluginlib",
+            "moveit",
         ),
         *("nodelet", "rclcpp", "rclcpp_action", "rclcpp_lifecycle", "rclcpp_components"),
     }

@@ -47,6 +47,24 @@ def test_headers_are_made_with_their_parts_and_the_public_sums(real_ros, tmp_pat
     assert PUBLIC["QueryTrajectoryState"] in service
 
 
+def test_interfaces_of_moveit_come_with_the_messages_that_they_need(real_ros, tmp_path):
+    del real_ros
+    source, out = (
+        b"#include <moveit/move_group_interface/move_group_interface.h>\n",
+        tmp_path / "made",
+    )
+    (tmp_path / "moveit").mkdir()
+    assert make_headers(Interfaces(), [source], out, [tmp_path]) == ()
+    (tmp_path / "moveit").rmdir()
+    try:
+        packages = make_headers(Interfaces(), [source], out, [Path("/usr/include")])
+    except DependencyError as error:
+        pytest.skip(str(error))
+    assert {"moveit", "moveit_msgs"} <= set(packages)
+    assert (out / "moveit" / "planning_scene_interface" / "planning_scene_interface.h").is_file()
+    assert (out / "moveit_msgs" / "MoveGroupAction.h").is_file()
+
+
 def test_nothing_is_made_where_nothing_is_missing(tmp_path):
     present = tmp_path / "present"
     (present / "control_msgs").mkdir(parents=True)

@@ -49,6 +49,7 @@ from tracerisk.ros.live.loopback import REACHES_OTHERS, leaves_others
 from tracerisk.ros.live.messages.modules import make_missing_modules
 from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.messages.ros1 import Interfaces
+from tracerisk.ros.robot.bring_up.node_parameters import SEMANTIC
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import DESCRIPTION
 from tracerisk.ros.time.scheduler import RunOver
@@ -271,9 +272,10 @@ class _LiveRun:
 
     def _give_parameters(self) -> None:
         parameters: ParameterTree = self._runtime.graph.parameters
-        if f"/{DESCRIPTION}" not in parameters.names():
-            # The twin offers it to whoever asks; a master knows what is set alone.
-            parameters.set(f"/{DESCRIPTION}", parameters.get(f"/{DESCRIPTION}"))
+        for name in (f"/{DESCRIPTION}", f"/{SEMANTIC}"):
+            if name not in parameters.names():
+                # The twin offers it to whoever asks; a master knows what is set alone.
+                parameters.set(name, parameters.get(name))
         self._bridge.give_parameters()
 
     def _report_end(

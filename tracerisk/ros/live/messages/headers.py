@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from tracerisk.ros.messages.ros1 import Interfaces
 
 _INCLUDE = re.compile(rb"^[ \t]*#[ \t]*include[ \t]*[<\"](\w+)/(\w+)\.h[>\"]", re.MULTILINE)
+_OF_MOVEIT = re.compile(rb"^[ \t]*#[ \t]*include[ \t]*[<\"](moveit/\w+/\w+\.h)[>\"]", re.MULTILINE)
+_MOVEIT = Path(__file__).parent / "moveit"
+"""What stands for MoveIt's headers where they are missing."""
 _NO_GENCPP = 3
 """The code with which the generator ends where there is no gencpp."""
 
@@ -44,14 +47,21 @@ def make_headers(
 ) -> tuple[str, ...]:
     """Make below `out` the headers that sources include and none of the folders holds.
 
-    Headers of all that they are made of are made too, where their package is missing. Return the
-    packages, sorted.
+    Headers of all that they are made of are made too, where their package is missing; so are those
+    of MoveIt's interfaces. Return the packages, sorted.
 
     Raises:
         DependencyError: there is no ROS 1, or no gencpp.
     """
     messages: set[str] = set()
     services: set[str] = set()
+    sources = list(sources)
+    of_moveit = [] if _has("moveit", folders) else _moveit_headers(sources)
+    for name in of_moveit:
+        place = out / "moveit" / name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_bytes((_MOVEIT / name).read_bytes())
+        sources.append(place.read_bytes())
     for source in sources:
         for package, name in (pair for pair in _INCLUDE.findall(source)):
             _add_named(interfaces, package.decode(), name.decode(), folders, messages, services)
@@ -71,7 +81,14 @@ def make_headers(
         )
     if made != 0:
         raise DependencyError(f"gencpp could not make the headers of {', '.join(missing)}")
-    return tuple(missing)
+    return tuple(sorted([*missing, *(["moveit"] if of_moveit else [])]))
+
+
+def _moveit_headers(sources: Iterable[bytes]) -> list[Path]:
+    """Return our headers for MoveIt, if the sources include one of them."""
+    ours = sorted(path.relative_to(_MOVEIT) for path in _MOVEIT.rglob("*.h"))
+    named = {name.decode() for source in sources for name in _OF_MOVEIT.findall(source)}
+    return ours if any(f"moveit/{path.as_posix()}" in named for path in ours) else []
 
 
 def _add_named(

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
 DESCRIPTION = "robot_description"
-_SEMANTIC, _PLANNING, _KINEMATICS = (
+SEMANTIC, _PLANNING, _KINEMATICS = (
     f"{DESCRIPTION}_{part}" for part in ("semantic", "planning", "kinematics")
 )
 _SOLVER = {
@@ -65,7 +65,7 @@ class NodeParameters(TwinNode):
             return
         parameters = self._graph.parameters
         offered: dict[str, Callable[[], Any]] = {
-            _SEMANTIC: lambda: self._semantic,
+            SEMANTIC: lambda: self._semantic,
             _PLANNING: lambda: self._planning,
             _KINEMATICS: lambda: self._kinematics,
             **{f"/{name}": partial(str, text) for name, text in _MASTERS.items()},
@@ -126,7 +126,7 @@ class NodeParameters(TwinNode):
         if node in (MOVE_GROUP, STATE_PUBLISHER):
             values[DESCRIPTION] = urdf_text(robot)
         if node == MOVE_GROUP:
-            values[_SEMANTIC] = self._semantic
+            values[SEMANTIC] = self._semantic
             values |= {_PLANNING: self._planning, _KINEMATICS: self._kinematics}
         elif node == STATE_PUBLISHER:
             values |= {"publish_frequency": 20.0, "frame_prefix": "", "ignore_timestamp": False}

@@ -1,0 +1,191 @@
+// MoveIt's RobotModel for machines without MoveIt: see move_group_interface.h.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <ros/ros.h>
+
+namespace moveit {
+namespace core {
+
+// A planning group: its name, and the joints that it moves.
+class JointModelGroup {
+ public:
+  JointModelGroup(std::string name = {}, std::vector<std::string> joints = {})
+      : name_(std::move(name)), joints_(std::move(joints)) {}
+  const std::string& getName() const { return name_; }
+  const std::vector<std::string>& getVariableNames() const { return joints_; }
+  const std::vector<std::string>& getActiveJointModelNames() const { return joints_; }
+  std::size_t getVariableCount() const { return joints_.size(); }
+
+ private:
+  std::string name_;
+  std::vector<std::string> joints_;
+};
+
+// The groups, named states and end effectors of the robot, as its parameters describe them.
+class RobotModel {
+ public:
+  static std::shared_ptr<const RobotModel> get()
+  {
+    static const std::shared_ptr<const RobotModel> model(new RobotModel);
+    return model;
+  }
+  const JointModelGroup* getJointModelGroup(const std::string& name) const
+  {
+    const auto found = groups_.find(name);
+    return found == groups_.end() ? nullptr : &found->second;
+  }
+  std::vector<std::string> getJointModelGroupNames() const
+  {
+    std::vector<std::string> names;
+    for (const auto& group : groups_) names.push_back(group.first);
+    return names;
+  }
+  std::map<std::string, std::map<std::string, double>> states(const std::string& group) const
+  {
+    const auto found = states_.find(group);
+    return found == states_.end() ? decltype(states(group)){} : found->second;
+  }
+  std::string tip(const std::string& group) const
+  {
+    const auto found = tips_.find(group);
+    return found == tips_.end() ? "" : found->second;
+  }
+  const std::string& getModelFrame() const { return root_; }
+  const std::string& getName() const { return name_; }
+
+ private:
+  typedef std::map<std::string, std::string> Tag;
+  struct Joint {
+    std::string name, parent, child;
+    bool moves;
+  };
+
+  RobotModel()
+  {
+    std::string urdf, srdf;
+    if (!ros::param::get("robot_description", urdf) ||
+        !ros::param::get("robot_description_semantic", srdf)) {
+      ROS_FATAL("robot_description or robot_description_semantic is not set");
+      throw std::runtime_error("Unable to construct robot model");
+    }
+    Joint joint;
+    std::set<std::string> children;
+    for (const Tag& tag : tags(urdf)) {
+      const std::string& is = tag.at("<");
+      if (is == "robot" && tag.count("name")) name_ = tag.at("name");
+      if (is == "joint" && tag.count("type")) joint = {tag.at("name"), "", "", moves(tag.at("type"))};
+      if (is == "parent" && tag.count("link")) joint.parent = tag.at("link");
+      if (is == "child" && tag.count("link")) joint.child = tag.at("link");
+      if (is == "mimic") joint.moves = false;
+      if (is == "/joint" && !joint.child.empty()) joints_[joint.child] = joint, joint = {};
+    }
+    for (const auto& one : joints_) children.insert(one.first);
+    for (const auto& one : joints_) {
+      if (!children.count(one.second.parent)) root_ = one.second.parent;
+    }
+    readGroups(tags(srdf));
+  }
+
+  void readGroups(const std::vector<Tag>& srdf)
+  {
+    std::string group, state, of;
+    std::map<std::string, std::vector<std::string>> joints;
+    for (const Tag& tag : srdf) {
+      const std::string& is = tag.at("<");
+      if (is == "group" && group.empty()) {
+        group = tag.count("/") ? "" : tag.at("name");
+        joints[tag.at("name")];
+      } else if (is == "group" && !group.empty()) {
+        for (const std::string& name : joints[tag.at("name")]) add(joints[group], name);
+      } else if (is == "/group") {
+        group.clear();
+      } else if (is == "chain") {
+        for (const std::string& name : chain(tag.at("base_link"), tag.at("tip_link"))) {
+          add(joints[group], name);
+        }
+        tips_[group] = tag.at("tip_link");
+      } else if (is == "link" && !group.empty() && joints_.count(tag.at("name"))) {
+        if (joints_[tag.at("name")].moves) add(joints[group], joints_[tag.at("name")].name);
+      } else if (is == "group_state") {
+        state = tag.at("name"), of = tag.at("group");
+        states_[of][state];
+      } else if (is == "/group_state") {
+        state.clear();
+      } else if (is == "joint" && !state.empty()) {
+        states_[of][state][tag.at("name")] = std::stod(tag.at("value"));
+      } else if (is == "joint" && !group.empty()) {
+        for (const auto& one : joints_) {
+          if (one.second.name != tag.at("name")) continue;
+          if (one.second.moves) add(joints[group], one.second.name);
+          if (!tips_.count(group) || tips_[group] == one.second.parent) tips_[group] = one.first;
+        }
+      }
+    }
+    for (const auto& one : joints) groups_[one.first] = JointModelGroup(one.first, one.second);
+  }
+
+  std::vector<std::string> chain(const std::string& base, const std::string& tip) const
+  {
+    std::vector<std::string> names;
+    for (std::string link = tip; link != base && joints_.count(link);) {
+      const Joint& joint = joints_.at(link);
+      if (joint.moves) names.insert(names.begin(), joint.name);
+      link = joint.parent;
+    }
+    return names;
+  }
+
+  static bool moves(const std::string& type) { return type != "fixed" && type != "floating"; }
+
+  static void add(std::vector<std::string>& names, const std::string& name)
+  {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+
+  // The tags of an XML text in turn: the name under "<", attributes, and "/" for one without an end.
+  static std::vector<Tag> tags(const std::string& text)
+  {
+    std::vector<Tag> tags;
+    for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
+      if (text.compare(at, 4, "<!--") == 0) {
+        at = text.find("-->", at);
+        continue;
+      }
+      const std::size_t end = text.find('>', at);
+      if (end == std::string::npos) break;
+      std::size_t place = text.find_first_of(" \t\r\n/>", at + 2);
+      Tag tag = {{"<", text.substr(at + 1, place - at - 1)}};
+      if (text[end - 1] == '/') tag["/"] = "";
+      while ((place = text.find('=', place)) < end) {
+        std::size_t begin = text.find_last_not_of(" \t\r\n", place - 1);
+        const std::size_t last = begin;
+        begin = text.find_last_of(" \t\r\n", begin) + 1;
+        const std::size_t open = text.find_first_of("\"'", place);
+        const std::size_t close = text.find(text[open], open + 1);
+        tag[text.substr(begin, last - begin + 1)] = text.substr(open + 1, close - open - 1);
+        place = close;
+      }
+      tags.push_back(tag);
+      at = end;
+    }
+    return tags;
+  }
+
+  std::string name_, root_;
+  std::map<std::string, Joint> joints_;  // by the link that each carries
+  std::map<std::string, JointModelGroup> groups_;
+  std::map<std::string, std::map<std::string, std::map<std::string, double>>> states_;
+  std::map<std::string, std::string> tips_;
+};
+typedef std::shared_ptr<const RobotModel> RobotModelConstPtr;
+
+}  // namespace core
+}  // namespace moveit
