@@ -56,6 +56,8 @@ NODES = ("/one", "/two")
 class StrictRelay:
     """Takes what a relay can do; anything else fails the test, as it would end the relay."""
 
+    is_closed = False
+
     def __init__(self):
         self.advertised, self.served, self.open_calls = {}, {}, set()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from itertools import takewhile
 
 from tracerisk.twin.robots.robot import Robot
 
@@ -14,6 +15,10 @@ def srdf_text(robot: Robot) -> str:
         node = ET.SubElement(top, "group", name=name)
         for joint in group.members or group.joints:
             ET.SubElement(node, "joint", name=joint)
+        # Fixed joints behind the last one that moves: the tip is the link that they carry.
+        fixed = takewhile(lambda one: one.type == "fixed", robot.above(group.tip_link or ""))
+        for attachment in reversed([*fixed]):
+            ET.SubElement(node, "joint", name=attachment.name)
     for group_name, states in robot.named_states.items():
         for name, positions in states.items():
             node = ET.SubElement(top, "group_state", name=name, group=group_name)

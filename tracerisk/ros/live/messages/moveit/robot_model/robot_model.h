@@ -98,6 +98,7 @@ class RobotModel {
   {
     std::string group, state, of;
     std::map<std::string, std::vector<std::string>> joints;
+    std::map<std::string, std::string> ends;
     for (const Tag& tag : srdf) {
       const std::string& is = tag.at("<");
       if (is == "group" && group.empty()) {
@@ -114,6 +115,8 @@ class RobotModel {
         tips_[group] = tag.at("tip_link");
       } else if (is == "link" && !group.empty() && joints_.count(tag.at("name"))) {
         if (joints_[tag.at("name")].moves) add(joints[group], joints_[tag.at("name")].name);
+      } else if (is == "end_effector" && tag.count("parent_group")) {
+        ends[tag.at("parent_group")] = tag.at("parent_link");
       } else if (is == "group_state") {
         state = tag.at("name"), of = tag.at("group");
         states_[of][state];
@@ -129,6 +132,7 @@ class RobotModel {
         }
       }
     }
+    for (const auto& end : ends) tips_[end.first] = end.second;  // before the end of a chain
     for (const auto& one : joints) groups_[one.first] = JointModelGroup(one.first, one.second);
   }
 
