@@ -132,3 +132,21 @@ def test_a_node_plans_with_moveit_where_there_is_none(compiled):
     assert names == [f"Picker::{name}" for name in ("home", "home", "approach", "lower", "grip")]
     assert {command["end"] for command in trace["commands"]} == {"arrived"}
     assert trace["verdict"]["kind"] == "complete"
+
+
+def test_the_published_case_as_a_node_ends_as_blocks_in_its_five_functions(compiled):
+    text = (PROGRAMS / "tube_cell.cpp").read_text()
+    example = compiled("tube_cell", text.replace("kTubes = 10", "kTubes = 2"))
+    done = example.run(
+        *("trace", "--live", "--speed", "20", "--robot", "panda", "--scene", "tube_racks"),
+        *("-o", "live.json", "--", "./tube_cell"),
+    )
+    assert done.code == 0, done.out + done.err
+    trace = json.loads(example.read("live.json").decode())
+    assert trace["verdict"]["kind"] == "complete"
+    assert example.run("annotate", "tube_cell.cpp", "--trace", "live.json").code == 0
+    solved = example.run("solve", "tube_cell.cpp", "--json").json["assessment"]
+    steps = ("init", "pickPosition", "pick", "placePosition", "place")
+    states = {state["name"]: state for state in solved["states"]}
+    assert list(states) == [f"TubeCell::{step}" for step in steps]
+    assert all(state["top_event"] > 0.0 for state in states.values())
