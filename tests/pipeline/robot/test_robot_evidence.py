@@ -655,3 +655,39 @@ def test_evidence_is_weighed_on_a_line_of_its_own_only_where_it_says_more(tmp_pa
     assert one.name == "panda"
     assert "panda_joint1" in one.chosen_by
     assert one.weighed == ""
+
+
+ARM_AND_GRIPPER = "".join(
+    f'<joint name="{joint}" type="revolute"><parent link="l{number}"/><child link="l{number + 1}"/>'
+    '<axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>'
+    for number, joint in enumerate(("pan_1", "lift_1", "flex_1", "roll_1", "gripper"))
+)
+
+
+@pytest.mark.parametrize(
+    ("source", "robot"),
+    [
+        ("from {} import panda as robot\n", "panda"),
+        ("import {}.panda as robot\n", "panda"),
+        ('from {} import panda as robot\nnames = ["pan_1", "lift_1", "flex_1", "roll_1"]\n', "soa"),
+    ],
+)
+@pytest.mark.parametrize("package", ["moveit_of_it.robots", "its.robots"])
+def test_a_module_of_robots_says_more_than_what_anybody_calls_a_part(
+    tmp_path, package, source, robot
+):
+    links = "".join(f'<link name="l{number}"/>' for number in range(6))
+    folder = package.replace(".", "__")
+    files = {
+        "go_DOT_py": f'"""Use the gripper."""\n{source.format(package)}GROUP = "gripper"\n',
+        f"{folder}____init___DOT_py": "",
+        f"{folder.removesuffix('__robots')}____init___DOT_py": "",
+        f"{folder}__panda_DOT_py": f'GROUP = "gripper"\nJOINTS = {PANDA}\n',
+        "soa__package_DOT_xml": PACKAGE.format("soa"),
+        "soa__urdf__soa_DOT_urdf": f'<robot name="soa">{links}{ARM_AND_GRIPPER}</robot>',
+        "soa__config__soa_DOT_srdf": (
+            '<robot name="soa"><group name="arm"><chain base_link="l0" tip_link="l4"/></group>'
+            '<group name="gripper"><joint name="gripper"/></group></robot>'
+        ),
+    }
+    assert chosen(tmp_path, **files).robot.name == robot

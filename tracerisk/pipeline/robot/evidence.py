@@ -38,6 +38,7 @@ DRIVER = 10.0
 """For what the driver is for whose messages are imported."""
 NAMES: Mapping[str, float] = {
     "its imports": 50.0,
+    "its import from modules of robots": 60.0,
     "its source": 40.0,
     "the SRDF": 35.0,
     "a module of its own": 25.0,

@@ -212,7 +212,7 @@ class Gathering:
     @cached_property
     def _named_in_source(self) -> frozenset[str]:
         """The shipped robots that the controller's imports and own source name."""
-        hints = islice(robot_hints(self._controller), 2)
+        hints = islice(robot_hints(self._controller), 3)
         texts = (text for hint in hints for text in hint.texts.values())
         return frozenset[str]().union(*(mentioned(text, self.shipped) for text in texts))
 

@@ -31,6 +31,7 @@ _TEXT = re.compile(r"readme(\..*)?|.*\.(md|rst)", re.IGNORECASE)
 _STARTS = re.compile(r"\b(?:roslaunch|rosrun|ros2\s+(?:launch|run))\s")
 _OF_A_ROBOT = re.compile(r"_(moveit_?config|description|support|bringup|gazebo)$")
 _DEPENDS = re.compile(r"<\w*depend\b[^<]*</\w*depend>")
+_ROBOTS = "robots"  # the package with a module a robot in AndrejOrsula/pymoveit2
 _MARKS = (PACKAGE_FILE, "pyproject.toml", "setup.py", ".git", "src")
 _MOST_FOLDERS = 1000
 _MOST_FILES = 200  # of one kind
@@ -44,6 +45,7 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     direct = imported_directly(controller)
     known = {part for path in direct for part in (path.stem, path.parent.name)}
     yield Hint("its imports", {name: "\n".join(text for text in own.imported if text in known)})
+    yield Hint("its import from modules of robots", {name: "\n".join(_of_robots(controller))})
     yield Hint("its source", {name: own.spoken})
     top, package = controller.project.top, controller_root(controller.path).resolve()
     modules = {path: _read(file_bytes(path), tree) for path in own_modules(controller)}
@@ -63,6 +65,13 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     said = {item.path.name: _read(item.source, tree).spoken for item in beside}
     yield Hint("a program beside it", said)
     yield from _project(controller)
+
+
+def _of_robots(controller: Controller) -> Iterator[str]:
+    """Yield the modules that are imported from a package of robots: `pymoveit2.robots.panda`."""
+    for _, parts in controller.project.imports(controller.source):
+        if _ROBOTS in parts[:-1]:
+            yield parts[-1]
 
 
 @dataclass(frozen=True, slots=True)

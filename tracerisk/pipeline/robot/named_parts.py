@@ -152,8 +152,9 @@ def _named(parts: Parts, speech: Speech) -> _Named:
         bool(stems)
         or any(not is_plain(name) for name in joints)
         or _covers(parts, tellable)
-        # The joints of a description of the workspace are its own, whatever they are called.
-        or (parts.own and bool(joints))
+        # The joints of a description of the workspace are its own, but for what anybody calls
+        # a part: `gripper`.
+        or (parts.own and any(not is_plain(name) or not name.isalpha() for name in joints))
         or (parts.own and bool(listed) and listed <= joints)
     )
     return _Named(parts, joints | stems, places, is_telling)
