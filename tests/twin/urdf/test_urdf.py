@@ -151,6 +151,24 @@ def test_groups_states_and_collisions_are_those_of_the_srdf():
     assert tiny.disabled_collisions == {("base", "upper")}
 
 
+def test_the_members_of_a_group_are_in_the_order_of_moveit_whatever_order_the_file_has():
+    # MoveIt goes into the depth, and from joint to joint of a link by their names.
+    text = """<robot name="claw"><link name="palm"/><link name="a"/><link name="b"/><link name="t"/>
+    <joint name="master" type="revolute"><parent link="palm"/><child link="a"/><axis xyz="0 0 1"/>
+      <limit lower="0" upper="0.8" effort="9" velocity="1"/></joint>
+    <joint name="knuckle" type="revolute"><parent link="palm"/><child link="b"/>
+      <axis xyz="0 0 1"/><mimic joint="master"/>
+      <limit lower="0" upper="0.8" effort="9" velocity="1"/></joint>
+    <joint name="tip" type="revolute"><parent link="b"/><child link="t"/>
+      <axis xyz="0 0 1"/><mimic joint="master" multiplier="-1"/>
+      <limit lower="-0.8" upper="0" effort="9" velocity="1"/></joint></robot>"""
+    srdf = """<robot name="claw"><group name="hand">
+      <joint name="master"/><joint name="tip"/><joint name="knuckle"/></group></robot>"""
+    found = read_urdf(text, "claw.urdf", srdf=read_srdf(srdf, "claw.srdf"))
+    assert found.groups["hand"].members == ("knuckle", "tip", "master")
+    assert found.groups["hand"].joints == ("master",)
+
+
 def test_fingers_make_a_gripper_that_moves_as_its_first_joint():
     (gripper,) = robot().grippers
     assert gripper.group == "claw"

@@ -62,7 +62,8 @@ class RobotGroups:
             for one in gripper.joints[1:]
             if gripper.joints[0] in group.joints
         }
-        return tuple(one for one in group.joints if one not in follows)
+        driven = set(group.joints) - follows
+        return tuple(one for one in self.variables(name) if one in driven)
 
     def values_by_name(self, name: str, values: Sequence[float]) -> dict[str, float] | None:
         """Return a list of values by the joints of a group, `None` where it is of another length.

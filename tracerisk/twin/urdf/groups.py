@@ -25,6 +25,7 @@ def groups_of(tree: Tree, srdf: Srdf | None) -> dict[str, Group]:
         return _plain_groups(tree)
     written = {group.name: group for group in srdf.groups}
     order = {joint.name: index for index, joint in enumerate(tree.joints)}
+    in_moveit = tree.names_as_in_moveit()
     passive = srdf.passive_joints | {joint.name for joint in tree.moving if joint.mimic}
     groups = {}
     for name, group in written.items():
@@ -34,7 +35,7 @@ def groups_of(tree: Tree, srdf: Srdf | None) -> dict[str, Group]:
         # Fingers that follow another one are in the group if it is theirs alone.
         names = driven or sorted(joints & moving, key=lambda key: order[key])
         if names:
-            members = tuple(sorted(joints & order.keys(), key=lambda key: order[key]))
+            members = tuple(joint for joint in in_moveit if joint in joints)
             groups[name] = Group(tuple(names), _tip(group, names, tree), members=members)
     return groups
 

@@ -107,6 +107,14 @@ class Tree:
             at = joint.parent
         return tuple(reversed(urdf_joints))
 
+    def names_as_in_moveit(self) -> tuple[str, ...]:
+        """Return the joints in the order that MoveIt's groups have: depth first, then by name.
+
+        It is the order of `child_links` in ros/urdfdom urdf_parser/include/urdf_model/model.h.
+        """
+        by_name = sorted(self.joints, key=lambda joint: joint.name)
+        return tuple(joint.name for joint in _ordered(self.root, by_name))
+
     def movers_below(self, link: str) -> Iterator[UrdfJoint]:
         """Yield every joint that moves behind a link."""
         for joint in self.below(link):
