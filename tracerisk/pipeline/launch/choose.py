@@ -12,7 +12,12 @@ from tracerisk.common.limits import Limits
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
 from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
-from tracerisk.pipeline.launch.parameter_files import setup_of_parameter_file
+from tracerisk.pipeline.launch.parameter_files import (
+    NO_PARAMETERS_GIVEN,
+    GivenParameters,
+    given_parameters,
+    setup_of_parameter_file,
+)
 from tracerisk.pipeline.launch.parameter_reads import Asked, asked_by
 from tracerisk.pipeline.launch.program import Program, program_of, shown
 from tracerisk.pipeline.launch.readme_arguments import ReadmeArguments
@@ -35,6 +40,7 @@ _MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = {1: 40, 2: 4}
 _AT_ONCE = 2
 _MOST_LISTED = 3
+# Variables of the environment on which the run itself stands begin so.
 _NOT_SET = ("HOME", "LD_", "MUJOCO", "PATH", "PYTHON", "TMP", "TZ")
 
 
@@ -50,6 +56,8 @@ class LaunchChoice:
     """The robot description files that the launch file names."""
     file: str = ""
     """The launch file that starts the controller, for messages; empty for none."""
+    given: GivenParameters = NO_PARAMETERS_GIVEN
+    """What the parameter files give that the controller's own arguments name."""
 
 
 NOTHING_CHOSEN = LaunchChoice()
@@ -120,6 +128,16 @@ class _Candidate:
             if name in own or any(given.startswith(f"{name}{mark}") for given in own)
         )
 
+    def fits(self, given: GivenParameters) -> tuple[int, int]:
+        """Return how well it goes with what the controller's own arguments give.
+
+        That is how many of their files, or files beside these, it reads, and how many of their
+        values it gives too.
+        """
+        own = self.own
+        values = sum(1 for one in given.parameters if own.get(one.name) == one.value)
+        return given.beside(self.reading), values
+
     def same_as(self, other: _Candidate, asked: Asked) -> bool:
         """Return whether the node is given the same by another file."""
         return self._given(asked) == other._given(asked)
@@ -135,33 +153,41 @@ class _Candidate:
 def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     """Return what a controller is given by the launch file that starts it.
 
-    It is the file of the settings, else the one of the workspace whose node is given most of the
-    parameters that the source asks for, and of equal ones the one sorted first; else a parameter
-    file of the package that names the controller's node.
+    It is the file of the settings, else the one of the workspace that goes best with the parameter
+    files among the controller's own arguments, and of these the one whose node is given most of
+    the parameters that the source asks for, and of equal ones the one sorted first; else a
+    parameter file of the package that names the controller's node.
     Raises InputError where the file of the settings cannot be read or does not start it, and
     LimitError where reading a file takes too long or too much memory: then nothing is chosen.
     """
     if settings.launch is False:
         return LaunchChoice()
+    asked = asked_by(controller, workspace_of(controller, settings).python_packages)
+    given = given_parameters(settings.args, asked.nodes)
+    return replace(_chosen(controller, settings, asked, given), given=given)
+
+
+def _chosen(
+    controller: Controller, settings: Settings, asked: Asked, given: GivenParameters
+) -> LaunchChoice:
     root = controller.root.resolve()
     workspace = workspace_of(controller, settings)
     script = controller.path.resolve()
     program = program_of(script, root, workspace)
-    asked = asked_by(controller, workspace.python_packages)
     ros = controller.ros_version
     readmes = ReadmeArguments(controller.project, workspace)
-    search = _Search(program, workspace, asked, root, settings.limits, readmes)
+    search = _Search(program, workspace, asked, given, root, settings.limits, readmes)
     problems = search.problems
     if isinstance(settings.launch, str):
         return search.named(Path(settings.launch), ros)
     files = find_launch_files(program, root, workspace, ros)
     direct = [file for file in files if file.is_direct][: _MOST_READ[ros]]
     candidates = search.candidates(direct)
-    best = _best(candidates, asked)
+    best = search.best(candidates)
     if direct and (best is None or best.gives(asked.required) < len(asked.required)):
         around = [file for file in files if not file.is_direct][: _MOST_INCLUDERS[ros]]
         candidates += search.candidates(around)
-        best = _best(candidates, asked)
+        best = search.best(candidates)
     robots: tuple[RobotSource, ...] = ()
     by = ""
     if best is not None:
@@ -188,6 +214,8 @@ class _Search:
     """The workspace with its packages."""
     asked: Asked
     """The parameters that the controller's source asks for."""
+    given: GivenParameters
+    """The parameters that the controller's own arguments give."""
     root: Path
     """The root of the controller, from which messages name files."""
     limits: Limits
@@ -253,12 +281,26 @@ class _Search:
                 )
                 for node in nodes
             ]
-            best = _best(made, self.asked)
+            best = self.best(made)
             if best is not None:
                 result.append(best)
             else:
                 self.problems.extend(reading.problems)
         return result
+
+    def best(self, candidates: Sequence[_Candidate]) -> _Candidate | None:
+        """Return the first of those that fit what is given, and give most of what is asked for."""
+        return max(
+            candidates,
+            key=lambda candidate: (
+                candidate.fits(self.given),
+                candidate.gives(self.asked.required),
+                candidate.gives(self.asked.names),
+                candidate.gives(self.asked.literals),
+                not candidate.file.is_test,
+            ),
+            default=None,
+        )
 
 
 def read_launch_files(
@@ -278,20 +320,6 @@ def read_launch_files(
 
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         return list(pool.map(read, files))
-
-
-def _best(candidates: Sequence[_Candidate], asked: Asked) -> _Candidate | None:
-    """Return the candidate that gives most of what is asked for, of equal ones the first."""
-    return max(
-        candidates,
-        key=lambda candidate: (
-            candidate.gives(asked.required),
-            candidate.gives(asked.names),
-            candidate.gives(asked.literals),
-            not candidate.file.is_test,
-        ),
-        default=None,
-    )
 
 
 def _setup(
@@ -315,16 +343,11 @@ def _setup(
         ros_arguments=node.ros_arguments,
         parameters=parameters,
         remaps=node.remaps,
-        environment=tuple(pair for pair in node.environment if not _is_ours(pair[0])),
+        environment=tuple(pair for pair in node.environment if not pair[0].startswith(_NOT_SET)),
         own=best.private,
         sources=tuple(sorted({*shown([best.file.path, *best.reading.sources], root), *readme})),
     )
     return replace(setup, notes=tuple(_notes(setup, best, candidates, asked, root)))
-
-
-def _is_ours(variable: str) -> bool:
-    """Return whether a variable of the environment is one on which the run itself stands."""
-    return variable.startswith(_NOT_SET)
 
 
 def _notes(

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from tracerisk.pipeline.launch_files.records import LaunchSetup
+from tracerisk.pipeline.launch_files.records import LaunchParameter, LaunchSetup
 from tracerisk.pipeline.workspace.controller import Controller
 
 
-def with_parameters(controller: Controller, setup: LaunchSetup | None) -> Controller:
+def with_parameters(
+    controller: Controller, setup: LaunchSetup | None, given: Sequence[LaunchParameter] = ()
+) -> Controller:
     """Return a controller whose source has its own parameters as assignments too.
 
-    For those who look for names of joints, groups and robots in it; it is not the one that runs.
+    Those that its arguments have `given` replace those of the setup. For those who look for names
+    of joints, groups and robots in it; it is not the one that runs.
     """
-    if setup is None or not setup.own:
+    launched = () if setup is None else setup.own
+    values = {parameter.name: parameter.value for parameter in (*launched, *given)}
+    if not values:
         return controller
-    lines = [line for parameter in setup.own for line in _lines(parameter.name, parameter.value)]
+    lines = [line for name, value in values.items() for line in _lines(name, value)]
     return replace(controller, source=b"\n".join([controller.source, *lines, b""]))
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from tracerisk.pipeline.launch.parameter_reads import Asked
@@ -13,7 +15,13 @@ from tracerisk.pipeline.launch_files.parameter_text import (
     read_text,
     yaml_value,
 )
-from tracerisk.pipeline.launch_files.records import EVERY_NODE, LaunchParameter, LaunchSetup
+from tracerisk.pipeline.launch_files.records import (
+    EVERY_NODE,
+    LaunchParameter,
+    LaunchReading,
+    LaunchSetup,
+    split_arguments,
+)
 from tracerisk.pipeline.workspace.workspace import Workspace
 from tracerisk.twin.workspace.description_files import distance
 
@@ -21,6 +29,45 @@ _FOLDERS = ("config", "params", "param", "cfg")
 _FURTHER = ("launch", "yaml", "resource", "test", "tests")  # where a test's launch file finds some
 _MOST_FILES = 200
 _MOST_BYTES = 256 * 1024
+
+
+@dataclass(frozen=True, slots=True)
+class GivenParameters:
+    """The parameters of the files that the controller's own arguments name."""
+
+    files: tuple[Path, ...] = ()
+    """The files."""
+    parameters: tuple[LaunchParameter, ...] = ()
+    """What they hold for the controller's node."""
+
+    def beside(self, reading: LaunchReading) -> int:
+        """Return how many of the files a launch file reads, or has read a file beside."""
+        folders = {path.resolve().parent for path in reading.sources}
+        return sum(1 for file in self.files if file.parent in folders)
+
+    def are_near(self, text: str) -> bool:
+        """Return whether a text names one of the files, or the folder in which it is."""
+        return any(file.name in text or file.parent.name in text for file in self.files)
+
+
+NO_PARAMETERS_GIVEN = GivenParameters()
+"""Of arguments that name no file of parameters."""
+
+
+def given_parameters(arguments: Sequence[str], nodes: tuple[str, ...]) -> GivenParameters:
+    """Return what each `--params-file` behind `--ros-args` gives a node with one of these names.
+
+    A file that cannot be read gives nothing here: the run says so.
+    """
+    _, ros = split_arguments(arguments)
+    files = tuple(Path(name).resolve() for flag, name in pairwise(ros) if flag == "--params-file")
+    mine = (
+        parameter
+        for path in files
+        for parameter in _parameters(path)
+        if _is_for_every(parameter, nodes) or _is_for_any(parameter, nodes)
+    )
+    return GivenParameters(files, tuple(mine))
 
 
 def setup_of_parameter_file(

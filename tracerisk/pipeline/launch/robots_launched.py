@@ -28,14 +28,17 @@ def launched_robots(
 
     Own are those of the launch file that starts it. Where that names none, the launch files of
     its package and of those that the controller's `strings` or its manifest name come next, then
-    those of the rest of the workspace, as far as they give one file the same arguments.
+    those of the rest of the workspace, as far as they give one file the same arguments. Where the
+    controller's arguments name a parameter file, the launch files that read one beside it are
+    its own.
     Nothing where the settings want no launch file.
     Raises LimitError where reading a launch file takes too long or too much memory.
     """
     if settings.launch is False:
         return ()
     own = [_described(robot_source, choice.file, "controller") for robot_source in choice.robots]
-    if any(description.path is not None for description in own):
+    given = choice.given
+    if not given.files and any(description.path is not None for description in own):
         return tuple(own)
     root = controller.root.resolve()
     script = controller.path.resolve()
@@ -47,21 +50,29 @@ def launched_robots(
     folders = [root, *(workspace.packages[name].resolve() for name in sorted(named))]
 
     def whose(path: Path) -> LaunchedBy:
+        path = path.resolve()
         if path.is_relative_to(folders[0]):
             return "package"
         return "named" if any(map(path.is_relative_to, folders)) else "workspace"
 
     paths = sorted(
-        (path.resolve() for path, text in texts.items() if _DESCRIBES.search(text)),
-        key=lambda path: (whose(path) == "workspace", distance(script, path), path),
+        (path for path, text in texts.items() if _DESCRIBES.search(text)),
+        key=lambda path: (
+            not given.are_near(texts[path]),
+            whose(path) == "workspace",
+            distance(script, path),
+            path,
+        ),
     )[: _MOST_READ[ros]]
     readmes = ReadmeArguments(controller.project, workspace)
-    files = [readmes.given(LaunchFile(path, ros, False)) for path in paths]
+    files = [readmes.given(LaunchFile(path.resolve(), ros, False)) for path in paths]
     readings = read_launch_files(files, workspace, settings.limits)
-    descriptions = list(own)
+    is_given = any(reading.robots and given.beside(reading) for reading in readings)
+    descriptions = [] if is_given else list(own)
     for file, reading in zip(files, readings, strict=True):
         by = whose(file.path)
-        if any(program.started_as(node) is not None for node in reading.nodes):
+        is_own = any(program.started_as(node) is not None for node in reading.nodes)
+        if given.beside(reading) if is_given else is_own:
             by = "controller"
         name = shown([file.path], root)[0]
         said = f"{name} ({file.given})" if file.given else name

@@ -17,6 +17,7 @@ __all__ = [
     "LaunchSetup",
     "RobotSource",
     "StartedNode",
+    "split_arguments",
 ]
 
 LaunchParameter = Parameter
@@ -122,8 +123,8 @@ class LaunchSetup:
         return (*own, *rules, *(name for name in given if ":=" in name))
 
     def _argv2(self, given: Sequence[str]) -> tuple[str, ...]:
-        own, theirs = _split(given)
-        launched, rules = _split(self.arguments)
+        own, theirs = split_arguments(given)
+        launched, rules = split_arguments(self.arguments)
         rules += self.ros_arguments
         if self.name is not None:
             rules += ["-r", f"__node:={self.name}"]
@@ -140,7 +141,7 @@ NOTHING_LAUNCHED = LaunchSetup("", "launch", 1)
 """What a controller is given that no launch file starts."""
 
 
-def _split(argv: Sequence[str]) -> tuple[list[str], list[str]]:
+def split_arguments(argv: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the arguments of the program itself, and those that are meant for ROS 2."""
     own: list[str] = []
     ros: list[str] = []

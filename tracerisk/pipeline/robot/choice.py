@@ -65,7 +65,7 @@ def choose_launched_robot(
 
     Raises RobotError as `choose_robot` does.
     """
-    launched = with_parameters(controller, launch.setup)
+    launched = with_parameters(controller, launch.setup, launch.given.parameters)
     return choose_robot(launched, settings, launch, also_named=also_named)
 
 
