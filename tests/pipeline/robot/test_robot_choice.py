@@ -139,6 +139,9 @@ ELSEWHERE = {
     "another arm of its maker": (
         "# mechArm 270\nfrom mycobot_communication.msg import MycobotSetAngles\n"
     ),
+    "the one with two arms": "model = 'tiago_dual'\n",
+    "the one with two arms by its title": "# For TIAGo++.\nname = 'tiago'\n",
+    "the one with two arms by its parts": "name = 'tiago'\ngroup = 'arm_right_torso'\n",
 }
 
 
@@ -146,6 +149,11 @@ ELSEWHERE = {
 def test_an_arm_that_is_not_shipped_is_no_shipped_one(tmp_path, script):
     robot, words = chosen_by(project(tmp_path, script))
     assert (robot, "name it with --robot" in words) == ("generic", True)
+
+
+@pytest.mark.parametrize("source", ["'arm_torso'", "'arm_right'", "'tiago_dualshock'"])
+def test_what_the_tiago_with_one_arm_may_name_is_not_the_one_with_two(tmp_path, source):
+    assert chosen_by(project(tmp_path, f"name = 'tiago'\nother = {source}\n"))[0] == "tiago"
 
 
 @pytest.mark.parametrize("name", ["myArm", "my_arm", "myarm_2", "swarm_myarmy"])

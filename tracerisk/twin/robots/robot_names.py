@@ -41,9 +41,15 @@ OTHERS_OF_MAKER: Mapping[str, tuple[str, ...]] = {
         *("mech[ _-]?arm", "mypalletizer", r"myarm[ _-]?[mc]?[ _-]?\d{3}", "mybuddy"),
         "ultra[ _-]?arm",
     ),
+    # The one with two arms, whose parts are called `arm_right_7_link`.
+    "tiago": (
+        r"tiago[ _-]?dual",
+        r"tiago ?\+\+",
+        r"arm_(?:left|right)_(?:torso|\d_(?:link|joint))",
+    ),
 }
-"""Arms that are not shipped, and speak in the messages of those whose name begins so: patterns of
-words of their own. `myarm` alone is what any program may call its arm."""
+"""Arms that are not shipped, and share the messages or the name of those whose name begins so:
+patterns of words of their own. `myarm` alone is what any program may call its arm."""
 
 
 @dataclass(frozen=True, slots=True)
