@@ -12,6 +12,10 @@ _MB = 1024 * 1024
 # What people keep beside their sources and no controller needs.
 _SECRET_ENDINGS = (".key", ".pem", ".p12", ".pfx")
 _SECRET_NAMES = ("id_rsa", "id_dsa", "id_ecdsa", "id_ed25519", "credentials.json")
+# Hidden files that libraries of ROS read. They hold names and paths of a workspace alone.
+# moveit/moveit2 moveit_configs_utils/moveit_configs_utils/moveit_configs_builder.py,
+# ros/catkin python/catkin/workspace.py, colcon/colcon-core colcon_core/location.py
+_READ_BY_ROS = (".setup_assistant", ".catkin", ".colcon_install_layout")
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,5 +72,10 @@ DEFAULT_LIMITS = Limits()
 
 
 def is_secret(name: str) -> bool:
-    """Return whether a name is that of what no controller reads: `.git`, `.env`, a key."""
+    """Return whether a name is that of what no controller reads: `.git`, `.env`, a key.
+
+    Any hidden name is, but for those of the few files that libraries of ROS read.
+    """
+    if name in _READ_BY_ROS:
+        return False
     return name.startswith(".") or name in _SECRET_NAMES or name.endswith(_SECRET_ENDINGS)

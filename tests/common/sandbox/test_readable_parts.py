@@ -52,6 +52,28 @@ def test_overlapping_places_are_looked_through_once(workspace, scanned):
     assert not may_read(parts, source / ".hidden/ws/cell.py")
 
 
+@pytest.mark.parametrize("name", [".setup_assistant", ".catkin", ".colcon_install_layout"])
+def test_a_hidden_file_that_libraries_of_ros_read_is_read(workspace, name):
+    folder = workspace / "src/arm"
+    secrets = [folder / secret for secret in (".env", ".netrc", ".git/config", f"{name}.key")]
+    for path in (folder / name, *secrets):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("")
+    parts = readable_parts([], [workspace])
+    assert may_read(parts, folder / name)
+    assert not any(may_read(parts, path) for path in secrets)
+
+
+def test_what_lies_in_a_hidden_folder_named_as_such_a_file_is_not_all_read(workspace):
+    folder = workspace / "src/arm/.catkin"
+    folder.mkdir()
+    for name in (".env", "robot.pem"):
+        (folder / name).write_text("")
+    parts = readable_parts([], [workspace])
+    assert not may_read(parts, folder / ".env")
+    assert not may_read(parts, folder / "robot.pem")
+
+
 def test_a_place_within_what_is_hidden_is_read_where_it_is_given(workspace):
     hidden = workspace / "src/.hidden/ws"
     parts = readable_parts([], [workspace, hidden])
