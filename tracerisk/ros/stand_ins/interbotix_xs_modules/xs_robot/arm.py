@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from interbotix_common_modules.common_robot.robot import InterbotixRobotNode
+from interbotix_common_modules.common_robot.robot import (
+    InterbotixRobotNode,
+    interbotix_is_up,
+    robot_shutdown,
+    robot_startup,
+)
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.logging import LoggingSeverity
 
 from .._arm import REV, ArmInterface, description
@@ -15,7 +21,12 @@ __all__ = ["REV", "InterbotixArmXSInterface", "InterbotixManipulatorXS"]
 
 
 class InterbotixManipulatorXS:
-    """An arm by its model: `core` the driver, `arm`, and `gripper` where it has a name."""
+    """An arm by its model: `core` the driver, `arm`, and `gripper` where it has a name.
+
+    `start_on_init`, `start`, `run` and `shutdown` are of the first release for ROS 2, which spins
+    by itself; later ones leave that to `robot_startup`. Where `start_on_init` is not given, nothing
+    tells the release, and nothing spins before one of them is called.
+    """
 
     def __init__(
         self,
@@ -34,6 +45,8 @@ class InterbotixManipulatorXS:
         node: InterbotixRobotNode | None = None,
         iterative_update_fk: bool = True,
         args: Any = None,
+        *,
+        start_on_init: bool = False,
     ) -> None:
         self.core = InterbotixRobotXSCore(
             robot_model, robot_name, topic_joint_states, logging_level, node_name, node, args
@@ -50,10 +63,27 @@ class InterbotixManipulatorXS:
                 gripper_pressure_upper_limit,
             )
         self.robot_name = robot_name
+        if start_on_init:
+            self.start()
 
     def get_node(self) -> InterbotixRobotNode:
         """Return the node of the driver's interface."""
         return self.core.robot_node
+
+    def start(self) -> None:
+        """Spin the driver's node on a thread of its own."""
+        if not interbotix_is_up():
+            robot_startup(self.core.get_node())
+
+    def run(self) -> None:
+        """Spin the driver's node on this thread until ROS shuts down."""
+        executor = MultiThreadedExecutor()
+        executor.add_node(self.core.get_node())
+        executor.spin()
+
+    def shutdown(self) -> None:
+        """Destroy the driver's node, shut ROS down and end the thread that spins."""
+        robot_shutdown(self.core.get_node())
 
 
 class InterbotixArmXSInterface(ArmInterface):

@@ -22,7 +22,10 @@ __all__ = ["InterbotixRobotXSCore"]
 
 
 class InterbotixRobotXSCore(RobotCore):
-    """Calls the driver's services, publishes its commands and keeps its joint states."""
+    """Calls the driver's services, publishes its commands and keeps its joint states.
+
+    In the first release for ROS 2 it is a node itself: what it lacks, its node has.
+    """
 
     def __init__(
         self,
@@ -78,6 +81,22 @@ class InterbotixRobotXSCore(RobotCore):
     def get_node(self) -> InterbotixRobotNode:
         """Return the node that the interface is on."""
         return self.robot_node
+
+    def __getattr__(self, name: str) -> Any:
+        node = self.__dict__.get("robot_node")
+        if node is None or name.startswith("_") or not hasattr(node, name):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return getattr(node, name)
+
+    def robot_spin_once_until_future_complete(self, future: Any, timeout_sec: float = 0.1) -> None:
+        """Wait for a future [s]; of the first release for ROS 2."""
+        self.robot_node.wait_until_future_complete(future, timeout_sec)
+
+    def robot_spin_until_future_complete(
+        self, future: Any, timeout_sec: float | None = None
+    ) -> None:
+        """Wait for a future [s], without a timeout for ever; of the first release for ROS 2."""
+        self.robot_node.wait_until_future_complete(future, timeout_sec)
 
     def _ask(self, service: Any, **request: Any) -> Any:
         future = service.call_async(service.srv_type.Request(**request))
