@@ -36,6 +36,7 @@ def test_topics_services_and_nodes_are_reported(run_node):
 
 def test_parameters_come_from_files(run_node, tmp_path):
     def main():
+        import rosgraph
         import rosparam
         import rospy
 
@@ -46,10 +47,40 @@ def test_parameters_come_from_files(run_node, tmp_path):
             rosparam.upload_params(space, values)
         with pytest.raises(rosparam.RosParamException, match="does not exist"):
             rosparam.load_file("nowhere.yaml")
-        with pytest.raises(rosparam.RosParamException, match="is not set"):
-            rosparam.get_param("/nothing")
+        for call in (rosparam.get_param, rosparam.delete_param):
+            with pytest.raises(rosgraph.MasterError, match="is not set"):
+                call("/nothing")
         return rosparam.get_param("/cell"), rosparam.list_params("cell")
 
     values, names = run_node(main)
     assert values == {"speed": 0.5, "arm": {"joints": [1, 2]}, "deep": {"lit": True}}
     assert "/cell/speed" in names
+
+
+def test_parameters_are_written_to_files_and_set_from_yaml(run_node, tmp_path, capsys):
+    def main():
+        import rosparam
+        import rospy
+
+        rospy.init_node("tools")
+        rosparam.set_param("/px100/arm", "{speed: 0.5, joints: [1, 2], lit: yes}")
+        rosparam.set_param_raw("/px100/arm", {"name": "left"})
+        file = tmp_path / "written.yaml"
+        rosparam.dump_params(str(file), "/px100")
+        rosparam.dump_params(None, "/px100/arm/joints", verbose=True)
+        rosparam.delete_param("/px100/arm/name", verbose=True)
+        with pytest.raises(rosparam.RosParamException, match="must have string keys"):
+            rosparam.set_param("/px100", "{1: 2}")
+        assert rosparam.get_param_server().hasParam("/px100/arm")
+        assert issubclass(rosparam.RosParamIOException, rosparam.RosParamException)
+        loaded = rosparam.load_file(str(file), "/again")
+        for values, space in loaded:
+            rosparam.upload_params(space, values)
+        rosparam.print_params(rosparam.get_param("/again"), "/again")
+        return file.read_text(), rospy.get_param("/again"), rospy.get_param("/px100")
+
+    text, again, kept = run_node(main)
+    assert text == "arm:\n  joints:\n  - 1\n  - 2\n  lit: true\n  name: left\n  speed: 0.5\n"
+    assert again == {"arm": {"speed": 0.5, "joints": [1, 2], "lit": True, "name": "left"}}
+    assert kept == {"arm": {"speed": 0.5, "joints": [1, 2], "lit": True}}
+    assert "- 1\n- 2\ndeleted parameter [/px100/arm/name]\n" in capsys.readouterr().out

@@ -56,6 +56,11 @@ def script_resolve_name(script_name: str, name: str) -> str:
     return get_ros_namespace() + name
 
 
+def make_caller_id(name: str) -> str:
+    """Return the name by which a script calls the master, with a `/` at its end."""
+    return make_global_ns(ns_join(get_ros_namespace(), name))
+
+
 def get_ros_namespace(env: Mapping[str, str] | None = None, argv: list[str] | None = None) -> str:
     """Return the namespace that the command line (`__ns:=`) or the environment gives."""
     import os
