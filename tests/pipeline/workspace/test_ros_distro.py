@@ -81,6 +81,22 @@ def test_what_builds_the_workspace_weighs_more_than_what_its_readme_says(chosen)
     assert chosen(files).name == "humble"
 
 
+@pytest.mark.parametrize("package", ["driver", "drivers/driver"])
+def test_what_comes_with_another_package_counts_where_the_workspace_names_none(chosen, package):
+    top = package.partition("/")[0]
+    files = {
+        f"{package}/package.xml": PACKAGE,
+        f"{top}/docker/Dockerfile": "FROM ros:jazzy\n",
+        f"{package}/README.md": "For ROS 2 Jazzy.\n",
+    }
+    assert (chosen(files).name, chosen(files).is_assumed) == ("jazzy", False)
+    own = {"README.md": "Tested with ROS 2 Humble.\n"}
+    choice = chosen(files | own)
+    assert (choice.name, choice.is_assumed, choice.found_in) == ("humble", False, "README.md:1")
+    # A folder without a package is the workspace's own.
+    assert chosen(files | own | {"docker/Dockerfile": "FROM ros:jazzy\n"}).name == "jazzy"
+
+
 def test_several_named_alike_are_an_assumption(chosen):
     choice = chosen({".github/workflows/ci.yml": "ros: [humble, jazzy]\n"})
     assert (choice.name, choice.is_assumed) == ("jazzy", True)

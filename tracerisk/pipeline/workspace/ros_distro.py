@@ -70,6 +70,8 @@ class _Mention:
     """How much it weighs."""
     place: str
     """The file and line, from the top of the project."""
+    is_of_others: bool = False
+    """Whether it stands among packages beside the controller's, which may be others' work."""
 
 
 def choose_distro(
@@ -94,9 +96,10 @@ def choose_distro(
                 None if origin is None else origin.location,
             )
         return DistroChoice(settings.ros_distro, "by the settings")
-    mentions = [
-        mention for mention in _mentions(controller.project.top) if mention.name in _SERVED[ros]
-    ]
+    found = _mentions(controller.project.top, controller.path.resolve())
+    mentions = [mention for mention in found if mention.name in _SERVED[ros]]
+    own = [mention for mention in mentions if not mention.is_of_others]
+    mentions = own or mentions
     if not mentions:
         sourced = _of_installed(environment, installed)
         mentions = [mention for mention in sourced if mention.name in _SERVED[ros]]
@@ -126,16 +129,27 @@ def _weighed(ros: RosVersion, mentions: list[_Mention]) -> DistroChoice:
     return DistroChoice(best, words)
 
 
-def _mentions(top: Path) -> Iterator[_Mention]:
+def _mentions(top: Path, controller: Path) -> Iterator[_Mention]:
     """Yield what the files of a project say, one a file and distribution."""
     yield from _of_branch(top)
+    packages: list[Path] = []
+    files_of_kind: list[tuple[Path, str]] = []
     tops = [top, *(top / name for name in _HIDDEN if (top / name).is_dir())]
     for start in tops:
         for folder, files in itertools.islice(searched(start, environments=False), _MOST_FOLDERS):
-            for file in files:
-                kind = _kind(Path(folder, file), top)
-                if kind:
-                    yield from _of_file(Path(folder, file), top, kind)
+            if "package.xml" in files and Path(folder) not in controller.parents:
+                packages.append(Path(folder))
+            paths = (Path(folder, file) for file in files)
+            files_of_kind += [(path, kind) for path in paths if (kind := _kind(path, top))]
+    # What lies above such a package and not above the controller comes with the package.
+    others = {
+        folder
+        for package in packages
+        for folder in (package, *package.parents)
+        if folder not in controller.parents
+    }
+    for path, kind in files_of_kind:
+        yield from _of_file(path, top, kind, is_of_others=not others.isdisjoint(path.parents))
 
 
 def _kind(path: Path, top: Path) -> str:
@@ -156,7 +170,7 @@ def _kind(path: Path, top: Path) -> str:
     return "prose" if name.startswith("readme") else ""
 
 
-def _of_file(path: Path, top: Path, kind: str) -> Iterator[_Mention]:
+def _of_file(path: Path, top: Path, kind: str, *, is_of_others: bool) -> Iterator[_Mention]:
     try:
         with regular_file(path) as stream:
             text = stream.read(_MOST_BYTES).decode("utf-8", "replace").lower()
@@ -171,7 +185,7 @@ def _of_file(path: Path, top: Path, kind: str) -> Iterator[_Mention]:
             if name not in seen:
                 seen.add(name)
                 place = f"{path.relative_to(top).as_posix()}:{number}"
-                yield _Mention(name, _POINTS[kind], place)
+                yield _Mention(name, _POINTS[kind], place, is_of_others)
 
 
 def _of_branch(top: Path) -> Iterator[_Mention]:
