@@ -156,3 +156,22 @@ def test_the_definition_of_a_message_says_units(values, tmp_path, text, fields):
         "joint": degrees[1],
     }
     assert draft.value["message"] == {name: meant[kind] for name, kind in fields.items()}
+
+
+@pytest.mark.parametrize(("package", "per_metre"), [("cell", 1000.0), ("others", 1.0)])
+def test_a_pose_in_a_drivers_message_is_in_the_drivers_units(tmp_path, package, per_metre):
+    robot = load_robot("panda")
+    kinematics = Kinematics(robot)
+    values = UsableValues(robot, kinematics.forward, kinematics.inverse)
+    values.units_of_packages = {"cell": Units(1.0, 1000.0)}
+    (tmp_path / "srv").mkdir()
+    (tmp_path / "srv" / "Move.srv").write_text("float32[] pose\nfloat64 x\nfloat64 y_cm\n---\n")
+    made = Interfaces2(workspace={package: tmp_path})
+    missed = Missed(Need("call", "/move", f"{package}/Move"), 0, 0, None)
+    (draft,) = drafts([missed], made, values)
+    x, y, z = (round(per_metre * metres, 4) for metres in values.pose.position)
+    request = draft.value["request"]
+    assert request["pose"][:3] == [x, y, z]
+    assert request["pose"][3:] == pytest.approx(values.reach.turn, abs=1e-4)
+    # What the field itself says goes first.
+    assert (request["x"], request["y_cm"]) == (x, round(100 * values.pose.position[1], 4))

@@ -11,10 +11,12 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 from tracerisk.instrument.source.literals.compared_values import Compared
 from tracerisk.ros.drafts.named_numbers import (
+    SI,
     Units,
     named_number,
     numbers_in_place,
@@ -88,12 +90,15 @@ class _Place:
     """The texts of the code around the interface, which may name units."""
     comments: Mapping[str, str] = dataclasses.field(default_factory=dict)
     """The comment in the definition of the message, by field."""
+    of_driver: Units = SI
+    """The units of the driver whose message the field is in."""
 
     @property
     def units(self) -> Units:
-        """The units of the field."""
+        """The units of the field: as is said of it, else those of the driver."""
         name = self.path[-1] if self.path else ""
-        return units_of(name, self.comments.get(name, ""), self.said)
+        said = units_of(name, self.comments.get(name, ""), self.said)
+        return self.of_driver if said == SI else said
 
     @property
     def point_units(self) -> Units:
@@ -111,6 +116,8 @@ class UsableValues(ReachedPoses):
 
     doubted: Collection[str] = ()
     """Dimensions whose SI units a controller does not speak in: `angle`, `length`."""
+    units_of_packages: Mapping[str, Units] = MappingProxyType({})
+    """The units of the messages of drivers' packages, where they are not SI units."""
 
     def fields(
         self,
@@ -147,6 +154,8 @@ class UsableValues(ReachedPoses):
         if whole is not None:
             return whole
         fields: dict[str, Any] = {}
+        package = type_of(message_class).partition("/")[0]
+        place = replace(place, of_driver=self.units_of_packages.get(package, SI))
         for field in fields_of(message_class):
             is_deep = place.depth >= _DEEPEST and not field.is_array
             if is_deep and field.message is not None and not _is_geometry(field.message):

@@ -55,6 +55,8 @@ class ServedGraph:
     """The parts of the run that the client libraries use, the graph among them."""
     interfaces: Interfaces | Interfaces2
     """The messages, services and actions that are defined."""
+    drivers: tuple[Driver, ...]
+    """The drivers that are described: those that users gave, then the shipped ones."""
     reads: NotedReads
     """Which files of installed packages, and which data of the workspace, were read."""
     state_reads: StateReads | None
@@ -94,7 +96,16 @@ def build_graph(request: RunRequest, project: Project, world: SimulatedWorld) ->
     )
     served = ScenarioWorld(runtime, interfaces, scenario)
     return ServedGraph(
-        ros, workspace, runtime, interfaces, reads, state_reads, served, companions, cell
+        ros,
+        workspace,
+        runtime,
+        interfaces,
+        (*drivers, *shipped_drivers()),
+        reads,
+        state_reads,
+        served,
+        companions,
+        cell,
     )
 
 

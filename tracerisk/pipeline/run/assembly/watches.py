@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,11 +18,13 @@ from tracerisk.pipeline.run.unmet_needs import UnmetNeeds
 from tracerisk.pipeline.trace.run_files import LOST_ON_THE_WAY, READ, RunRequest
 from tracerisk.pipeline.workspace.needs_in_source import asked_in_file
 from tracerisk.pipeline.workspace.project import Project
+from tracerisk.ros.drafts.named_numbers import Units
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.moveit.move_group import MoveGroupServer
 from tracerisk.ros.readings.stale_messages import StaleMessages
 from tracerisk.ros.robot.commands import TwinCommands
+from tracerisk.ros.vendors.description import UNITS, Driver
 from tracerisk.trace import EndCause
 
 
@@ -53,6 +56,7 @@ def build_watches(
         lambda group, pose: twin.inverse_kinematics(group, pose, avoid_collisions=True),
         alone=lambda: twin.planning_among(()),
     )
+    values.units_of_packages = _units_of_packages(graph.drivers)
     needs = UnmetNeeds(
         graph.runtime,
         graph.interfaces,
@@ -74,6 +78,16 @@ def build_watches(
     stall = StallWatch(scheduler, watch, needs, lambda: schedule.is_pending)
     world.metered.time_passed = [watch.time_passed, stall.time_passed]
     return Watches(watch, needs, values, fate)
+
+
+def _units_of_packages(drivers: Iterable[Driver]) -> dict[str, Units]:
+    """Return the units of the messages of drivers' packages; the first driver's count."""
+    units: dict[str, Units] = {}
+    for driver in drivers:
+        of_driver = Units(1.0 / UNITS[driver.units.angle], 1.0 / UNITS[driver.units.length])
+        for package in driver.packages:
+            units.setdefault(package, of_driver)
+    return units
 
 
 def _fate_watch(request: RunRequest, world: SimulatedWorld) -> FateWatch | None:
