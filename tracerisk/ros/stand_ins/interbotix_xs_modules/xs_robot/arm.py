@@ -24,8 +24,8 @@ class InterbotixManipulatorXS:
     """An arm by its model: `core` the driver, `arm`, and `gripper` where it has a name.
 
     `start_on_init`, `start`, `run` and `shutdown` are of the first release for ROS 2, which spins
-    by itself; later ones leave that to `robot_startup`. Where `start_on_init` is not given, nothing
-    tells the release, and nothing spins before one of them is called.
+    by itself; later ones leave that to `robot_startup`. Where `start_on_init` is not given, the
+    release is not known, and nothing spins before one of them is called.
     """
 
     def __init__(
