@@ -31,7 +31,7 @@ LISTS = sorted(
 
 @pytest.mark.parametrize("verb", LISTS)
 def test_options_of_a_list_of_files_go_anywhere_before_the_dashes(verb):
-    options = ["--json", *(["-o", "model.xml"] if verb == "convert" else [])]
+    options = ["--json", *(["-o", "model.xml"] if verb in ("convert", "headers") else [])]
     wanted = parsed(verb, *options, "a", "b", "--", "-c")
     assert parsed(verb, "a", *options, "b", "--", "-c") == wanted
     assert parsed(verb, "a", "b", *options, "--", "-c") == wanted

@@ -123,7 +123,11 @@ def test_the_kernel_ends_all_that_is_in_a_group():
         child.wait(20)
         assert child.stdout.read() == b""  # at its end once all that hold it have ended
         assert child.returncode == -9
-        assert "populated 0" in (group / "cgroup.events").read_text()
+        # The kernel says so a moment later.
+        until = time.monotonic() + 20.0
+        while "populated 0" not in (group / "cgroup.events").read_text():
+            assert time.monotonic() < until
+            time.sleep(0.02)
     finally:
         end_group(group)
         for _ in range(100):

@@ -97,7 +97,8 @@ READERS_OF_OURS = {
     *("common/hardware/sysml/language/parsing.py", "pipeline/start/ci_files.py"),
     *("pipeline/start/schemas.py", "prm/formats/json_parts.py", "ros/messages/interface_texts.py"),
     *("twin/robots/index.py", "report/png/drawn.py", "pipeline/run/child.py"),
-    # Files of /proc, and of a campaign that is under way.
+    # Files of /proc and /sys, and of a campaign that is under way.
+    *("common/sandbox/kernel_features.py", "ros/live/process_tree.py"),
     *("common/sandbox/fork_server.py", "common/sandbox/limited_process.py", "ros/live/session.py"),
     *(
         "common/sandbox/start.py",

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 from tracerisk.adder.sources.c_source import CSource, parse_c
 from tracerisk.common.function_ref import QualifiedName
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import SourceError
 from tracerisk.instrument.source.language import is_c
 
@@ -30,6 +30,6 @@ def functions_at(file: str, line: int) -> list[QualifiedName]:
 @cache
 def _parsed(file: str) -> CSource | None:
     try:
-        return parse_c(Path(file).read_bytes(), file) if is_c(file) else None
+        return parse_c(file_bytes(file), file) if is_c(file) else None
     except (OSError, SourceError):
         return None

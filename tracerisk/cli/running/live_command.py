@@ -7,6 +7,7 @@ import os
 import shutil
 from pathlib import Path
 
+from tracerisk.common.text.bounded import regular_file
 from tracerisk.errors import InputError
 from tracerisk.instrument.source.language import is_c
 
@@ -61,7 +62,7 @@ def _is_source(path: Path) -> bool:
 
 def _begin(path: Path) -> bytes:
     try:
-        with path.open("rb") as stream:
+        with regular_file(path) as stream:
             return stream.read(_MOST_OF_LINE)
     except OSError:
         return b""

@@ -103,7 +103,7 @@ class FailureFigure:
     """Whether `value` is the median or the mean of that lognormal."""
     source: str | None = None
     """Where the figure is from; `None` for the component's source."""
-    sheet: DataSheet | None = None
+    sheet: DataSheet | None = field(default=None, compare=False)
     """What a data sheet states, of which `value` is made; `None` where it is the value."""
 
     @property

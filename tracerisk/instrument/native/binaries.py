@@ -15,9 +15,9 @@ import struct
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
+from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
 from tracerisk.instrument.native.cpp_names import is_of_library, source_name
 
 _SYMTAB, _DYNSYM = 2, 11
@@ -53,7 +53,7 @@ class Binary:
 
     def __init__(self, path: str) -> None:
         self.path = path
-        data = Path(path).read_bytes()
+        data = file_bytes(path, MOST_WRITTEN)
         try:
             self._symbols = sorted(_symbols(data))
         except (struct.error, ArithmeticError, LookupError, ValueError):

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tracerisk.common.function_ref import QualifiedName
+from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.native.binaries import Binary, Place
 from tracerisk.instrument.native.cpp_names import (
@@ -126,7 +127,7 @@ def read_calls(file: Path, names_at: NamesAt | None = None) -> CallLog:
         InputError: if the file cannot be read, or is not one of the probe.
     """
     try:
-        data = file.read_bytes()
+        data = file_bytes(file, MOST_OF_A_RUN)
     except OSError as error:
         raise InputError(
             f"cannot be read ({error.strerror}); the probe writes the file that {VARIABLE} names",

@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.text.bounded import regular_file
 from tracerisk.instrument.native.binaries import Binary
 from tracerisk.instrument.native.calls import Call, Frame, read_calls
 
@@ -103,7 +104,7 @@ class CallFollower:
     def _new_entries(self) -> list[dict[str, Any]]:
         entries: list[dict[str, Any]] = []
         try:
-            stream = self._file.open("rb")
+            stream = regular_file(self._file)
         except FileNotFoundError:
             return entries  # no process has begun yet
         with stream:

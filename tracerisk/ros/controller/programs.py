@@ -10,10 +10,14 @@ from __future__ import annotations
 import _socket
 import os
 import stat
+import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from time import clock_gettime, sleep  # the real ones: a program runs in real time
+from time import sleep  # the real one: a program runs in real time
 from typing import Any
+
+# Windows, where no controller runs, has none.
+_clock_gettime: Callable[[int], float] = getattr(time, "clock_gettime", lambda _: -1.0)
 
 WITHOUT_END = float("inf")
 """The patience with a program that alone can end a wait [s]."""
@@ -21,7 +25,6 @@ _MOST_PATIENCE_S = 10.0
 _LONG_S = 0.5
 _FIRST_STILL_S, _STILL_S = 0.3, 0.05
 _SHORTEST_PAUSE_S, _LONGEST_PAUSE_S, _LONGEST_SILENT_PAUSE_S = 0.0001, 0.005, 0.2
-_HAS_ENDED = os.WEXITED | os.WNOHANG | os.WNOWAIT
 _MOST_DESCRIPTORS = 1024
 
 Identity = tuple[int, int]
@@ -216,7 +219,7 @@ class Programs:
 def has_ended(process: int) -> bool:
     """Return whether a program has ended, and leave its exit code where it is."""
     try:
-        return os.waitid(os.P_PID, process, _HAS_ENDED) is not None
+        return os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
     except ChildProcessError:
         return True
 
@@ -237,7 +240,7 @@ def _is_open(descriptor: int, file: Identity) -> bool:
 def _processor_s(process: int) -> float:
     try:
         # clock_getcpuclockid(3): the clock of a process, in the form that the kernel reads.
-        return clock_gettime((~process << 3) | 2)
+        return _clock_gettime((~process << 3) | 2)
     except OSError:
         return -1.0
 

@@ -73,7 +73,7 @@ def test_a_folder_that_the_loader_cannot_name_is_told(made, tmp_path, monkeypatc
     folder.mkdir()
     monkeypatch.setenv("TRACERISK_COMMAND_ENVIRONMENT", "{}")
     source = str(tmp_path / "pick.cpp")
-    request = SimpleNamespace(argv=("./pick",), controller=source, root=str(tmp_path))
+    request = SimpleNamespace(argv=("./pick",), answers=(), controller=source, root=str(tmp_path))
     nodes = CompiledNodes(request, nodes._recorder, folder)
     nodes.sender("/speed", b"", False)
     nodes.report_attribution()

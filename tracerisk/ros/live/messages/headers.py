@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import DependencyError
 from tracerisk.ros.live.loopback import loopback_environment
 from tracerisk.ros.live.messages.texts import write_texts
@@ -60,8 +61,8 @@ def make_headers(
     for name in of_moveit:
         place = out / "moveit" / name
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_bytes((_MOVEIT / name).read_bytes())
-        sources.append(place.read_bytes())
+        sources.append(file_bytes(_MOVEIT / name))
+        place.write_bytes(sources[-1])
     for source in sources:
         for package, name in (pair for pair in _INCLUDE.findall(source)):
             _add_named(interfaces, package.decode(), name.decode(), folders, messages, services)
