@@ -59,6 +59,7 @@ class Shell:
 
     def run(self, command: str) -> tuple[int, str]:
         kept = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+        kept.pop("COLUMNS", None)  # the terminal says how wide it is
         ours, terminal = pty.openpty()
         fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("4H", 40, 80, 0, 0))
         process = subprocess.Popen(

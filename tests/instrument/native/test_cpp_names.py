@@ -100,3 +100,4 @@ def test_a_template_of_a_lambda_is_none():
     assert is_lambda("main::{lambda()#1}::operator()() const")
     assert is_lambda("Cell<int>::go()::$_1::operator()() const")
     assert not is_lambda("void run<main::{lambda()#1}>(int)")
+    assert not is_lambda("void run<main::{lambda(int)#1}>(main::{lambda(int)#1})")

@@ -25,6 +25,7 @@ _SIGNS = re.compile(
 )
 _CONVERSION = re.compile(r"operator (?=[\w:(])")
 _LAMBDA = re.compile(r"(?:::)?(?:\{lambda|<lambda|\$_\d)")
+_PARAMETERS = re.compile(r"\([^()]*\)")
 _QUALIFIERS = re.compile(r"(?: const\b| volatile\b| noexcept\b| ?&{1,2})*")
 _CLOSING = {"(": ")", "<": ">", "{": "}", "[": "]"}
 _LIBRARIES = frozenset(
@@ -93,8 +94,11 @@ def source_name(symbol: str) -> QualifiedName:
 
 
 def is_lambda(symbol: str) -> bool:
-    """Whether a demangled symbol is a lambda, and none is merely an argument of its template."""
-    return _LAMBDA.search(_without_arguments(symbol)) is not None
+    """Whether a demangled symbol is a lambda, and none is merely an argument or a parameter."""
+    text, before = _without_arguments(symbol), ""
+    while text != before:
+        text, before = _PARAMETERS.sub("", text), text
+    return _LAMBDA.search(text) is not None
 
 
 def lambda_owner(symbol: str) -> QualifiedName | None:
