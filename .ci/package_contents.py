@@ -24,12 +24,15 @@ MUST_BE = (
     "tracerisk/py.typed",
     "tracerisk/cli/set_up/pages.zip",
     "tracerisk/common/hardware/hardware.schema.json",
+    "tracerisk/instrument/native/calls.c",
     "tracerisk/report/html/assets/page.css",
+    "tracerisk/ros/live/messages/moveit/move_group_interface/move_group_interface.h",
     "tracerisk/ros/messages/interfaces.txt.gz",
     "tracerisk/twin/robots/shipped/panda.yaml",
 )
 PLACED = {"share/man/man1/tracerisk.1"}
-LIBRARY = "tracerisk/prm/compiled/loops.so"
+LOOPS = "tracerisk/prm/compiled/"
+LIBRARY = f"{LOOPS}loops.so"
 PLACEHOLDER = re.compile(r"OWNER|REPOSITORY|TODO|FIXME|XXX")
 
 
@@ -99,7 +102,8 @@ def expect_library(wheel: Path, names: list[str]) -> None:
     """Exit unless a wheel for one machine has the compiled loops, and no other has them."""
     compiled = not is_pure(wheel)
     expect((LIBRARY in names) == compiled, f"the compiled loops in {wheel.name}: {not compiled}")
-    expect(not any(name.endswith((".c", ".h")) for name in names), "C sources in the wheel")
+    loops = [name for name in names if name.startswith(LOOPS) and name.endswith((".c", ".h"))]
+    expect(not loops, f"sources of the compiled loops in the wheel: {', '.join(loops)}")
     if compiled:
         with zipfile.ZipFile(wheel) as packed:
             needed = re.findall(rb"GLIBC_2\.(\d+)", packed.read(LIBRARY))
