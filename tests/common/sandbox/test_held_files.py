@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+from tests.forked import in_child
 from tracerisk.common.sandbox import held_files
 from tracerisk.common.sandbox.kernel_features import restrict, support
 
@@ -19,36 +20,26 @@ WAYS = {
 
 def read(folder, held_of, code: str) -> str:
     """Return what is read in `here` of files that were saved anew since they were held."""
-    reading, writing = os.pipe()
     paths = [folder / name / "poses.yaml" for name in ("here", "there")]
     for path in paths:
         path.parent.mkdir()
         path.write_text(path.parent.name)
-    child = os.fork()
-    if child == 0:
-        text = "could not be tried"
+
+    def contained() -> str:
+        os.chdir(paths[0].parent)
+        there = os.open(paths[1].parent, os.O_RDONLY)
+        held = held_files.hold([str(path) for path in paths if path.parent.name in held_of])
+        for path in paths:
+            path.rename(path.with_name("old"))
+            path.write_text("saved anew")
+        restrict(["/usr", *held.values()], [str(path.parent) for path in paths], [])
+        held_files.serve(held)
         try:
-            os.chdir(paths[0].parent)
-            there = os.open(paths[1].parent, os.O_RDONLY)
-            held = held_files.hold([str(path) for path in paths if path.parent.name in held_of])
-            for path in paths:
-                path.rename(path.with_name("old"))
-                path.write_text("saved anew")
-            restrict(["/usr", *held.values()], [str(path.parent) for path in paths], [])
-            held_files.serve(held)
-            text = eval(code, {"os": os, "there": there})
+            return eval(code, {"os": os, "there": there})
         except PermissionError:
-            text = "refused"
-        except BaseException as error:  # noqa: BLE001 - the parent reports it
-            text = repr(error)
-        finally:
-            os.write(writing, text.encode())
-            os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading) as stream:
-        text = stream.read()
-    os.waitpid(child, 0)
-    return text
+            return "refused"
+
+    return in_child(contained)
 
 
 @pytest.mark.parametrize(

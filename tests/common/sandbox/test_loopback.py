@@ -2,12 +2,11 @@
 
 import _socket
 import errno
-import json
-import os
 import socket
 
 import pytest
 
+from tests.forked import in_child
 from tracerisk.common.sandbox import kernel_features, loopback
 from tracerisk.common.sandbox.kernel_features import offers_own_network, support
 
@@ -16,37 +15,29 @@ pytestmark = pytest.mark.skipif(bool(support().missing), reason="needs Landlock 
 
 def told(*, own_network: bool) -> dict[str, bool]:
     """Return what a contained process takes for addresses of its run."""
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            loopback.has_own_network.cache_clear()
-            has_left = own_network and kernel_features.leave_network()
-            kernel_features.restrict(["/usr", "/etc/hosts"], [], [], own_network=has_left)
-            sock, other = socket.socket(), socket.socket(type=socket.SOCK_DGRAM)
-            server = other
-            if has_left:
-                server = socket.create_server(("127.0.0.1", 0))
-                other.bind(("127.0.0.1", 0))
-            at, unused = server.getsockname(), ("127.0.0.1", 9)
-            found = {
-                "bound": loopback.is_of_run("socket.bind", sock, ("127.0.0.1", 0)),
-                "served": loopback.is_of_run("socket.connect", sock, at),
-                "by name": loopback.is_of_run("socket.connect", sock, ("localhost", at[1])),
-                "received": loopback.is_of_run("socket.sendto", other, other.getsockname()),
-                "unused": loopback.is_of_run("socket.connect", sock, unused),
-                "of the system": loopback.is_of_run("socket.connect", sock, ("127.0.0.1", 22)),
-                "elsewhere": loopback.is_of_run("socket.connect", sock, ("192.0.2.1", at[1])),
-                "no address": loopback.is_of_run("socket.connect", sock, "/run/some/socket"),
-            }
-            os.write(writing, json.dumps(found).encode())
-        finally:
-            os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading) as stream:
-        text = stream.read()
-    os.waitpid(child, 0)
-    return json.loads(text)
+
+    def contained() -> dict[str, bool]:
+        loopback.has_own_network.cache_clear()
+        has_left = own_network and kernel_features.leave_network()
+        kernel_features.restrict(["/usr", "/etc/hosts"], [], [], own_network=has_left)
+        sock, other = socket.socket(), socket.socket(type=socket.SOCK_DGRAM)
+        server = other
+        if has_left:
+            server = socket.create_server(("127.0.0.1", 0))
+            other.bind(("127.0.0.1", 0))
+        at, unused = server.getsockname(), ("127.0.0.1", 9)
+        return {
+            "bound": loopback.is_of_run("socket.bind", sock, ("127.0.0.1", 0)),
+            "served": loopback.is_of_run("socket.connect", sock, at),
+            "by name": loopback.is_of_run("socket.connect", sock, ("localhost", at[1])),
+            "received": loopback.is_of_run("socket.sendto", other, other.getsockname()),
+            "unused": loopback.is_of_run("socket.connect", sock, unused),
+            "of the system": loopback.is_of_run("socket.connect", sock, ("127.0.0.1", 22)),
+            "elsewhere": loopback.is_of_run("socket.connect", sock, ("192.0.2.1", at[1])),
+            "no address": loopback.is_of_run("socket.connect", sock, "/run/some/socket"),
+        }
+
+    return in_child(contained)
 
 
 @pytest.mark.skipif(not offers_own_network(), reason="needs a network of its own")

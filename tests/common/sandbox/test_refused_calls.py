@@ -20,11 +20,11 @@ import struct
 import subprocess
 import sys
 import tempfile
-import traceback
 from pathlib import Path
 
 import pytest
 
+from tests.forked import in_child
 from tracerisk.common.sandbox import kernel_features
 from tracerisk.common.sandbox.kernel_features import support
 
@@ -323,42 +323,30 @@ class World:
 
 def made(world: World, code: str, user: int, *, own_network: bool = False) -> str:
     """Make an attack in a contained process; return what it got, empty where that is an error."""
-    reading, writing = os.pipe()
     parent = os.getpid()
-    child = os.fork()
-    if child == 0:
-        got = "could not be made"
-        try:
-            os.close(reading)
-            if user != os.geteuid():
-                os.setgroups([])
-                os.setresgid(user, user, user)
-                os.setresuid(user, user, user)
-                # As after `exec`: else /proc/self belongs to root.
-                ctypes.CDLL(None).prctl(4, 1, 0, 0, 0)
-            os.setpgid(0, 0)
-            if own_network and not kernel_features.leave_network():
-                raise RuntimeError("the kernel allows no network of its own")
-            space = attacker(world, parent)
-            for kind, most in ((resource.RLIMIT_AS, 1 << 36), (resource.RLIMIT_NOFILE, 512)):
-                resource.setrlimit(kind, (most, most))
-            kernel_features.restrict(
-                ["/usr", str(world.victim)],
-                [],
-                [str(world.own)],
-                own_network=own_network,
-            )
-            got = tried(code, space)
-        except BaseException:  # noqa: BLE001 - the parent reports it
-            got = traceback.format_exc()
-        finally:
-            os.write(writing, json.dumps(got).encode())
-            os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading) as stream:
-        text = stream.read()
-    os.waitpid(child, 0)
-    return json.loads(text)
+
+    def attack() -> str:
+        if user != os.geteuid():
+            os.setgroups([])
+            os.setresgid(user, user, user)
+            os.setresuid(user, user, user)
+            # As after `exec`: else /proc/self belongs to root.
+            ctypes.CDLL(None).prctl(4, 1, 0, 0, 0)
+        os.setpgid(0, 0)
+        if own_network and not kernel_features.leave_network():
+            raise RuntimeError("the kernel allows no network of its own")
+        space = attacker(world, parent)
+        for kind, most in ((resource.RLIMIT_AS, 1 << 36), (resource.RLIMIT_NOFILE, 512)):
+            resource.setrlimit(kind, (most, most))
+        kernel_features.restrict(
+            ["/usr", str(world.victim)],
+            [],
+            [str(world.own)],
+            own_network=own_network,
+        )
+        return tried(code, space)
+
+    return in_child(attack)
 
 
 def tried(code: str, space: dict[str, object]) -> str:
