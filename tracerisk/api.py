@@ -341,13 +341,19 @@ def gather_evidence(
     from pathlib import Path
 
     from tracerisk.common.campaign import DEFAULT_CAMPAIGN
-    from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.evidence.campaign import gather
+
+    _require_repeated_runs(path, "trying failures")
+    return gather(Path(path), settings, options or DEFAULT_CAMPAIGN, cells=cells, until=until)
+
+
+def _require_repeated_runs(path: Path | str, purpose: str) -> None:
+    """Raise as `require_runs`, and InputError for C or C++, no run of which can be repeated."""
+    from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.workspace.controller import forbid_compiled
 
-    require_runs("trying failures")
-    forbid_compiled(path, "trying failures")
-    return gather(Path(path), settings, options or DEFAULT_CAMPAIGN, cells=cells, until=until)
+    require_runs(purpose)
+    forbid_compiled(path, purpose)
 
 
 def sweep(
@@ -366,12 +372,9 @@ def sweep(
     from pathlib import Path
 
     from tracerisk.common.campaign import DEFAULT_CAMPAIGN
-    from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.evidence.sweep import Factor, parse_factor, sweep
-    from tracerisk.pipeline.workspace.controller import forbid_compiled
 
-    require_runs("sweeping over runs")
-    forbid_compiled(path, "sweeping over runs")
+    _require_repeated_runs(path, "sweeping over runs")
     if isinstance(over, Mapping):
         factors = [Factor(name, tuple(values)) for name, values in over.items()]
     else:
@@ -395,12 +398,9 @@ def mutate(
     from pathlib import Path
 
     from tracerisk.common.campaign import DEFAULT_CAMPAIGN
-    from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.mutation.campaign import MOST, mutate
-    from tracerisk.pipeline.workspace.controller import forbid_compiled
 
-    require_runs("running changes of a controller")
-    forbid_compiled(path, "running changes of a controller")
+    _require_repeated_runs(path, "running changes of a controller")
     most = MOST if most is None else most
     return mutate(Path(path), settings, options or DEFAULT_CAMPAIGN, most=most)
 
@@ -441,12 +441,9 @@ def evidence_replays(
     """
     from pathlib import Path
 
-    from tracerisk.common.dependencies import require_runs
     from tracerisk.pipeline.pictures.evidence_replays import write_replays
-    from tracerisk.pipeline.workspace.controller import forbid_compiled
 
-    require_runs("replaying failures")
-    forbid_compiled(path, "replaying failures")
+    _require_repeated_runs(path, "replaying failures")
     return write_replays(Path(path), found, Path(folder), settings, progress=progress)
 
 

@@ -58,7 +58,7 @@ class VirtualClock:
 
     def sleep(self, seconds: float, /) -> None:
         """Sleep; see `time.sleep`."""
-        if self._scheduler.current is None or self._scheduler.in_kernel:
+        if not self._scheduler.may_wait:
             _real_sleep(seconds)
             return
         if not hasattr(seconds, "__float__") and not hasattr(seconds, "__index__"):

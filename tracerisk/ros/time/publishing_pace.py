@@ -43,7 +43,7 @@ class PublishingPace:
             RunOver: the run is over.
         """
         thread = scheduler.current
-        if thread is None or scheduler.in_kernel:
+        if thread is None or not scheduler.may_wait:
             return
         is_busy = (
             thread is self._thread

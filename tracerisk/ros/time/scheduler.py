@@ -454,9 +454,9 @@ class Scheduler:
             self._kernel_depth -= 1
 
     @property
-    def in_kernel(self) -> bool:
-        """Whether a kernel event runs."""
-        return self._kernel_depth > 0
+    def may_wait(self) -> bool:
+        """Whether a thread of the controller runs; what runs in a kernel event never waits."""
+        return self.current is not None and not self._kernel_depth
 
     # The baton
 

@@ -98,7 +98,7 @@ class Carrier:
 
     def pass_connections(self) -> None:
         """Wait until all ends are connected: what the controller does takes longer than that."""
-        if self._may_wait and self._scheduler.now_ns < self._latest_ns:
+        if self._scheduler.may_wait and self._scheduler.now_ns < self._latest_ns:
             self._scheduler.pass_until(self._latest_ns)
 
     def owe(self, work: Work) -> None:
@@ -114,7 +114,7 @@ class Carrier:
         self.owe(work)
         due_ns = min(self._scheduler.now_ns + self._owed_ns, self._latest_ns)
         self._owed_ns = 0
-        if self._may_wait and self._scheduler.now_ns < due_ns:
+        if self._scheduler.may_wait and self._scheduler.now_ns < due_ns:
             self._scheduler.pass_until(due_ns)
 
     def note_early(
@@ -212,13 +212,13 @@ class Carrier:
 
     def pass_latency(self, name: str) -> None:
         """Wait while a call of a name, or its answer, is on its way."""
-        if self._may_wait:
+        if self._scheduler.may_wait:
             self._pass_time(self._latency_ns(name))
 
     def pass_planning(self) -> None:
         """Wait while a plan is made, which takes longer than a connection."""
         self.pass_connections()
-        if self._may_wait:
+        if self._scheduler.may_wait:
             self._pass_time(self.planning_ns())
 
     def planning_ns(self) -> int:
@@ -231,11 +231,6 @@ class Carrier:
         middle_s = low_s + (high_s - low_s) * _LONG_PLANS
         within = (low_s, low_s + high_s - middle_s) if number % 2 else (middle_s, high_s)
         return self.world.drawn_ns(within, "plan", number)
-
-    @property
-    def _may_wait(self) -> bool:
-        """Whether a thread of the controller runs; what runs in a kernel event never waits."""
-        return self._scheduler.current is not None and not self._scheduler.in_kernel
 
     def _pass_time(self, duration_ns: int) -> None:
         if duration_ns:

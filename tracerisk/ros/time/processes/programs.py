@@ -46,9 +46,7 @@ def program_replacements(scheduler: Scheduler) -> Iterator[tuple[Any, str, Any]]
 
 def may_answer(scheduler: Scheduler) -> bool:
     """Return whether the thread that runs may wait for a program."""
-    return (
-        scheduler.current is not None and not scheduler.in_kernel and scheduler.programs.have_been
-    )
+    return scheduler.may_wait and scheduler.programs.have_been
 
 
 def is_ready(descriptor: int, event: int) -> Callable[[], bool]:
@@ -137,7 +135,7 @@ def _await_file(scheduler: Scheduler, descriptor: int, event: int) -> None:
 def _waiting(scheduler: Scheduler, real: Callable[..., int]) -> Callable[..., int]:
     @functools.wraps(real)
     def wait(self: Any, timeout: float | None = None) -> int:
-        if self.returncode is not None or scheduler.current is None or scheduler.in_kernel:
+        if self.returncode is not None or not scheduler.may_wait:
             return real(self, timeout)
         if not scheduler.wait_until(
             lambda: has_ended(self.pid),
@@ -176,7 +174,7 @@ def _look(scheduler: Scheduler, process: int) -> None:
     A second look at the same instant moves the clock as one at a state of the controller's own.
     """
     thread = scheduler.current
-    if thread is None or scheduler.in_kernel or thread.is_undisturbed:
+    if thread is None or not scheduler.may_wait or thread.is_undisturbed:
         return
     step_ns = READ_STEP_NS if has_looked(thread, scheduler.now_ns) else 1
     scheduler.wait_until(

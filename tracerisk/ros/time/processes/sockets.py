@@ -78,9 +78,7 @@ def _wait(scheduler: Scheduler, descriptor: int, event: int, timeout: float | No
 
 
 def _is_answerable(scheduler: Scheduler) -> bool:
-    if scheduler.current is None or scheduler.in_kernel:
-        return False
-    return len(scheduler.threads) > 1 or scheduler.programs.have_been
+    return may_answer(scheduler) or (scheduler.may_wait and len(scheduler.threads) > 1)
 
 
 def _waiting(
