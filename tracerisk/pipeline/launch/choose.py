@@ -289,7 +289,10 @@ class _Search:
         return result
 
     def best(self, candidates: Sequence[_Candidate]) -> _Candidate | None:
-        """Return the first of those that fit what is given, and give most of what is asked for."""
+        """Return the candidate that fits the given parameters best.
+
+        Among equal ones it is the one that gives most of the parameters asked for, then the first.
+        """
         return max(
             candidates,
             key=lambda candidate: (

@@ -239,7 +239,7 @@ def distributions() -> Mapping[str, str]:
 
 
 def missing_module(name: str, provided: Collection[str]) -> str | None:
-    """Return what to say of a top-level module that nobody has, None for what is no robot's.
+    """Return what to say of a missing top-level module; None if it has to do with no robot.
 
     `provided` are the names that have stand-ins.
     """
