@@ -45,18 +45,21 @@ def launched_robots(
     workspace = workspace_of(controller, settings)
     ros = controller.ros_version
     program = program_of(script, root, workspace)
-    texts = launch_texts(root, workspace, ros)
+    texts = {
+        path.resolve(): text
+        for path, text in launch_texts(root, workspace, ros).items()
+        if _DESCRIBES.search(text)
+    }
     named = named_packages(root, workspace.packages, strings)
     folders = [root, *(workspace.packages[name].resolve() for name in sorted(named))]
 
     def whose(path: Path) -> LaunchedBy:
-        path = path.resolve()
         if path.is_relative_to(folders[0]):
             return "package"
         return "named" if any(map(path.is_relative_to, folders)) else "workspace"
 
     paths = sorted(
-        (path for path, text in texts.items() if _DESCRIBES.search(text)),
+        texts,
         key=lambda path: (
             not given.are_near(texts[path]),
             whose(path) == "workspace",
@@ -65,7 +68,7 @@ def launched_robots(
         ),
     )[: _MOST_READ[ros]]
     readmes = ReadmeArguments(controller.project, workspace)
-    files = [readmes.given(LaunchFile(path.resolve(), ros, False)) for path in paths]
+    files = [readmes.given(LaunchFile(path, ros, False)) for path in paths]
     readings = read_launch_files(files, workspace, settings.limits)
     is_given = any(reading.robots and given.beside(reading) for reading in readings)
     descriptions = [] if is_given else list(own)
