@@ -162,16 +162,20 @@ def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
     """
     if settings.launch is False:
         return LaunchChoice()
-    asked = asked_by(controller, workspace_of(controller, settings).python_packages)
+    workspace = workspace_of(controller, settings)
+    asked = asked_by(controller, workspace.python_packages)
     given = given_parameters(settings.args, asked.nodes)
-    return replace(_chosen(controller, settings, asked, given), given=given)
+    return replace(_chosen(controller, settings, workspace, asked, given), given=given)
 
 
 def _chosen(
-    controller: Controller, settings: Settings, asked: Asked, given: GivenParameters
+    controller: Controller,
+    settings: Settings,
+    workspace: Workspace,
+    asked: Asked,
+    given: GivenParameters,
 ) -> LaunchChoice:
     root = controller.root.resolve()
-    workspace = workspace_of(controller, settings)
     script = controller.path.resolve()
     program = program_of(script, root, workspace)
     ros = controller.ros_version

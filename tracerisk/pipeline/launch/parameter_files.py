@@ -42,6 +42,8 @@ class GivenParameters:
 
     def beside(self, reading: LaunchReading) -> int:
         """Return how many of the files a launch file reads, or has read a file beside."""
+        if not self.files:
+            return 0
         folders = {path.resolve().parent for path in reading.sources}
         return sum(1 for file in self.files if file.parent in folders)
 
