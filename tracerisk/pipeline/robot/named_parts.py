@@ -113,10 +113,10 @@ def evidence_of_parts(robots: Sequence[Parts], speech: Speech) -> Iterator[Evide
             points = PLACES * (0.5 + 0.5 * len(places) / widest)
             yield _evidence(key, _PARTS, sorted(places), speech, points)
         is_named = one.joints or (places and not one.parts.own)
+        lacking, fewest = (_counted_on(one.parts, listed), 1) if is_named else (listed, _FEWEST)
         # Modules are written for more than one robot.
-        lacking = listed if not is_named else _counted_on(one.parts, listed)
         if lacking and speech.share == 1.0:
-            against = -JOINTS * min(1.0, len(lacking) / (_FEWEST if not is_named else 1))
+            against = -JOINTS * min(1.0, len(lacking) / fewest)
             words = "lists joints that it lacks"
             yield _evidence(key, words, sorted(lacking), speech, against)
 
@@ -154,7 +154,7 @@ def _named(parts: Parts, speech: Speech) -> _Named:
         or _covers(parts, tellable)
         # The joints of a description of the workspace are its own, but for what anybody calls
         # a part: `gripper`.
-        or (parts.own and any(not is_plain(name) or not name.isalpha() for name in joints))
+        or (parts.own and any(not name.isalpha() for name in joints))
         or (parts.own and bool(listed) and listed <= joints)
     )
     return _Named(parts, joints | stems, places, is_telling)
