@@ -232,10 +232,12 @@ def _finding_of(command: IssuedCommand, findings: Sequence[Finding]) -> Finding 
         and (finding.time_s or 0.0) <= command.issue_s
         and is_near(finding.target, command.goal)
     ]
-    here = [finding for finding in failures if _is_about(finding, command)]
     # A command may begin at the instant at which the one before it was aborted.
-    here.sort(key=lambda finding: finding.location != command.location)
-    return next(iter(here), earlier[-1] if earlier else None)
+    return min(
+        (finding for finding in failures if _is_about(finding, command)),
+        key=lambda finding: finding.location != command.location,
+        default=earlier[-1] if earlier else None,
+    )
 
 
 def _is_about(finding: Finding, command: IssuedCommand) -> bool:
