@@ -135,8 +135,9 @@ def _topic(lack: Lack) -> _Made:
         return entry, "the values that the code knows, in turn"
     if _SENSOR.match(need.type_name):
         words = _typed_text(need.type_name, compared.values, values)
-        is_large = seen_in_pictures(lack.place) is not None or takes_pixels(lack.place)
-        if need.type_name in PICTURES and is_large:
+        if need.type_name in PICTURES and (
+            seen_in_pictures(lack.place) is not None or takes_pixels(lack.place)
+        ):
             parts, frame = [field.name for field in fields_of(made)], values.robot.base_link
             message = picture(need.type_name, parts, frame, need.name, is_large=True)
         return {**entry, "rate": 10.0, "until": 60.0, "message": message}, words
