@@ -14,6 +14,7 @@ from tracerisk.config import RosDistro, Settings
 from tracerisk.errors import SettingsError
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE
 from tracerisk.pipeline.workspace.workspace import DISTROS, searched
 
 _SERVED: dict[RosVersion, dict[str, RosDistro]] = {
@@ -137,7 +138,7 @@ def _mentions(top: Path, controller: Path) -> Iterator[_Mention]:
     tops = [top, *(top / name for name in _HIDDEN if (top / name).is_dir())]
     for start in tops:
         for folder, files in itertools.islice(searched(start, environments=False), _MOST_FOLDERS):
-            if "package.xml" in files and Path(folder) not in controller.parents:
+            if PACKAGE_FILE in files and Path(folder) not in controller.parents:
                 packages.append(Path(folder))
             paths = (Path(folder, file) for file in files)
             files_of_kind += [(path, kind) for path in paths if (kind := _kind(path, top))]
