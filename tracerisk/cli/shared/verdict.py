@@ -78,17 +78,20 @@ def sources_verdict(files: Sequence[str]) -> SourcesVerdict | None:
     if any(text.lstrip().startswith(b"{") for text in sources.values()):
         return None
     table = source_verdicts(sources)
-    return SourcesVerdict(tuple(source_verdict_lines(table)), table)
+    return SourcesVerdict(table)
 
 
 @dataclass(frozen=True, slots=True)
 class SourcesVerdict:
     """The verdicts of the runs behind sources."""
 
-    lines: tuple[str, ...]
-    """The lines to print where nothing else is said of the verdicts."""
     by_controller: Mapping[str, Verdict | None]
     """The verdict of each controller; `None` where its lock keeps none."""
+
+    @property
+    def lines(self) -> list[str]:
+        """The lines to print where nothing else is said of the verdicts."""
+        return list(source_verdict_lines(self.by_controller))
 
     @property
     def all_lines(self) -> list[str]:
