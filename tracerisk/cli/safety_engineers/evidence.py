@@ -85,9 +85,11 @@ def run(options: argparse.Namespace) -> int:
             is_later = progress is not None
 
             def noted(reason: str) -> None:
-                if reason not in reasons and not is_later:
-                    note(reason, quiet=options.quiet)
+                if reason in reasons:
+                    return
                 reasons.append(reason)
+                if not is_later:
+                    note(reason, quiet=options.quiet)
 
             evidence = api.gather_evidence(
                 options.controller,
@@ -96,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
                 cells=options.cells,
                 until=options.until,
             )
-        for reason in dict.fromkeys(reasons if is_later else ()):
+        for reason in reasons if is_later else ():
             note(reason, quiet=options.quiet)
     _print(options, at_lines_now(evidence, api.load_controller(options.controller)))
     if options.replays is not None:
