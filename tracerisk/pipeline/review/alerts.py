@@ -86,18 +86,18 @@ def check_alerts(
             alerts += [_of_check(one, ()) for one in check_finding.findings]
             continue
         project = projects.of(path)
-        root = project.root
-        entry = project.lock.controllers.get(lock_key(path, root))
+        entry = project.lock.controllers.get(lock_key(path, project.root))
         held = annotated_sources(path, projects)
         sources = {file: read_blocks(text, str(file)) for file, text in held.items()}
         placed = [block for blocks in sources.values() for block in blocks]
         pins = [one for file, here in sources.items() for one in without_reason(here, str(file))]
         found_here = [one for one in check_finding.findings if one.kind != "contact"]
         alerts += [_of_check(one, placed) for one in (*found_here, *pins)]
-        alerts += _of_last_run(path, root, entry, sources)
+        controller = load_controller(path, project)
+        alerts += _of_last_run(controller, entry, sources)
         # Of other sources than those of the evidence, its lines are not these.
         if not any(one.kind in ("stale", "unknown") for one in check_finding.findings):
-            alerts += _of_evidence(load_controller(path, project))
+            alerts += _of_evidence(controller)
         if not any(
             finding.kind in ("missing", "orphaned", "unsolvable")
             for finding in check_finding.findings
@@ -204,8 +204,7 @@ def _of_world(run: WorldRun, trace: Trace, root: Path) -> Alert:
 
 
 def _of_last_run(
-    path: Path,
-    root: Path,
+    controller: Controller,
     entry: ControllerLock | None,
     sources: Mapping[Path, Sequence[PlacedBlock]],
 ) -> Iterator[Alert]:
@@ -215,7 +214,7 @@ def _of_last_run(
     """
     if entry is None:
         return
-    controller = load_controller(path)
+    root = controller.root
     given = {
         FunctionRef(lock_key(file, root), placed.function)
         for file, blocks in sources.items()
