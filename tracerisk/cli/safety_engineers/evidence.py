@@ -81,7 +81,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         reasons: list[str] = []
         with bar_of_cells("failures", "the run without a failure", quiet=options.quiet) as progress:
-            # Where there is a bar, lines would go through it: they follow it.
+            # Lines would break a progress bar: they come after it.
             is_later = progress is not None
 
             def noted(reason: str) -> None:

@@ -105,8 +105,9 @@ def _trust(report: ReportInput) -> str:
     """Return what the command that made the dossier found out itself, and what it could not."""
     assert report.record is not None, "a dossier is of a report with its record"
     has_run = report.trace is not None and report.hardware is not None
-    is_known = bool(report.record.fingerprint)
-    of_no_run = "" if is_known else "**on trust**: no lock says of which run they are"
+    of_no_run = ""
+    if not report.record.fingerprint:
+        of_no_run = "**on trust**: no lock says of which run they are"
     rows = [
         ("the figure", "recomputed from the risk blocks in `files/`"),
         (
@@ -114,14 +115,14 @@ def _trust(report: ReportInput) -> str:
             "recomputed from `trace.json` and the hardware description"
             if has_run
             else of_no_run
-            or "**on trust**: the run behind them is not here, only that they are those of "
-            "`tracerisk.lock` was looked at",
+            or "**on trust**: the run behind them is not here; they were only compared with "
+            "`tracerisk.lock`",
         ),
         (
             "sources, settings and other inputs",
             of_no_run
-            or "compared with their digests in `tracerisk.lock`; they say of which inputs the run "
-            "was",
+            or "compared with their digests in `tracerisk.lock`, which say which inputs the run "
+            "had",
         ),
     ]
     if has_run:

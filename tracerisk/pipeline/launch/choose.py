@@ -40,7 +40,7 @@ _MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = {1: 40, 2: 4}
 _AT_ONCE = 2
 _MOST_LISTED = 3
-# Variables of the environment on which the run itself stands begin so.
+# The run itself relies on environment variables whose names begin so.
 _NOT_SET = ("HOME", "LD_", "MUJOCO", "PATH", "PYTHON", "TMP", "TZ")
 
 

@@ -41,7 +41,7 @@ class GivenParameters:
     """What they hold for the controller's node."""
 
     def beside(self, reading: LaunchReading) -> int:
-        """Return how many of the files a launch file reads, or has read a file beside."""
+        """Return for how many of the files a launch file reads one in the same folder."""
         if not self.files:
             return 0
         folders = {path.resolve().parent for path in reading.sources}

@@ -95,7 +95,7 @@ def check_alerts(
         alerts += [_of_check(one, placed) for one in (*found_here, *pins)]
         controller = load_controller(path, project)
         alerts += _of_last_run(controller, entry, sources)
-        # Of other sources than those of the evidence, its lines are not these.
+        # Where the sources have changed since the evidence, its lines may be wrong.
         if not any(one.kind in ("stale", "unknown") for one in check_finding.findings):
             alerts += _of_evidence(controller)
         if not any(

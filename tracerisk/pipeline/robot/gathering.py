@@ -170,7 +170,7 @@ class Gathering:
         return frozenset(self.shipped) - against
 
     def _of_other_arms(self) -> Iterator[Evidence]:
-        """Yield what speaks against shipped robots: the source names another of their maker's."""
+        """Yield what speaks against shipped robots: the source names another arm of their maker."""
         own = self._controller
         text = f"{own.path.name} {own.source.decode(errors='replace')}"
         for name in self.shipped:

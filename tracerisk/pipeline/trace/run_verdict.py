@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 _BY_ITSELF: frozenset[EndCause] = frozenset({"raised", "exited"})
 """How a controller ends itself badly; what it brought about until then is known."""
 _SAME_PLACE = 0.05  # of its range: a command that moves a gripper by less neither opens nor closes
-_AT_END_S = 0.1  # what was touched so shortly before the end of the run is so at its end [s]
+_AT_END_S = 0.1  # what is touched this shortly before a run ends is touched at its end [s]
 _AFTER_S = 1.0  # a grip shows no later than this after the gripper's command ended [s]
 
 
@@ -350,7 +350,7 @@ def _holds(
     end_ns = command.end_ns if command.end_ns is not None else command.issue_ns
     moved_ns = next((item.issue_ns for item in later if gripper.name not in item.elements), end_ns)
     until = (max(end_ns, moved_ns) + round(_AFTER_S * 1e9)) // step_ns
-    # A run that ends with the command hardly has a step behind it.
+    # A run that ends with the command has hardly a step after it.
     last = min(end_ns // step_ns, samples.n_steps - 1 - round(_AT_END_S * 1e9) // step_ns)
     return any(
         hold.holder == gripper.name and hold.start <= until and hold.stop > last for hold in holds

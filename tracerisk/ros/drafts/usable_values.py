@@ -95,7 +95,7 @@ class _Place:
 
     @property
     def units(self) -> Units:
-        """The units of the field: as is said of it, else those of the driver."""
+        """The units that are said of the field, else those of the driver."""
         name = self.path[-1] if self.path else ""
         said = units_of(name, self.comments.get(name, ""), self.said)
         return self.of_driver if said == SI else said

@@ -208,11 +208,11 @@ class PlaceholderFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     names: Collection[str]
     """The top names of the modules."""
     made: Callable[[str], Any]
-    """The function that returns what has a dotted name in them."""
+    """The function that returns what a dotted name in them stands for."""
     starred: Callable[[str], Sequence[str]] = lambda _: ()
     """The function that returns the names that `import *` takes of a module."""
     is_first: bool = False
-    """Whether they are served though they are there."""
+    """Whether they are served even where there are real ones."""
 
     @classmethod
     def of_values(cls, names: Collection[str], values: PlaceholderValues) -> Self:
@@ -241,7 +241,7 @@ class PlaceholderFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         """Do nothing: the module has no code."""
 
     def __enter__(self) -> Self:
-        # Else behind all that finds a real one.
+        # Before all that finds a real one, or behind it.
         sys.meta_path.insert(0 if self.is_first else len(sys.meta_path), self)
         return self
 

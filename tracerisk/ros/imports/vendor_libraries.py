@@ -221,8 +221,8 @@ def remedy(name: str, provided: Collection[str]) -> Remedy:
 def may_stand_in(name: str, provided: Collection[str]) -> bool:
     """Return whether a placeholder may stand for a top-level module that nobody has.
 
-    None does for what commands the robot, past ROS or in its own way, and for what is ROS's. For a
-    device one does, such as a serial port of a gripper: nothing moves by it.
+    None does for what commands the robot, past ROS or in its own way, and for what is ROS's. One
+    may for a device, such as the serial port of a gripper: nothing moves by it.
     """
     known = {*_ROBOTS, *_REPOSITORIES, *REMOVED_MODULES, *provided}
     return name not in known and missing_module(name, provided) is None

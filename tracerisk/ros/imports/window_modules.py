@@ -76,7 +76,7 @@ class Windows:
         return timer
 
     def cancel(self, timer: object) -> None:
-        """Call nothing that waits for its time."""
+        """Drop a timer: its function is not called any more."""
         self._timers = [waiting for waiting in self._timers if waiting is not timer]
 
     def every(self, interval_ms: object, function: Callable[[], bool]) -> None:
@@ -218,7 +218,7 @@ class Widget(Placeholder):
             self._windows.bind(options["command"], self._value(), text=text)
 
     def _is_new(self, function: Any) -> bool:
-        """Return whether the widget did not call a function yet; it may call two in turn."""
+        """Return whether a function is not bound to the widget yet, and note that it is now."""
         plain = getattr(function, "func", function)
         key = getattr(plain, "__code__", plain), getattr(plain, "__self__", None)
         is_new = not any(key[0] is code and key[1] is owner for code, owner in self._bound)

@@ -56,8 +56,8 @@ def with_seen(message: Mapping[str, Any], seen: Seen) -> Iterator[dict[str, Any]
 def box_in_picture(center: Iterable[str]) -> dict[str, Any]:
     """Return a vision_msgs/BoundingBox2D in a large picture [pixels].
 
-    `center` are the fields of its centre, which each distribution writes its way. It is aside, so
-    that what stands there in front of a camera at the arm's base is beside the base.
+    `center` are the fields of its centre, which each distribution writes its way. It is off
+    the middle: what a camera at the arm's base sees there stands beside the base.
     """
     (right, down), (width, height) = _BESIDE, _LARGE
     at = {"x": right * width, "y": down * height}
