@@ -211,28 +211,31 @@ def reviewed_controllers(
 def _of_other_run(
     locks: tuple[Locks, Locks], folder: str, paths: tuple[str, ...] | None
 ) -> Iterator[str]:
-    """Yield the controllers of a lock whose run has another verdict, or did something else.
+    """Yield the controllers of a lock whose run has another verdict or scenario, or other results.
 
     Among them are those whose run accepts something else, or whose verdict or outcome is lost.
     """
     earlier, later = locks[0]._in(folder), locks[1]._in(folder)
     for name in sorted(earlier.keys() & later.keys()):
-        if not is_within(name, paths):
-            continue
-        before, after = earlier[name].entry, later[name].entry
-        old, new = kept_verdict(before), kept_verdict(after)
-        if old is not None and (
-            new is None or old.kind != new.kind or old.acceptances != new.acceptances
+        if is_within(name, paths) and (
+            _is_other_run(earlier[name].entry, later[name].entry)
+            or _has_other_scenario(locks, name)
         ):
             yield name
-        elif before.trace.get(OUTCOME) != after.trace.get(OUTCOME):
-            changes = kept_changes(before.trace, after.trace)
-            is_lost = kept_outcome(before.trace) is not None and changes is None
-            if is_lost or (changes is not None and changes.of_mission):
-                yield name
-                continue
-        if _has_other_scenario(locks, name):
-            yield name
+
+
+def _is_other_run(before: ControllerLock, after: ControllerLock) -> bool:
+    old, new = kept_verdict(before), kept_verdict(after)
+    if old is not None and (
+        new is None or old.kind != new.kind or old.acceptances != new.acceptances
+    ):
+        return True
+    if before.trace.get(OUTCOME) == after.trace.get(OUTCOME):
+        return False
+    changes = kept_changes(before.trace, after.trace)
+    if changes is None:
+        return kept_outcome(before.trace) is not None
+    return bool(changes.of_mission)
 
 
 def _has_other_scenario(locks: tuple[Locks, Locks], name: str) -> bool:
