@@ -161,7 +161,7 @@ def success_of(run: RunOfVersion, scenario: ScenarioOfVersion) -> tuple[Conditio
     if not scenario.name:
         return ()
     path = run.path_of(scenario.name)
-    if path is None or run.version.file(path) is None:
+    if path is None:
         return None
     try:
         with _as_files(run.version, [path]) as top:
