@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.common.geometry.frames import rotation
-from tracerisk.common.geometry.rotation import quaternion_of
+from tracerisk.common.geometry.rotation import product, quaternion_of, rotated
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.pipeline.recordings.recorded_topics import OBJECTS, SCENE, WORLD
 from tracerisk.pipeline.recordings.writing.cdr import Cdr, Stamped
@@ -273,26 +273,15 @@ def _primitives(shape: Shape) -> Iterator[_Solid]:
     yield _Solid(_CYLINDER, (wide, wide, 2 * half), pose)
     if shape.kind == "capsule":
         for end in (-half, half):
-            x, y, z = np.array(shape.xyz) + _rotated(np.array(turn), np.array((0.0, 0.0, end)))
+            x, y, z = np.add(shape.xyz, rotated(turn, (0.0, 0.0, end)))
             yield _Solid(_SPHERE, (wide, wide, wide), (x, y, z, *turn))
 
 
 def _product(one: Array, other: Array) -> Array:
     """Return the quaternions that turn by `other` and then by `one`; (n, 4) or (4,) each."""
-    a, b, c, d = one.T
-    e, f, g, h = other.T
-    turned = np.array(
-        [
-            a * e - b * f - c * g - d * h,
-            a * f + b * e + c * h - d * g,
-            a * g - b * h + c * e + d * f,
-            a * h + b * g - c * f + d * e,
-        ]
-    )
-    return np.asarray(turned.T)
+    return np.stack(product(tuple(one.T), tuple(other.T)), axis=-1)
 
 
-def _rotated(turn: Array, vector: Array) -> Array:
-    """Return a vector (3,) turned by quaternions, (n, 4) or (4,)."""
-    twice = 2.0 * np.cross(turn[..., 1:], vector)
-    return np.asarray(vector + turn[..., :1] * twice + np.cross(turn[..., 1:], twice))
+def _rotated(turns: Array, vector: Array) -> Array:
+    """Return a vector (3,) turned by each of the quaternions (n, 4), (n, 3)."""
+    return np.stack(rotated(tuple(turns.T), tuple(vector)), axis=-1)
