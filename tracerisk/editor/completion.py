@@ -261,7 +261,7 @@ def component_words(component: Component, hardware: Hardware | None) -> str:
     lines = [f"units: {count}"]
     for figure in component.figures:
         what = figure.kind.replace("_", " ")
-        of = "" if figure.sheet is None else f" of {figure.sheet.text}"
+        of = f" of {figure.stated}" if figure.stated else ""
         lines.append(f"{what} {figure.value:g} per {figure.per.value}{of}")
     source = component.source or (None if hardware is None else hardware.source)
     return "; ".join([*lines, *([f"source: {source}"] if source else [])])

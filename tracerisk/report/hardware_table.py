@@ -76,7 +76,7 @@ def figure_text(figure: FailureFigure) -> str:
         text = f"{figure.value:g} per {per}"
         text += " not in use" if figure.standby else ""
         text += " (rate)" if figure.kind == "failure_rate" and not figure.standby else ""
-    text += "" if figure.sheet is None else f", of {figure.sheet.text}"
+    text += f", of {figure.stated}" if figure.stated else ""
     if figure.error_factor is not None:
         text += f", error factor {figure.error_factor:g}"
         text += " (p95 / p50); the value is the mean" if figure.value_is == "mean" else ""

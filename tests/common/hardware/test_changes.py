@@ -111,6 +111,17 @@ def test_of_joints_those_that_differ_are_said(tmp_path: Path, before, after, exp
     assert found == expected or before != '"*"'
 
 
+def test_another_data_sheet_is_a_change_though_its_rate_is_the_same(tmp_path: Path):
+    at = "value: 2.1e-7, per: hour, temperature: {rated: 40, working: 40, activation_energy: 0.5}"
+    before = MOTOR.replace("value: 2.1e-7, per: hour", at)
+    paths = tmp_path / "before.yaml", tmp_path / "after.yaml"
+    for path, text in zip(paths, (before, before.replace("40", "55")), strict=True):
+        path.write_text(text)
+    (line,) = changes(*paths)
+    assert "at 40 degC" in line
+    assert "2.1e-07/h of 2.1e-07 at 55 degC" in line
+
+
 def test_the_same_rate_in_fit_is_no_change(tmp_path: Path):
     fit = MOTOR.replace("value: 2.1e-7, per: hour", "value: 210, unit: FIT")
     paths = tmp_path / "before.yaml", tmp_path / "after.yaml"

@@ -13,7 +13,6 @@ from tracerisk.common.hardware.model import (
 )
 from tracerisk.common.hardware.redundancy import Redundancy, Repair
 from tracerisk.common.hardware.shipped import shipped_hardware
-from tracerisk.common.hardware.units import DataSheet
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError
 
@@ -43,8 +42,8 @@ components:
     assert c.figures == (FailureFigure("probability", 3e-7, Basis.MINUTE),)
     assert d.figures == (FailureFigure("failure_rate", 5.7e-06, Basis.HOUR),)
     (rate,) = e.figures
-    assert rate == FailureFigure("failure_rate", 5.7e-08, Basis.HOUR, sheet=DataSheet(5.7e-08))
-    assert rate.sheet.text == "57 FIT"
+    assert rate == FailureFigure("failure_rate", 5.7e-08, Basis.HOUR)
+    assert rate.stated == "57 FIT"
     assert len(f.figures) == 2
     assert (a.quantity, c.quantity, d.quantity, e.quantity) == (1, None, 2, 3)
     assert (a.always_active, b.always_active) == (True, False)
@@ -236,9 +235,7 @@ components:
                 source="assumed",
             ),
             FailureFigure("probability", 2e-7, Basis.HOUR),
-            FailureFigure(
-                "failure_rate", 5.7e-7, Basis.HOUR, error_factor=10.0, sheet=DataSheet(5.7e-7)
-            ),
+            FailureFigure("failure_rate", 5.7e-7, Basis.HOUR, error_factor=10.0),
             FailureFigure("failure_rate", 1e-8, Basis.HOUR, standby=True),
             FailureFigure("weibull", 30000.0, Basis.HOUR, shape=2.0),
         ),

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import chain
 from typing import Any
 
 from tracerisk.common.hardware.description_data import component_data
 from tracerisk.common.hardware.model import FIGURE_KEYS, Component, FailureFigure, Hardware
-from tracerisk.common.hardware.units import DataSheet
 
 _PER = {"minute": "/min", "hour": "/h"}
 _Sourced = tuple[FailureFigure, str]
@@ -99,7 +97,7 @@ def _changed_figures(
     gone, come = _figures(*before), _figures(*after)
     for key in [key for key in come if key in gone]:
         old, new = gone.pop(key), come.pop(key)
-        if _texts(old) != _texts(new) and _rates(old) != _rates(new):
+        if _texts(old) != _texts(new) and old != new:
             yield f"{key} {_texts(old, new)} -> {_texts(new)}"
     if gone and come:
         old, new = (list(chain.from_iterable(kinds.values())) for kinds in (gone, come))
@@ -115,14 +113,6 @@ def _figures(component: Component, hardware: Hardware) -> dict[str, list[_Source
         source = figure.source or component.source or hardware.source or "no source"
         figures.setdefault(figure.key, []).append((figure, source))
     return figures
-
-
-def _rates(figures: Sequence[_Sourced]) -> list[_Sourced]:
-    """Return figures as if none was in FIT: the same rate per hour is no other figure."""
-    return [
-        (replace(figure, sheet=None) if figure.sheet == DataSheet(figure.value) else figure, source)
-        for figure, source in figures
-    ]
 
 
 def _texts(figures: Sequence[_Sourced], others: Sequence[_Sourced] = ()) -> str:
@@ -213,8 +203,8 @@ def _text(figure: FailureFigure) -> str:
     text = f"{figure.value:.6g}{per}"
     if figure.kind == "weibull":
         text = f"shape {figure.shape:.6g}, scale {figure.value:.6g} {figure.per.value}s"
-    if figure.sheet is not None:
-        text += f" of {figure.sheet.text}"
+    if figure.stated:
+        text += f" of {figure.stated}"
     if figure.error_factor is not None:
         text += f", error factor {figure.error_factor:.6g}"
     return text

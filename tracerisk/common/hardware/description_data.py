@@ -100,8 +100,8 @@ def figure_data(figure: FailureFigure) -> dict[str, Any]:
     data: dict[str, Any] = {"value": figure.value if sheet is None else sheet.value}
     if figure.kind == "weibull":
         data = {"shape": figure.shape, "scale": figure.value}
-    if sheet is not None and sheet.fit is not None:
-        data = {"value": sheet.fit, "unit": "FIT"}
+    if figure.fit is not None:
+        data = {"value": figure.fit, "unit": "FIT"}
     elif sheet is None or sheet.kind is None:
         data["per"] = figure.per.value
     elif sheet.kind not in CYCLE_KINDS:

@@ -103,8 +103,16 @@ class FailureFigure:
     """Whether `value` is the median or the mean of that lognormal."""
     source: str | None = None
     """Where the figure is from; `None` for the component's source."""
-    sheet: DataSheet | None = field(default=None, compare=False)
+    sheet: DataSheet | None = None
     """What a data sheet states, of which `value` is made; `None` where it is the value."""
+    fit: float | None = field(default=None, compare=False)
+    """The rate as it is stated in FIT, failures per 1e9 hours; `None` where it is not."""
+
+    @property
+    def stated(self) -> str:
+        """What a data sheet states, in words: `MTBF 886000 h`, `57 FIT`; empty for the value."""
+        rate = "" if self.fit is None else f"{self.fit:.10g} FIT"
+        return rate if self.sheet is None else self.sheet.text(rate)
 
     @property
     def key(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, get_args
 
@@ -79,8 +79,6 @@ class DataSheet:
     """The share of failures that are dangerous, for MTTFd and B10d; `None`: they alone count."""
     temperature: Temperature | None = None
     """At which temperature the value holds, and at which the unit works; `None`: the same."""
-    fit: float | None = field(default=None, compare=False)
-    """The rate in FIT, failures per 1e9 hours; `None` where it is not stated so."""
 
     @property
     def figure(self) -> float:
@@ -106,11 +104,12 @@ class DataSheet:
             return "" if self.figure <= 1.0 else "gives a probability per cycle above 1"
         return "" if math.isfinite(self.figure) else "gives an infinite rate"
 
-    @property
-    def text(self) -> str:
-        """What the data sheet states, in words: `MTBF 886000 h`."""
+    def text(self, rate: str = "") -> str:
+        """Return what the data sheet states, in words: `MTBF 886000 h`.
+
+        `rate` is how a rate is stated where it is not per the basis of the figure.
+        """
         words = []
-        rate = f"{self.value:.10g}" if self.fit is None else f"{self.fit:.10g} FIT"
         if self.kind in CYCLE_KINDS:
             words.append(f"{_NAMES[self.kind]} {self.value:.10g} cycles")
         elif self.kind is not None:
@@ -122,13 +121,11 @@ class DataSheet:
         if self.dangerous is not None:
             words.append(f"{self.dangerous * 100:.6g} % of the failures dangerous")
         if self.temperature is not None:
-            at = self.temperature
+            at, stated = self.temperature, rate or f"{self.value:.10g}"
             words.append(
-                f"{f'{rate} ' if self.kind is None else ''}at {at.rated:g} degC, works "
+                f"{f'{stated} ' if self.kind is None else ''}at {at.rated:g} degC, works "
                 f"at {at.working:g} degC, {at.activation_energy:g} eV: times {at.factor:.6g}"
             )
-        elif self.kind is None:
-            words.append(rate)
         return ", ".join(words)
 
 

@@ -176,7 +176,7 @@ def _source(source: str | None) -> list[str]:
 
 
 def _figure(figure: FailureFigure, term: TermDerivation) -> str:
-    stated = "" if figure.sheet is None else f"{figure.sheet.text}; "
+    stated = f"{figure.stated}; " if figure.stated else ""
     return stated + _computed_figure(figure, term)
 
 

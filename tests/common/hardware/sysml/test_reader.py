@@ -11,7 +11,6 @@ from tracerisk.common.hardware.sysml.language.parsing import parse
 from tracerisk.common.hardware.sysml.language.standard_names import ENUMERATIONS, FEATURES
 from tracerisk.common.hardware.sysml.language.syntax import Element, Package, SourceText
 from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
-from tracerisk.common.hardware.units import DataSheet
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.errors import HardwareError
 
@@ -53,8 +52,7 @@ def test_each_kind_of_element_has_its_meaning():
     assert psu.figures == (FailureFigure("probability", 0.1, Basis.VISIT),)
     assert psu.always_active
     assert psu.test_interval_s == 8 * 3600.0
-    in_fit = FailureFigure("failure_rate", 5.7e-7, Basis.HOUR, sheet=DataSheet(5.7e-7))
-    assert cam.figures == (in_fit,)
+    assert cam.figures == (FailureFigure("failure_rate", 5.7e-7, Basis.HOUR),)
     assert cam.twin == TwinBinding(sensors="camera", optional=True)
     assert hardware.robot == "x"
     assert str(motor.location) == "e.sysml:42:13"

@@ -163,14 +163,13 @@ def _rate(fields: Fields) -> FailureFigure:
     rate = fields.rate("rate")
     value, per = rate_per(rate)
     standby = fields.boolean("standby", default=False)
-    temperature = _temperature(fields)
-    sheet = None
     fit = float(rate.number) if rate.unit.is_fit else None
-    if temperature is not None or fit is not None:
-        sheet = DataSheet(value, temperature=temperature, fit=fit)
+    sheet = None
+    if (temperature := _temperature(fields)) is not None:
+        sheet = DataSheet(value, temperature=temperature)
         value = _stated(fields, "rate", sheet)
     return FailureFigure(
-        "failure_rate", value, per, standby=standby, sheet=sheet, **_uncertainty(fields)
+        "failure_rate", value, per, standby=standby, sheet=sheet, fit=fit, **_uncertainty(fields)
     )
 
 

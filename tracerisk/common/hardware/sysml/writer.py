@@ -235,8 +235,8 @@ class _Writer:
         elif figure.kind == "failure_rate":
             rate = figure.value if sheet is None else sheet.value
             unit = self._unit(_UNIT[figure.per], "^-1")
-            if sheet is not None and sheet.fit is not None:
-                rate, unit = sheet.fit, "[FIT]"
+            if figure.fit is not None:
+                rate, unit = figure.fit, "[FIT]"
             values["rate"] = _Written(f"{_operand(rate)} {unit}")
             if figure.standby:
                 values["standby"] = True

@@ -132,13 +132,12 @@ def _rate(figure: YamlMap, *, standby: bool) -> FailureFigure:
         fit, value = value, rate_from_fit(value)
     else:
         per = _basis(figure, _SPANS)
-    temperature = _temperature(figure) if "temperature" in figure else None
     sheet = None
-    if temperature is not None or fit is not None:
-        sheet = DataSheet(value, temperature=temperature, fit=fit)
+    if "temperature" in figure:
+        sheet = DataSheet(value, temperature=_temperature(figure))
         value = _stated(figure, sheet)
     return FailureFigure(
-        "failure_rate", value, per, standby=standby, sheet=sheet, **_uncertainty(figure)
+        "failure_rate", value, per, standby=standby, sheet=sheet, fit=fit, **_uncertainty(figure)
     )
 
 
