@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import InputError
@@ -13,7 +14,8 @@ if TYPE_CHECKING:
     from tracerisk.common.evidence.cells import Evidence
     from tracerisk.pipeline.workspace.controller import Controller
 
-_Lines = Callable[[Mapping[str, bytes], Mapping[str, str]], Callable[[str, int], int]]
+_LineOf = Callable[[str, int], int]
+_Lines = Callable[[Mapping[str, bytes], Mapping[str, str]], _LineOf]
 
 
 def at_bare_line(place: str, controller: Controller) -> str:
@@ -21,23 +23,32 @@ def at_bare_line(place: str, controller: Controller) -> str:
 
     So evidence stays the same whatever the blocks say.
     """
-    return _moved(place, controller, bare_lines)
+    return _mover(controller, bare_lines)(place)
 
 
 def at_lines_now(evidence: Evidence, controller: Controller) -> Evidence:
     """Return kept evidence with the places as they are in the sources, with their risk blocks."""
-    places = {cell.missed_at for cell in evidence.cells}
-    now = {place: _moved(place, controller, block_lines) for place in places}
-    cells = tuple(replace(cell, missed_at=now[cell.missed_at]) for cell in evidence.cells)
+    moved = _mover(controller, block_lines)
+    cells = tuple(replace(cell, missed_at=moved(cell.missed_at)) for cell in evidence.cells)
     return replace(evidence, cells=cells)
 
 
-def _moved(place: str, controller: Controller, lines: _Lines) -> str:
-    file, _, line = place.rpartition(":")
-    if not file or not line.isdigit() or not controller.path_of(file).is_file():
-        return place
-    try:
-        sources, shown = {file: controller.source_of(file)}, {file: str(controller.path_of(file))}
-        return f"{file}:{lines(sources, shown)(file, int(line))}"
-    except InputError:
-        return place  # of a file whose blocks cannot be read
+def _mover(controller: Controller, lines: _Lines) -> Callable[[str], str]:
+    """Return what moves a place by the blocks of its file, which is read once."""
+
+    @cache
+    def line_of(file: str) -> _LineOf | None:
+        path = controller.path_of(file)
+        if not path.is_file():
+            return None
+        try:
+            return lines({file: controller.source_of(file)}, {file: str(path)})
+        except InputError:
+            return None  # its blocks cannot be read
+
+    def moved(place: str) -> str:
+        file, _, line = place.rpartition(":")
+        known = line_of(file) if file and line.isdigit() else None
+        return place if known is None else f"{file}:{known(file, int(line))}"
+
+    return moved
