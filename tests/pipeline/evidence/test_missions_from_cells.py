@@ -144,27 +144,20 @@ def test_figures_and_places_are_in_every_form_that_programs_read(campaign):
         "home(arm)  # goes on, and does not look whether it arrives",
     }
     (run,) = json.loads(folder.read("s.json"))["runs"]
-    alerts = [
-        (
-            result["locations"][0]["physicalLocation"]["region"]["startLine"],
-            result["message"]["text"],
-        )
-        for result in run["results"]
-        if result["ruleId"] == "undetected-failure"
-    ]
-    assert sorted(alerts) == sorted(helped)
-    alike = [result for result in run["results"] if result["ruleId"] == "undetected-failure"]
-    functions = {
-        lines[
-            result["locations"][0]["physicalLocation"]["region"]["startLine"] - 1
-        ].strip(): result["locations"][0]["logicalLocations"][0]["fullyQualifiedName"]
-        for result in alike
-    }
-    assert set(functions.items()) <= {
+    alerts = [result for result in run["results"] if result["ruleId"] == "undetected-failure"]
+    shown, functions = [], set()
+    for alert in alerts:
+        (place,) = alert["locations"]
+        line = place["physicalLocation"]["region"]["startLine"]
+        shown.append((line, alert["message"]["text"]))
+        function = place["logicalLocations"][0]["fullyQualifiedName"]
+        functions.add((lines[line - 1].strip(), function))
+    assert sorted(shown) == sorted(helped)
+    assert functions <= {
         ("return arm.go(wait=True)", "home"),
         ("home(arm)  # goes on, and does not look whether it arrives", "main"),
     }
-    assert len({result["partialFingerprints"]["tracerisk/v1"] for result in alike}) == len(alike)
+    assert len({alert["partialFingerprints"]["tracerisk/v1"] for alert in alerts}) == len(alerts)
     entries = json.loads(folder.read("q.json"))
     mine = [entry for entry in entries if entry["check_name"] == "undetected-failure"]
     assert sorted(

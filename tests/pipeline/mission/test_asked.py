@@ -3,7 +3,6 @@
 import pytest
 
 from tracerisk.pipeline.mission.asked import asked_less, asked_newly
-from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 
 # Each second condition asks more than the first, or the same in other words.
 STRICTER = (
@@ -38,19 +37,9 @@ OTHER = (
 )
 
 
-@pytest.fixture
-def success(tmp_path):
-    def read(*lines):
-        file = tmp_path / "cell.yaml"
-        file.write_text("success:\n" + "".join(f"- {line}\n" for line in lines))
-        return read_scenario(file).success
-
-    return read
-
-
 @pytest.mark.parametrize(("loose", "strict"), STRICTER)
-def test_what_asks_more_asks_nothing_less(success, loose, strict):
-    old, new = success(loose), success(strict)
+def test_what_asks_more_asks_nothing_less(read, loose, strict):
+    old, new = read(loose), read(strict)
     assert asked_less(old, new) == ()
     assert asked_newly(old, new) == (new[0].words,)
     (less,) = asked_less(new, old)
@@ -59,22 +48,22 @@ def test_what_asks_more_asks_nothing_less(success, loose, strict):
 
 
 @pytest.mark.parametrize(("one", "other"), OTHER)
-def test_what_asks_something_else_asks_less(success, one, other):
-    for old, new in ((success(one), success(other)), (success(other), success(one))):
+def test_what_asks_something_else_asks_less(read, one, other):
+    for old, new in ((read(one), read(other)), (read(other), read(one))):
         (less,) = asked_less(old, new)
         assert less.startswith(old[0].words)
 
 
-def test_a_line_that_nobody_confirms_any_more_asks_less(success):
+def test_a_line_that_nobody_confirms_any_more_asks_less(read):
     line = "{object: cup, at: tray}"
-    confirmed, assumed = success(line), success(f"{line} # assumed")
+    confirmed, assumed = read(line), read(f"{line} # assumed")
     assert assumed[0].is_assumed
     (less,) = asked_less(confirmed, assumed)
     assert "assumed: nobody has confirmed it" in less
     assert asked_less(assumed, confirmed) == ()
 
 
-def test_the_order_of_lines_is_no_change(success):
+def test_the_order_of_lines_is_no_change(read):
     lines = ("{object: cup, at: tray}", "{called: weld}")
-    old, new = success(*lines), success(*reversed(lines))
+    old, new = read(*lines), read(*reversed(lines))
     assert asked_less(old, new) == asked_newly(old, new) == ()

@@ -14,16 +14,6 @@ from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.scenario import Scenario
 
 
-@pytest.fixture
-def read(tmp_path):
-    def read_entry(*entries):
-        path = tmp_path / "cell.yaml"
-        path.write_text("success:\n" + "".join(f"  - {each}\n" for each in entries))
-        return read_scenario(path).success
-
-    return read_entry
-
-
 @pytest.mark.parametrize(
     "entry",
     [
