@@ -1,7 +1,8 @@
 """What a trace and its values depended on, with digests by which it is compared.
 
 The lock keeps, for each controller, the settings of its run and a digest of each file it depended
-on: of its sources without comments and blank lines, of other files byte for byte."""
+on: of its sources without comments and blank lines, of other files byte for byte.
+"""
 
 from __future__ import annotations
 
@@ -25,17 +26,11 @@ from tracerisk.pipeline.workspace.controller import Controller, from_root
 if TYPE_CHECKING:
     from tracerisk.trace import Trace
 
-
 GONE = "gone"
 """What stands for the digest of a file that was looked for and is not there."""
-
-
 UNSET = "unset"
 """What stands for the digest of an environment variable that is not set."""
-
-
 _LOOKED_AT = 8000  # bytes of which git too takes a NUL as a sign that a file is no text
-
 
 # Settings that change neither a run nor its values: how long it may take, what is demanded of it.
 _LIMITS = frozenset(
@@ -57,14 +52,8 @@ _LIMITS = frozenset(
         *("evidence", "evidence_cells"),
     }
 )
-
-
 _LEFT_OUT_EMPTY = ("libraries", "evidence", "prefixes", "variables")
-
-
 _MEASURED = "measured"
-
-
 _OF_VALUES = frozenset({"hardware", "system", "active"})
 
 

@@ -9,8 +9,6 @@ from typing import Literal
 from tracerisk.common.geometry.shapes import Shape
 
 JointType = Literal["revolute", "continuous", "prismatic", "fixed"]
-
-
 ControllerType = Literal["follow_joint_trajectory", "gripper_command"]
 
 
