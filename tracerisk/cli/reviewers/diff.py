@@ -23,7 +23,7 @@ from tracerisk.pipeline.review.textconv import textconv
 from tracerisk.prm.review.change_records import RunVerdicts
 from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
 from tracerisk.report.diff.markdown import render_diff_markdown
-from tracerisk.report.diff.sentences import must_do_less, not_assessed, whole_headline
+from tracerisk.report.diff.sentences import first_of, must_do_less, not_assessed, whole_headline
 from tracerisk.report.diff.text import render_diff
 
 if TYPE_CHECKING:
@@ -186,9 +186,8 @@ def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
         return []
     texts = [f"{must_do_less(diff)}; --no-outcome-change"] if diff.asked_less else []
     if diff.outcome is not None:
-        first, *more = diff.outcome.of_mission or ("",)
-        rest = f" (and {len(more)} more)" if more else ""
-        texts += [f"{first}{rest}; --no-outcome-change"] if first else []
+        lines = diff.outcome.of_mission
+        texts += [f"{first_of(lines)}; --no-outcome-change"] if lines else []
     elif diff.verdicts is not None and diff.before is not None and diff.after is not None:
         texts.append(
             "what the mission brings about is not known of both versions; "

@@ -161,9 +161,12 @@ def asked_less(diffs: Sequence[RiskDiff]) -> list[str]:
 
 def must_do_less(diff: RiskDiff) -> str:
     """Return that `success` asks less, and the first that it does not ask any more."""
-    first, *more = diff.asked_less
-    rest = f" (and {len(more)} more)" if more else ""
-    return f"must do less: `success` no longer asks {first}{rest}"
+    return f"must do less: `success` no longer asks {first_of(diff.asked_less)}"
+
+
+def first_of(lines: Sequence[str]) -> str:
+    """Return the first of some sentences, and how many more there are."""
+    return lines[0] + (f" (and {len(lines) - 1} more)" if len(lines) > 1 else "")
 
 
 def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
@@ -258,12 +261,10 @@ def _other_mission(diff: RiskDiff) -> str:
     # What it must not do any more stands before all else.
     said, apart = "must do less", "of different missions"
     if diff.goes_another_way or outcome.does_something_else:
-        first, *more = outcome.of_mission
-        rest = f" (and {len(more)} more)" if more else ""
         what = "does something else" if outcome.result else "does less"
         if diff.goes_another_way:
             what, apart = _ANOTHER_WAY, "by different ways"
-        said = f"{what}: {first}{rest}"
+        said = f"{what}: {first_of(outcome.of_mission)}"
     failure = f"{probability(new)} now and was {probability(old)}, {apart}"
     if diff.is_unchanged:
         about = "" if probability(old) == probability(new) else "about "
