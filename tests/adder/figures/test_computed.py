@@ -299,7 +299,7 @@ def test_what_is_in_use_without_a_figure_is_an_assumption(compute, active):
     use = {"a": moved(2.0), "a/torque": moved(active)}
     trace = replace(trace_of(("move", 2.0, {"a": moved(2.0)})), elements=elements, active=use)
     lines = compute(trace, RATE, JOINTS).assumptions
-    words = "in use and not counted, for the hardware data has no figure of them: "
+    words = "in use but not counted, as the hardware data has no figures for them: "
     assert lines == ((f"{words}1 torque sensor (a/torque)",) if active else ())
 
 

@@ -469,7 +469,7 @@ def test_the_guide_has_band_duration_rate_and_versions(with_own_hardware, exampl
     assert "figures of this dossier" not in text
     assert ("No package index has version" in text) is (".dev" in facts["tracerisk"])
     assumed = (folder / "assumptions.md").read_text()
-    assert "\n- in use and not counted, for the hardware data has no figure of them: " in assumed
+    assert "\n- in use but not counted, as the hardware data has no figures for them: " in assumed
     assert (
         "## Failure data without a source\n\n- power (100 % of the figure): no source is given\n\n"
         in assumed

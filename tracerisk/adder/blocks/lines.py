@@ -49,8 +49,8 @@ def forbid_conflict_marker(line: BlockLine, file: str) -> None:
     text = line.text.strip()
     if text and text[0] in "<>=|" and is_conflict_marker(text):
         raise BlockError(
-            f"`{text}` is a conflict marker in a risk block; resolve the merge, where either side "
-            "of the block will do, for a refresh computes it anew, then run the same command again",
+            f"`{text}` is a conflict marker in a risk block; resolve the merge (keep either side "
+            "of the block: a refresh computes it anew), then run the same command again",
             Location(file, line.number),
         )
 

@@ -64,7 +64,7 @@ def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:
 
 
 def uncounted(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    """Return which elements were in use that no component describes, in a line; none for none."""
+    """Return a line that names the elements in use that no component describes, if any."""
     described = {name for bound_component in bound for name in bound_component.elements}
     missing = [
         element
@@ -86,7 +86,7 @@ def uncounted(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:
         f"{len(names)} {sort}{'' if len(names) == 1 else 's'} ({_run_of(names, alike[sort])})"
         for sort, names in sorts.items()
     )
-    return (f"in use and not counted, for the hardware data has no figure of them: {listed}",)
+    return (f"in use but not counted, as the hardware data has no figures for them: {listed}",)
 
 
 def _sort(element: Element) -> str:
@@ -102,7 +102,7 @@ def _run_of(names: Sequence[str], all_names: Sequence[str]) -> str:
 
 
 def uncounted_holds(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str, ...]:
-    """Return for how long grippers held something of which figures count the grasps alone."""
+    """Return for how long each gripper held something whose figures count demands alone."""
     lines = []
     for bound_component in bound:
         component = bound_component.component
@@ -114,8 +114,8 @@ def uncounted_holds(trace: Trace, bound: Sequence[BoundComponent]) -> tuple[str,
         held_s = sum(use.grasping_s for use in uses)
         if held_s > 0.0:
             lines.append(
-                f"{component.name}: its figures count demands alone, so that it may let go while "
-                f"it holds something ({held_s:.4g} s in this run) is not counted"
+                f"{component.name}: its figures count demands alone; that it lets go while it "
+                f"holds something ({held_s:.4g} s in this run) is not counted"
             )
     return tuple(lines)
 

@@ -90,8 +90,8 @@ class Cell:
     shows_in: str = ""
     """The qualified name of the function in which the effect came first; empty for none."""
     next_function: str = ""
-    """The qualified name of the first function that commanded after it had noticed, if any of
-    those that the run without the failure has too; empty where none did."""
+    """The qualified name of the function that commanded first after it had noticed, if possible of
+    those that also run without the failure; empty where none commanded."""
     missed_check: MissedCheck | None = None
     """What would have shown an undetected failure to the controller; `None` where nobody knows."""
     missed_at: str = ""

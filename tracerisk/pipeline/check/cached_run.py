@@ -112,7 +112,7 @@ def check_kept_trace(kept: KeptRun) -> None:
 
 
 def _is_same(said: Any, shown: Any, tolerance: float) -> bool:
-    """Return whether the lock says what the trace shows; it may have kept a time of before."""
+    """Return whether the lock says what the trace shows; it may keep a time of an earlier run."""
     if isinstance(said, Mapping) and isinstance(shown, Mapping):
         names = said.keys() | shown.keys()
         return all(_is_same(said.get(name), shown.get(name), tolerance) for name in names)

@@ -165,7 +165,7 @@ def _function_of(run: MissionRun, time_s: float | None) -> str:
 def _function_from(nominal: MissionRun, failed: MissionRun, time_s: float | None) -> str:
     """Return the function that commands from an instant on; empty for none.
 
-    It is the first that the run without the failure has too, else the first.
+    It is the first that also runs without the failure; if there is none, the first of all.
     """
     if time_s is None:
         return ""

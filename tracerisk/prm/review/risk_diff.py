@@ -73,7 +73,7 @@ class RiskDiff:
     not_asked: tuple[str, ...] = ()
     """Objects that the mission newly moves and of which `success` asks nothing, by name."""
     uncredited: tuple[str, ...] = ()
-    """Of which calls the result is newly or no longer used, where no version has evidence."""
+    """The calls whose result is newly or no longer used, where neither version has evidence."""
     asked_newly: tuple[str, ...] = ()
     """What `success` of the scenario newly asks, one sentence each."""
 

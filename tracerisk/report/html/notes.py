@@ -40,7 +40,7 @@ def findings_section(report: ReportInput) -> Section:
     """Return what a user should look at."""
     lines = (*report.findings, *report.assessment.findings)
     is_whole = not report.verdict or report.verdict[0].startswith("complete")
-    empty = "Nothing stood out." if is_whole else "Nothing beside what the verdict names."
+    empty = "Nothing stood out." if is_whole else "Nothing but what the verdict names."
     html = rendered("list.html.j2", lines=lines, lead="", empty=empty)
     return Section("findings", "Findings", html)
 

@@ -48,8 +48,9 @@ OTHERS_OF_MAKER: Mapping[str, tuple[str, ...]] = {
         r"arm_(?:left|right)_(?:torso|\d_(?:link|joint))",
     ),
 }
-"""Arms that are not shipped, and share the messages or the name of those whose name begins so:
-patterns of words of their own. `myarm` alone is what any program may call its arm."""
+"""Patterns of words that only arms that are not shipped have, by how the names of those shipped
+arms begin whose messages or name they share. Any program may call its arm `myarm`: that alone is
+none."""
 
 
 @dataclass(frozen=True, slots=True)

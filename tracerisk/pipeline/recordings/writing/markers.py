@@ -82,7 +82,7 @@ class _Thing:
 
 
 def marker_messages(run: RecordedRun, times: Times) -> Iterator[Stamped]:
-    """Yield what stands at each change of it, and what can move at those `times` [ns] it moves.
+    """Yield what stands whenever it changes, and what can move at those `times` [ns] when it has.
 
     The twin keeps a pose every `POSE_EVERY` steps; between two of them, poses are interpolated.
     """
@@ -130,7 +130,7 @@ def _things(run: RecordedRun) -> list[_Thing]:
 def _written(
     topic: str, things: Sequence[_Thing], times: Times, every_ns: int
 ) -> Iterator[Stamped]:
-    """Yield all that is there at those times at which it has moved, or is another than before."""
+    """Yield all that is there, at those times when something has come, gone or moved."""
     changes = {0, _FOR_EVER} | {
         time_ns for thing in things for time_ns in (thing.since_ns, thing.until_ns)
     }
