@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.text.digests import sha256
 from tracerisk.errors import InputError
+from tracerisk.pipeline.workspace.project import file_version
 
 if TYPE_CHECKING:
     from tracerisk.adder.quantify.evidence_shares import EvidenceShares
@@ -22,13 +25,20 @@ def kept_evidence(controller: Controller) -> Evidence | None:
 
     Raises InputError where the file is malformed.
     """
-
     path = controller.root / EVIDENCE_NAME
     if not path.exists():
         return None
+    return _evidence_in(path, file_version(path)).get(controller.file)
+
+
+@lru_cache(maxsize=1)
+def _evidence_in(
+    path: Path,
+    version: tuple[int, ...] | None,  # noqa: ARG001 - key of the cache
+) -> Mapping[str, Evidence]:
     from tracerisk.common.evidence.file import read_evidence
 
-    return read_evidence(path).get(controller.file)
+    return read_evidence(path)
 
 
 def evidence_of_last_run(controller: Controller) -> Evidence | None:

@@ -146,14 +146,14 @@ class Projects:
     def at(self, root: Path) -> Project:
         """Return the project in a root, as its files are now."""
         root = root.resolve()
-        version = tuple(_version(root / name) for name in (LOCK_NAME, "pyproject.toml"))
+        version = tuple(file_version(root / name) for name in (LOCK_NAME, "pyproject.toml"))
         known = self._known.get(root)
         if known is None or known[0] != version:
             known = self._known[root] = version, Project(root)
         return known[1]
 
 
-def _version(path: Path) -> tuple[int, ...] | None:
+def file_version(path: Path) -> tuple[int, ...] | None:
     """Return what differs between two versions of a file; `None` where there is none."""
     try:
         status = path.stat()
