@@ -77,6 +77,7 @@ class CompiledCalls:
         self._root = root.resolve()
         self._on_function, self._on_source = on_function, on_source
         self._sources: dict[str, CSource | None] = {}
+        self._known: dict[NativeFrame, _Active | None] = {}
         self._met: set[FunctionRef] = set()
         self._pending: defaultdict[str, list[Call]] = defaultdict(list)
         self._late: set[int] = set()
@@ -194,7 +195,9 @@ class CompiledCalls:
     def _frames(self, call: Call) -> tuple[Frame, ...]:
         active: list[_Active] = []
         for native in call.stack:
-            known = self._known(native)
+            if native not in self._known:
+                self._known[native] = self._own(native)
+            known = self._known[native]
             # A lambda belongs to the function that holds it.
             if known is not None and not (active and active[-1].ref == known.ref):
                 active.append(known)
@@ -224,7 +227,7 @@ class CompiledCalls:
             root = "main" if is_main else "thread"
         return Frame(active.ref, active.line, activation, (active.at, 0), root)
 
-    def _known(self, native: NativeFrame) -> _Active | None:
+    def _own(self, native: NativeFrame) -> _Active | None:
         """Return a function of the controller's own sources; None for what is none of these."""
         file = self._file(native)
         source = None if file is None else self._source(file)
