@@ -10,7 +10,8 @@ import json
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -135,9 +136,7 @@ def read_calls(file: Path, names_at: NamesAt | None = None) -> CallLog:
         ) from error
     lines = data.replace(b"\0", b"").decode("utf-8", "surrogateescape").split("\n")
     torn = 0
-    modules: dict[tuple[int, int], list[_Module]] = {}
-    programs: dict[str, None] = {}
-    commands: list[tuple[dict[str, Any], list[_Address]]] = []
+    entries: list[dict[str, Any]] = []
     for number, line in enumerate(lines, 1):
         if not line:
             continue
@@ -148,22 +147,31 @@ def read_calls(file: Path, names_at: NamesAt | None = None) -> CallLog:
             continue
         if not isinstance(entry, dict) or not entry.keys() & _KEYS:
             raise InputError("is no line of the probe", Location(str(file), number))
+        entries.append(entry)
+    log = named_calls(entries, names_at)
+    if not torn:
+        return log
+    note = f"{file}: torn lines: {torn}; a process was killed while it wrote"
+    return replace(log, notes=(*log.notes, note))
+
+
+def named_calls(entries: Iterable[dict[str, Any]], names_at: NamesAt | None = None) -> CallLog:
+    """Name the functions in lines of the probe; `names_at` is that of `read_calls`."""
+    modules: dict[tuple[int, int], list[_Module]] = {}
+    programs: dict[str, None] = {}
+    commands: list[tuple[dict[str, Any], list[_Address]]] = []
+    for entry in entries:
         if "probe" in entry:
             programs[entry["exe"]] = None
-        elif "exit" in entry:
-            continue
         elif "modules" in entry:
             there = [_Module(*module) for module in entry["modules"]]
             modules[entry["pid"], entry["map"]] = there
-        else:
+        elif "exit" not in entry:
             known = modules.get((entry.get("pid", 0), entry.get("map", 0)), [])
             commands.append((entry, _addresses(entry.get("at", ()), known)))
     names = _Names((address for _, addresses in commands for address in addresses), names_at)
-    calls = tuple(_call(entry, addresses, names) for entry, addresses in commands)
-    notes = list(names.notes)
-    if torn:
-        notes.append(f"{file}: torn lines: {torn}; a process was killed while it wrote")
-    return CallLog(calls, tuple(programs), tuple(notes), names.newer)
+    calls = (call_of(entry, _stack(entry, addresses, names)) for entry, addresses in commands)
+    return CallLog(tuple(calls), tuple(programs), tuple(names.notes), names.newer)
 
 
 def _addresses(at: Iterable[int], modules: Iterable[_Module]) -> list[_Address]:
@@ -177,11 +185,16 @@ def _addresses(at: Iterable[int], modules: Iterable[_Module]) -> list[_Address]:
     ]
 
 
-def _call(entry: Mapping[str, Any], addresses: Iterable[_Address], names: _Names) -> Call:
+def _stack(
+    entry: Mapping[str, Any], addresses: Iterable[_Address], names: _Names
+) -> tuple[Frame, ...]:
     if "stack" in entry:  # already resolved
-        stack = tuple(Frame(QualifiedName(name), of, line) for name, of, line in entry["stack"])
-    else:
-        stack = names.stack(addresses)
+        return tuple(Frame(QualifiedName(name), of, line) for name, of, line in entry["stack"])
+    return names.stack(addresses)
+
+
+def call_of(entry: Mapping[str, Any], stack: tuple[Frame, ...]) -> Call:
+    """Return the command of a line of the probe, with the functions of its stack."""
     return Call(
         entry["t"],
         entry.get("pid", 0),
@@ -194,8 +207,14 @@ def _call(entry: Mapping[str, Any], addresses: Iterable[_Address], names: _Names
     )
 
 
+@cache
+def _binary(module: _Module) -> Binary:
+    """Return a binary as it was when it was loaded; each is read once."""
+    return Binary(module.path)
+
+
 class _Names:
-    """The functions of all addresses of a file; each binary is read once."""
+    """The functions of all addresses of a file."""
 
     def __init__(self, addresses: Iterable[_Address], names_at: NamesAt | None) -> None:
         self.notes: list[str] = []
@@ -209,7 +228,7 @@ class _Names:
             if problem is not None:
                 self.notes.append(problem)
                 continue
-            places = Binary(module.path).places(list(offsets))
+            places = _binary(module).places(list(offsets))
             names = _unchanged_since(module.mtime_ns, names_at)
             for offset, there in places.items():
                 self._active[module.path, offset] = _active(there, names)

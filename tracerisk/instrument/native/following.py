@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from tracerisk.common.text.bounded import regular_file
 from tracerisk.instrument.native.binaries import Binary
-from tracerisk.instrument.native.calls import Call, Frame, read_calls
+from tracerisk.instrument.native.calls import Call, Frame, call_of, named_calls
 
 _INSTALLED = ("/usr/", "/bin/", "/sbin/", "/opt/ros/")
 _PIECE = 1 << 16
@@ -33,28 +32,26 @@ class CallFollower:
         self._open: dict[int, int] = {}  # the pieces that may grow, and what is read of each
         self._filled_by: dict[int, int] = {}  # the open piece of each process
         self._n_pieces = 0
-        self._heads: list[str] = []
-        self._known: dict[str, tuple[tuple[Frame, ...], bool]] = {}
+        self._modules: list[dict[str, Any]] = []
+        self._known: dict[str, tuple[Frame, ...]] = {}
         self._processes: dict[int, str] = {}  # the programs of those that no node has forked
         self._binaries: dict[str, None] = {}
         self._own: set[int] = set()  # the processes in which code of the controller commanded
 
     def new(self) -> list[Call]:
-        """Return the commands that have come, each process's in its order.
-
-        Raises:
-            InputError: the file is not one of the probe.
-        """
-        entries = self._new_entries()
-        for entry in entries:
+        """Return the commands that have come, each process's in its order."""
+        calls: list[tuple[str, dict[str, Any]]] = []
+        unknown: dict[str, dict[str, Any]] = {}
+        for entry in self._new_entries():
             self._note_process(entry)
-        heads = [json.dumps(entry) for entry in entries if entry.keys() & {"probe", "modules"}]
-        calls = [entry for entry in entries if "kind" in entry]
-        self._heads += heads
-        unknown = {_key(entry): entry for entry in calls if _key(entry) not in self._known}
-        if unknown or heads:
+            if "kind" in entry:
+                key = _key(entry)
+                calls.append((key, entry))
+                if key not in self._known:
+                    unknown[key] = entry
+        if unknown:
             self._name(unknown)
-        return [self._call(entry) for entry in calls]
+        return [call_of(entry, self._known[key]) for key, entry in calls]
 
     @property
     def own_processes(self) -> dict[int, str]:
@@ -76,30 +73,24 @@ class CallFollower:
 
     def _note_process(self, entry: dict[str, Any]) -> None:
         pid = entry.get("pid", 0)
-        if "probe" in entry and "forked" not in entry:
-            self._processes[pid] = entry["exe"]
-        elif entry.get("modules"):
-            self._own.add(pid)
+        if "probe" in entry:
+            self.programs[entry["exe"]] = None
+            if "forked" not in entry:
+                self._processes[pid] = entry["exe"]
+        elif "modules" in entry:
+            self._modules.append(entry)
+            if entry["modules"]:
+                self._own.add(pid)
             self._binaries.update((module[0], None) for module in entry["modules"])
         elif "exit" in entry:
             self.codes[pid] = entry["exit"]
 
     def _name(self, unknown: dict[str, dict[str, Any]]) -> None:
-        with tempfile.NamedTemporaryFile("w", suffix=".jsonl", encoding="utf-8") as part:
-            lines = [*self._heads, *map(json.dumps, unknown.values())]
-            part.write("".join(f"{line}\n" for line in lines))
-            part.flush()
-            log = read_calls(Path(part.name))
+        log = named_calls([*self._modules, *unknown.values()])
         for key, call in zip(unknown, log.calls, strict=True):
-            self._known[key] = call.stack, call.is_cut
-        self.programs.update(dict.fromkeys(log.programs))
+            self._known[key] = call.stack
         self.notes.update(dict.fromkeys(log.notes))
         self.newer.update(log.newer)
-
-    def _call(self, entry: dict[str, Any]) -> Call:
-        stack, is_cut = self._known[_key(entry)]
-        issued = entry["t"], entry.get("pid", 0), entry["tid"]
-        return Call(*issued, entry["kind"], entry["name"], entry["seq"], stack, is_cut)
 
     def _new_entries(self) -> list[dict[str, Any]]:
         entries: list[dict[str, Any]] = []
