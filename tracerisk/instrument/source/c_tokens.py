@@ -1,4 +1,4 @@
-"""What of a C or C++ source is comment or literal, found without a parser."""
+"""What of a C or C++ source is comment, literal or the name of a header, without a parser."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ _TOKEN = re.compile(
     rb"|(?P<comment>/\*)",
     re.DOTALL,
 )
+_INCLUDE = re.compile(rb"^[ \t]*#[ \t]*include[ \t]*[<\"]([^>\"\n]+)[>\"]", re.MULTILINE)
 _SPACES = re.compile(rb"[ \t\f\v\r]+")
 
 
@@ -59,6 +60,11 @@ def strings_in(source: bytes) -> Iterator[str]:
         text = source[token.start : token.end]
         if not token.is_comment and len(text) > 1 and text[:1] == text[-1:] == b'"':
             yield text[1:-1].decode("utf-8", "replace")
+
+
+def names_included(source: bytes) -> list[bytes]:
+    """Return the names of headers that a C or C++ source includes, in its order."""
+    return _INCLUDE.findall(source)
 
 
 def _text_block_end(source: bytes, at: int) -> int:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 
 from tracerisk.common.text.bounded import file_bytes
+from tracerisk.instrument.source.c_tokens import names_included
 from tracerisk.pipeline.workspace.controller import from_root
-
-_INCLUDE = re.compile(rb"^[ \t]*#[ \t]*include[ \t]*[<\"]([^>\"\n]+)[>\"]", re.MULTILINE)
 
 
 def included_files(sources: Mapping[str, bytes], root: Path) -> tuple[str, ...]:
@@ -26,7 +24,7 @@ def included_files(sources: Mapping[str, bytes], root: Path) -> tuple[str, ...]:
         at, content = waiting.pop()
         above = [folder for folder in at.parents if folder.is_relative_to(root)]
         places = (*above[:1], *(folder / "include" for folder in above), root)
-        for name in _INCLUDE.findall(content):
+        for name in names_included(content):
             found = (Path(os.path.normpath(place / os.fsdecode(name))) for place in places)
             path = next((path for path in found if path.is_file()), None)
             if path is not None and path.is_relative_to(root) and path not in files:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import DependencyError
+from tracerisk.instrument.source.c_tokens import names_included
 from tracerisk.ros.live.loopback import loopback_environment
 from tracerisk.ros.live.messages.texts import write_texts
 from tracerisk.ros.live.real_ros import python_of_ros, start
@@ -21,8 +22,7 @@ from tracerisk.ros.live.real_ros import python_of_ros, start
 if TYPE_CHECKING:
     from tracerisk.ros.messages.ros1 import Interfaces
 
-_INCLUDE = re.compile(rb"^[ \t]*#[ \t]*include[ \t]*[<\"](\w+)/(\w+)\.h[>\"]", re.MULTILINE)
-_OF_MOVEIT = re.compile(rb"^[ \t]*#[ \t]*include[ \t]*[<\"](moveit/\w+/\w+\.h)[>\"]", re.MULTILINE)
+_OF_MESSAGE = re.compile(rb"(\w+)/(\w+)\.h")
 _MOVEIT = Path(__file__).parent / "moveit"
 """What stands for MoveIt's headers where they are missing."""
 _NO_GENCPP = 3
@@ -64,8 +64,14 @@ def make_headers(
         sources.append(file_bytes(_MOVEIT / name))
         place.write_bytes(sources[-1])
     for source in sources:
-        for package, name in (pair for pair in _INCLUDE.findall(source)):
-            _add_named(interfaces, package.decode(), name.decode(), folders, messages, services)
+        for header in filter(None, map(_OF_MESSAGE.fullmatch, names_included(source))):
+            package, short = (part.decode() for part in header.groups())
+            if package not in interfaces.packages or _has(package, folders):
+                continue
+            if short in interfaces.service_names(package):
+                services.add(f"{package}/{short}")
+            elif short in interfaces.message_names(package):
+                messages.add(f"{package}/{short}")
     if not messages and not services:
         return ()
     with tempfile.TemporaryDirectory(prefix="tracerisk-") as texts:
@@ -88,25 +94,8 @@ def make_headers(
 def _moveit_headers(sources: Iterable[bytes]) -> list[Path]:
     """Return our headers for MoveIt, if the sources include one of them."""
     ours = sorted(path.relative_to(_MOVEIT) for path in _MOVEIT.rglob("*.h"))
-    named = {name.decode() for source in sources for name in _OF_MOVEIT.findall(source)}
-    return ours if any(f"moveit/{path.as_posix()}" in named for path in ours) else []
-
-
-def _add_named(
-    interfaces: Interfaces,
-    package: str,
-    name: str,
-    folders: Collection[Path],
-    messages: set[str],
-    services: set[str],
-) -> None:
-    """Add what a header `package/name.h` is of, where it is of a message that is missing."""
-    if package not in interfaces.packages or _has(package, folders):
-        return
-    if name in interfaces.service_names(package):
-        services.add(f"{package}/{name}")
-    elif name in interfaces.message_names(package):
-        messages.add(f"{package}/{name}")
+    named = {name for source in sources for name in names_included(source)}
+    return ours if any(f"moveit/{path.as_posix()}".encode() in named for path in ours) else []
 
 
 def _has(package: str, folders: Collection[Path]) -> bool:
