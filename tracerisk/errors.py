@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import enum
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
@@ -51,6 +52,14 @@ def with_line(place: Location | None, line_of: Callable[[str, int], int]) -> Loc
     if place is None or place.line is None:
         return place
     return Location(place.file, line_of(place.file, place.line), place.column)
+
+
+def signal_name(number: int) -> str:
+    """Return what messages call a signal of the system: most of those of real time have no name."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
 
 
 class TraceRiskError(Exception):

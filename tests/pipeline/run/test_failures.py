@@ -113,6 +113,7 @@ def test_of_a_run_that_ended_badly_no_report_is_written_and_an_earlier_one_is_re
 
 DEATHS = {
     "kills itself": (["os.kill(os.getpid(), 9)"], "ended by SIGKILL"),
+    "gets a signal without a name": (["os.kill(os.getpid(), 40)"], "ended by signal 40"),
     "reads a null pointer": (["import ctypes", "ctypes.string_at(0)"], "ended by SIGSEGV"),
     "leaves through libc": (["import ctypes", "ctypes.CDLL(None)._exit(7)"], "ended with code 7"),
 }

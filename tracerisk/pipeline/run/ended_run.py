@@ -357,7 +357,7 @@ def _run_end(recording: Recording, process: ProcessEnd, controller: Controller) 
     elif process.limit is not None:
         end = RunEnd("wall_limit", process.limit, simulated_s, process.location)
     elif process.code < 0:
-        name = signal.Signals(-process.code).name
+        name = errors.signal_name(-process.code)
         end = RunEnd("died", f"the controller's process was ended by {name}", simulated_s)
     else:
         end = RunEnd(

@@ -112,6 +112,7 @@ def test_a_node_that_another_program_started_and_that_crashed_is_no_good_end(
         (0, "ended", "./pick ended"),
         (3, "exited", "./pick ended with code 3; no node of it has registered with the run's"),
         (-11, "died", "./pick was ended by SIGSEGV"),
+        (-40, "died", "./pick was ended by signal 40"),
     ],
 )
 def test_the_end_of_the_command_is_that_of_the_run(made, code, cause, message):

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.errors import DependencyError, Location
+from tracerisk.errors import DependencyError, Location, signal_name
 from tracerisk.instrument.native.calls import VARIABLE
 from tracerisk.instrument.native.library import build_probe
 from tracerisk.pipeline.run.live.command import command_words
@@ -181,11 +180,7 @@ class CompiledNodes:
         if code is None:
             return "died", f"{words} did not end"
         if code < 0:
-            try:
-                name = signal.Signals(-code).name
-            except ValueError:
-                name = f"signal {-code}"
-            return "died", f"{words} was ended by {name}"
+            return "died", f"{words} was ended by {signal_name(-code)}"
         if code == 0:
             return "ended", f"{words} ended"
         hint = "" if self._registered else "; no node of it has registered with the run's master"
