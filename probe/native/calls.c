@@ -211,6 +211,16 @@ static void wrote(const char *end)
   if (is_piece_gone) give_up("was cut off by another program", 0);
 }
 
+/* Write a line that is made already; return whether there was space for it. */
+static bool put_line(const char *line, size_t length)
+{
+  char *to = space(length);
+  if (!to) return false;
+  memcpy(to, line, length);
+  wrote(to + length);
+  return true;
+}
+
 static char *put(char *to, const char *text)
 {
   size_t length = strlen(text);
@@ -314,27 +324,12 @@ static void list_modules(void)
   fprintf(listing.to, "{\"pid\":%d,\"map\":%d,\"modules\":[", pid, ++map_number);
   dl_iterate_phdr(list_module, &listing);
   fputs("]}\n", listing.to);
-  if (fclose(listing.to) == 0) {
-    char *to = space(listing.size);
-    if (to) {
-      memcpy(to, listing.text, listing.size);
-      wrote(to + listing.size);
-    } else {
-      give_up("has no room for the list of binaries", 0);
-    }
-  }
+  if (fclose(listing.to) == 0 && !put_line(listing.text, listing.size))
+    give_up("has no room for the list of binaries", 0);
   free(listing.text);
 }
 
 /* ---- A record ---- */
-
-static void put_line(const char *line, size_t length)
-{
-  char *to = space(length);
-  if (!to) return;
-  memcpy(to, line, length);
-  wrote(to + length);
-}
 
 static void begin_process(bool is_forked)
 {
@@ -442,8 +437,7 @@ static uint64_t write_record(const char *kind, const char *name, size_t length,
 }
 
 /* Record a command, or with the number of a call its end. */
-static uint64_t record(const char *kind, const char *name, size_t length,
-                                   const uint64_t *number)
+static uint64_t record(const char *kind, const char *name, size_t length, const uint64_t *number)
 {
   if (!is_on || is_recording || !name) return 0;
   int error = errno;
