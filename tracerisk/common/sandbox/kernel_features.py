@@ -11,7 +11,7 @@ import os
 import stat
 import struct
 import sys
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -92,6 +92,33 @@ def die_with_parent(signal_number: int) -> None:
 def adopt_orphans() -> None:
     """Make this process the parent of what its descendants leave behind."""
     _called(_libc().prctl(_SET_SUBREAPER, 1, 0, 0, 0))
+
+
+def stat_fields(folder: str) -> list[bytes]:
+    """Return the state of a process or thread, its parent, and what the kernel writes after that.
+
+    `folder` is the one below /proc that stands for it.
+
+    Raises:
+        OSError: it is there no more.
+    """
+    return Path(folder, "stat").read_bytes().rpartition(b")")[2].split()
+
+
+def descendants(top: int, but: Collection[int] = ()) -> list[int]:
+    """Return the processes that descend from one, sorted; `but` and theirs are left out."""
+    children: dict[int, list[int]] = {}
+    for name in os.listdir("/proc"):  # noqa: PTH208 - looked at often
+        if name.isdecimal():
+            with contextlib.suppress(OSError, ValueError, IndexError):
+                parent = int(stat_fields(f"/proc/{name}")[1])
+                children.setdefault(parent, []).append(int(name))
+    waiting, pids = [top], []
+    while waiting:
+        inner = [pid for pid in children.get(waiting.pop(), ()) if pid not in but]
+        waiting += inner
+        pids += inner
+    return sorted(pids)
 
 
 def keep_signals_in(version: int) -> bool:

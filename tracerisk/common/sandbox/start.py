@@ -167,7 +167,7 @@ def _end_descendants(me: int, *, all_at_once: bool) -> None:
                 os.kill(-1, signal.SIGKILL)
         else:
             for number in (signal.SIGSTOP, signal.SIGKILL):
-                for descendant in _descendants(me):
+                for descendant in kernel.descendants(me):
                     with contextlib.suppress(ProcessLookupError, PermissionError):
                         os.kill(descendant, number)
         try:
@@ -175,21 +175,6 @@ def _end_descendants(me: int, *, all_at_once: bool) -> None:
                 pass
         except ChildProcessError:
             return
-
-
-def _descendants(top: int) -> list[int]:
-    parents: dict[int, int] = {}
-    for folder in Path("/proc").glob("[0-9]*"):
-        with contextlib.suppress(OSError, ValueError, IndexError):
-            fields = (folder / "stat").read_bytes().rpartition(b")")[2].split()
-            parents[int(folder.name)] = int(fields[1])
-    numbers = {top}
-    is_more = True
-    while is_more:
-        more = {child for child, parent in parents.items() if parent in numbers} - numbers
-        numbers |= more
-        is_more = bool(more)
-    return sorted(numbers - {top})
 
 
 def _end_as(status: int) -> NoReturn:

@@ -12,6 +12,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from tracerisk.common.sandbox.kernel_features import descendants, stat_fields
 from tracerisk.ros.live.real_ros import end_process
 
 _LOOK_S = 0.02
@@ -108,7 +109,7 @@ class ProcessTree:
 
     def _look(self) -> None:
         self._seen = tuple(
-            pid for pid in _descendants(os.getpid(), self._others) if not self._is_reaped(pid)
+            pid for pid in descendants(os.getpid(), self._others) if not self._is_reaped(pid)
         )
         self._seen_at = time.monotonic()
 
@@ -124,10 +125,9 @@ class ProcessTree:
 def has_ended(pid: int) -> bool:
     """Return whether a process is there no more, or is only waited for."""
     try:
-        line = Path("/proc", str(pid), "stat").read_bytes()
+        return stat_fields(f"/proc/{pid}")[0] in b"ZX"
     except OSError:
         return True
-    return line[line.rindex(b")") + 2 :][:1] in b"ZX"
 
 
 def _ran(pid: int) -> Iterator[tuple[int, int]]:
@@ -145,20 +145,3 @@ def _reads_input(pid: int) -> bool:
                 if Path(task.path, "syscall").read_bytes().startswith(_INPUT):
                     return True
     return False
-
-
-def _descendants(of: int, but: frozenset[int]) -> list[int]:
-    """Return the processes that descend from one, without others and what descends from these."""
-    children: dict[int, list[int]] = {}
-    for name in os.listdir("/proc"):  # noqa: PTH208 - looked at often
-        if name.isdecimal():
-            with contextlib.suppress(FileNotFoundError, ProcessLookupError):
-                line = Path("/proc", name, "stat").read_bytes()
-                parent = int(line[line.rindex(b")") + 2 :].split()[1])
-                children.setdefault(parent, []).append(int(name))
-    waiting, pids = [of], []
-    while waiting:
-        inner = [pid for pid in children.get(waiting.pop(), ()) if pid not in but]
-        waiting += inner
-        pids += inner
-    return sorted(pids)

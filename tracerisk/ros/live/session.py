@@ -20,6 +20,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.sandbox.kernel_features import stat_fields
 from tracerisk.errors import DependencyError, LimitError
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.loopback import command_environment, loopback_environment
@@ -218,8 +219,7 @@ class Session:
 def _all_sleep(pid: int) -> bool:
     try:
         for task in os.scandir(f"/proc/{pid}/task"):
-            line = Path(task.path, "stat").read_bytes()
-            if line[line.rindex(b")") + 2 : line.rindex(b")") + 3] not in b"SZXt":
+            if stat_fields(task.path)[0] not in b"SZXt":
                 return False
     except (FileNotFoundError, ProcessLookupError):
         # A thread, or all of them, has ended: another look says what is left.

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from tracerisk.common.sandbox.kernel_features import stat_fields
 from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings
@@ -206,8 +207,7 @@ def _of(process: Any, parent: int | None) -> int | None:
     except OSError:
         return None
     try:
-        fields = Path(f"/proc/{process}/stat").read_bytes().rpartition(b")")[2].split()
-        if int(fields[1]) == parent:
+        if int(stat_fields(f"/proc/{process}")[1]) == parent:
             return handle
     except (OSError, ValueError, IndexError):
         pass
