@@ -16,7 +16,7 @@ _CLOSE_M = 0.005  # no tool comes as near to the origin of its robot: such a pos
 
 def shown_limits(joint: Joint, value: float) -> str:
     """Return the limits of a joint, with a guess of the unit of a value that is past them."""
-    return f"[{joint.lower:g}, {joint.upper:g}]{_guess(joint, value)}"
+    return f"[{joint.lower:g}, {joint.upper:g}]{unit_guess(joint, value)}"
 
 
 def past_limits(joint: Joint, value: float, slack: float) -> str:
@@ -74,7 +74,8 @@ def length_guess(position: Sequence[float], reach_m: float) -> str:
     return " (m, where mm are expected?)" if 0.0 < distance < _CLOSE_M else ""
 
 
-def _guess(joint: Joint, value: float) -> str:
+def unit_guess(joint: Joint, value: float) -> str:
+    """Return a guess of the unit of a value past a joint's limits; empty for none."""
     furthest = max(abs(joint.lower), abs(joint.upper))
     if joint.type == "prismatic":
         return " (mm?)" if abs(value) > _FAR * furthest else ""

@@ -262,6 +262,43 @@ here = measured()["panda_joint4"]
     assert [each.elements for each in result.recording.commands] == [("panda_joint4",)]
 
 
+@pytest.mark.parametrize(
+    ("topic", "message"),
+    [
+        ("/arm/joint4_position_controller/command", "Float64(-3.3)"),
+        ("/joint_command", "JointState(name=['panda_joint4'], position=[-3.3])"),
+    ],
+)
+def test_a_position_past_a_limit_stops_there_and_the_rest_goes_on(ran, topic, message):
+    result = ran(f"""
+def turn(message):
+    publisher.publish(message)
+
+publisher = rospy.Publisher("{topic}", type({message}), queue_size=1)
+for i in range(3):
+    turn({message})
+    rospy.sleep(2.0)
+here = measured()["panda_joint4"]
+""")
+    limit = load_robot("panda").joint("panda_joint4").lower
+    assert result["here"] == pytest.approx(limit, abs=0.005)
+    assert {command.end for command in result.recording.commands} == {"arrived"}
+    assert result.findings == [
+        f"a message on {topic} takes joint 'panda_joint4' to -3.3, past its limits "
+        "[-3.0718, -0.0698]; it stops there"
+    ]
+
+
+def test_a_position_past_a_limit_that_may_be_in_degrees_goes_as_it_was_sent(ran):
+    result = ran("""
+publisher = rospy.Publisher("/joint4_position_controller/command", Float64, queue_size=1)
+publisher.publish(-90.0)
+rospy.sleep(5.0)
+""")
+    assert [command.goal for command in result.recording.commands] == [(-90.0,)]
+    assert result.findings == []
+
+
 def test_a_robot_in_the_namespace_robot_hears_its_topics_though_it_is_no_baxter(ran):
     result = ran("""
 def turn():

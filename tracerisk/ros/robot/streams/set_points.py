@@ -45,6 +45,7 @@ from tracerisk.ros.robot.streams.command_topics import (
 from tracerisk.ros.robot.trajectories.controllers import TrajectoryController, TrajectoryControllers
 from tracerisk.ros.robot.trajectories.follow import EMPTY
 from tracerisk.ros.robot.trajectories.timed import left_out
+from tracerisk.ros.robot.trajectories.trajectory_rules import stopped_positions
 from tracerisk.ros.robot.trajectory_messages import (
     TrajectoryNode,
     TrajectoryRefusedError,
@@ -52,6 +53,7 @@ from tracerisk.ros.robot.trajectory_messages import (
     twin_trajectory,
 )
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE
+from tracerisk.twin.motion.plausible_units import unit_guess
 from tracerisk.twin.physics.motion import JointTrajectory
 
 if TYPE_CHECKING:
@@ -232,11 +234,35 @@ class SetPoints(TrajectoryNode):
         self._note_space(topic, joints)
         quantity = self._quantity(topic)
         if quantity == "position":
-            self._streams.to_position(topic, kind, joints, values)
+            self._go_to(topic, kind, joints, values)
         elif quantity == "velocity":
             self._go_on_at(topic, joints, values, kind.replace("command", "velocity"))
         else:
             self._refuse(topic, f"commands of {quantity} are not simulated")
+
+    def _go_to(self, topic: str, kind: str, joints: tuple[str, ...], values: Array) -> None:
+        """Bring joints to positions, and those that are sent past a limit to that limit.
+
+        Controllers of single positions limit what they are sent, or the interface of the joint
+        does. What looks like another unit goes as it was sent, and fails as such.
+        """
+        robot = self._twin.robot
+        (reached,), past = stopped_positions(joints, values[None, :], robot)
+        in_doubt = any(
+            unit_guess(robot.joint(name), value)
+            for name, value in zip(joints, values.tolist(), strict=True)
+            if name in past
+        )
+        if in_doubt:
+            reached, past = values, {}
+        for joint, words in past.items():
+            self._commands.report(
+                "stopped_at_limit",
+                f"a message on {topic} takes joint '{joint}' {words}",
+                object_name=joint,
+                may_stream=True,
+            )
+        self._streams.to_position(topic, kind, joints, reached)
 
     def _quantity(self, topic: str) -> str:
         declared = self._declared.of_topic(topic)
@@ -322,8 +348,7 @@ class SetPoints(TrajectoryNode):
         elif is_velocity:
             self._go_on_at(topic, tuple(names), np.array(values), "joint_state_velocity")
         else:
-            kind = "joint_state_command"
-            self._streams.to_position(topic, kind, tuple(names), np.array(values))
+            self._go_to(topic, "joint_state_command", tuple(names), np.array(values))
 
     def _note_feedback(self, topic: str) -> None:
         """Report that joint states published by the controller move nothing."""

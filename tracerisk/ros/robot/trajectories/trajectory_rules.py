@@ -6,13 +6,18 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tracerisk.twin.motion.plausible_units import past_limits
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.twin.physics.motion import JointTrajectory
     from tracerisk.twin.robots.robot import Robot
+
+Array = NDArray[np.float64]
 
 _NEAR = 1e-6  # what is past a limit by less is rounding [rad or m]
 
@@ -39,17 +44,28 @@ def within_limits(
     trajectory: JointTrajectory, robot: Robot
 ) -> tuple[JointTrajectory, dict[str, str]]:
     """Return a trajectory that stops at the joints' limits, and for each joint how it was past."""
-    position, velocity = trajectory.position.copy(), trajectory.velocity.copy()
+    position, past = stopped_positions(trajectory.joints, trajectory.position, robot)
+    velocity = np.where(position == trajectory.position, trajectory.velocity, 0.0)
+    return replace(trajectory, position=position, velocity=velocity), past
+
+
+def stopped_positions(
+    joints: Sequence[str], asked: Array, robot: Robot
+) -> tuple[Array, dict[str, str]]:
+    """Return positions that stop at the joints' limits, and for each joint how it was past.
+
+    `asked` and what is returned: a row for each point, a column for each joint [rad or m].
+    """
+    position = asked.copy()
     past: dict[str, str] = {}
-    for i, name in enumerate(trajectory.joints):
+    for i, name in enumerate(joints):
         joint = robot.joint(name)
         if joint.type == "continuous":
             continue
-        asked = position[:, i]
-        reached = np.clip(asked, joint.lower, joint.upper)
-        furthest = asked[int(np.argmax(np.abs(asked - reached)))]
-        if np.abs(asked - reached).max() > _NEAR:
-            past[name] = f"to {past_limits(joint, furthest, _NEAR)}; it stops there"
-        velocity[:, i] = np.where(reached == asked, velocity[:, i], 0.0)
-        position[:, i] = reached
-    return replace(trajectory, position=position, velocity=velocity), past
+        position[:, i] = np.clip(asked[:, i], joint.lower, joint.upper)
+        beyond = np.abs(asked[:, i] - position[:, i])
+        furthest = int(np.argmax(beyond))
+        if beyond[furthest] > _NEAR:
+            words = past_limits(joint, float(asked[furthest, i]), _NEAR)
+            past[name] = f"to {words}; it stops there"
+    return position, past
