@@ -12,6 +12,7 @@ from tracerisk.twin.motion.kinematics import Kinematics
 from tracerisk.twin.motion.planning import Planner
 from tracerisk.twin.motion.rrt_connect import FINE, connect, segment_is_free
 from tracerisk.twin.motion.timing import along_free_path, along_path
+from tracerisk.twin.physics.collision import CollisionWorld
 from tracerisk.twin.physics.motion import JointTrajectory, PlanningError, Pose
 from tracerisk.twin.physics.scene_body import SceneBody
 from tracerisk.twin.robots.robot import load_robot
@@ -41,6 +42,26 @@ class Cell:
 
     def target(self, angle: float) -> dict[str, float]:
         return {joint.name: self.turned(angle)[joint.name] for joint in self.members}
+
+
+def test_a_body_that_is_declared_again_is_not_built_again(monkeypatch):
+    table = box("table", (0.0, 0.0, -0.05), (0.5, 0.5, 0.01))
+    cell = Cell(table)
+    built = []
+    monkeypatch.setattr(
+        "tracerisk.twin.motion.clearance.CollisionWorld",
+        lambda robot, bodies, allowed, **known: (
+            built.append(bodies) or CollisionWorld(robot, bodies, allowed, **known)
+        ),
+    )
+    cell.clearance.declare([table])
+    assert not built
+    around = box("wall", (0.3, 0.0, 0.5), (0.3, 0.3, 0.3))
+    cell.clearance.declare([around])
+    assert cell.clearance.collision(cell.ready) is not None
+    cell.clearance.declare([around], [frozenset({"wall"})])
+    assert cell.clearance.collision(cell.ready) is None
+    assert len(built) == 2
 
 
 def test_a_way_leads_to_another_goal_where_the_first_is_walled_in():

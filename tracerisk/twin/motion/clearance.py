@@ -57,6 +57,9 @@ class Clearance:
 
         Raises RobotError for a body that cannot be built, and then keeps those before.
         """
+        allowed = frozenset(allowed)
+        if self._world.declared == (tuple(bodies), allowed):
+            return  # as from a loop that declares the same table all the time
         self._world = CollisionWorld(self._robot, bodies, allowed, by_build=self._world.by_build)
 
     @contextmanager

@@ -45,6 +45,9 @@ class CollisionWorld:
         by_build: frozenset[Pair] | None = None,
     ) -> None:
         self._robot = robot
+        allowed = frozenset(allowed)
+        self.declared = (tuple(bodies), allowed)
+        """The bodies, and the pairs that may touch, as they were given."""
         self.has_bodies = bool(bodies)
         touch = {
             frozenset((body.name, link))
@@ -70,7 +73,7 @@ class CollisionWorld:
         self._allowed: frozenset[Pair] = frozenset()
         self._depths: dict[float, NDArray[np.float64]] = {}
         self.by_build = self._touching_by_build() if by_build is None else by_build
-        self._allowed = frozenset(allowed) | self.by_build | touch
+        self._allowed = allowed | self.by_build | touch
 
     def columns(self, joints: Sequence[str]) -> NDArray[np.int64]:
         """Return where the joints stand in a configuration."""
