@@ -15,10 +15,15 @@ _JOINTS = re.compile(
     re.IGNORECASE,
 )
 _NO_PLACE = re.compile(
-    r"vel|acc|eff|torque|speed|stiff|damp|tol|limit|weight|gain|duration|time", re.IGNORECASE
+    r"vel|acc|eff|force|torque|speed|stiff|damp|tol|limit|weight|gain|duration|time|offset|size|"
+    r"scale|axis|direction|normal|error",
+    re.IGNORECASE,
 )
 _TURN = re.compile(r"orient|quat|rot", re.IGNORECASE)
-_POINT = re.compile(r"pos|point|xyz|target|goal|cent(er|re)|translation", re.IGNORECASE)
+_ANGLES = re.compile(r"orient|rot|rpy|euler", re.IGNORECASE)
+_POINT = re.compile(
+    r"pos|point|xyz|target|goal|cent(er|re)|translation|place|locat|coord|object", re.IGNORECASE
+)
 _POSE = re.compile(r"(^|_)pose$|cartesian|xyz_?rpy|tcp", re.IGNORECASE)
 
 
@@ -58,13 +63,15 @@ def _of_pose(name: str, length: int | None, pose: Pose, units: Units) -> list[fl
     turn = list(pose.orientation)
     if length == len(turn) and _TURN.search(name):
         return turn
+    angles = [units.angle(round(value, 4) + 0.0) for value in roll_pitch_yaw(pose.orientation)]
+    if length == len(angles) and _ANGLES.search(name):
+        return angles
     if length == len(position) and _POINT.search(name):
         return position
     if not _POSE.search(name):
         return []
     if length == len(position) + len(turn):
         return position + turn
-    angles = [units.angle(round(value, 4) + 0.0) for value in roll_pitch_yaw(pose.orientation)]
     return position + angles if length in (None, 6) else []
 
 

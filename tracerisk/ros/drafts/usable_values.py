@@ -38,8 +38,10 @@ from tracerisk.ros.messages.fields import (
     MessageField,
     constants_of,
     fields_of,
+    snake_case,
     type_of,
 )
+from tracerisk.twin.robots.assumed_names import HAND
 from tracerisk.twin.robots.robot_parts import Joint
 from tracerisk.twin.urdf.text import urdf_text
 
@@ -62,6 +64,7 @@ _SUCCESS = ("SUCCESS", "SUCCEEDED", "SUCCESSFUL", "OK", "STATUS_OK", "ADD")
 _GOAL = re.compile(r"(^|[/_])(goals?|targets?|desired|cmd|ctrl|commands?)([/_]|$)")
 _LIKELY = re.compile(r"(^|_)(score|conf(idence)?|prob(ability)?|likelihood)$", re.IGNORECASE)
 _SURE = 0.9  # how likely what somebody has seen is what it is said to be
+_NEAR = 0.01  # a joint is where it was [rad or m]
 _SOME = 0.5  # what stands for a number of a list in which others are compared
 _LONGEST = 64  # as long as a list is drafted
 # Who sends a goal for the arm's joints leaves these out: the server's own count then.
@@ -188,6 +191,8 @@ class UsableValues(ReachedPoses):
             # As many as a common game pad has, the first stick moved and nothing pressed.
             "sensor_msgs/Joy": {"axes": [0.5, 0.5, *[0.0] * 6], "buttons": [0] * 12},
         }
+        if kind == "geometry_msgs/Vector3":
+            return self._vector(place)
         if kind in PICTURES:
             parts = [field.name for field in fields_of(message_class)]
             return picture(kind, parts, self.robot.base_link, name)
@@ -217,6 +222,12 @@ class UsableValues(ReachedPoses):
             point = {"positions": positions, "time_from_start": 2.0}
             return {"joint_names": [joint.name for joint in self.joints], "points": [point]}
         return plain.get(kind)
+
+    def _vector(self, place: _Place) -> dict[str, float]:
+        """Return a vector: a place or angles where its name says so, else of length 0."""
+        named = [part for part in place.path if part != "vector"] or [_last(place.name)]
+        numbers = numbers_of(snake_case(named[-1]), 3, self.posture, self.pose, place.units)
+        return dict(zip("xyz", numbers or (0.0, 0.0, 0.0), strict=True))
 
     def _field(self, owner: Any, field: MessageField, place: _Place) -> Any:
         if not field.is_array:
@@ -292,7 +303,11 @@ class UsableValues(ReachedPoses):
             return self._fields(field.message, replace(place, depth=place.depth + 1))
         if field.base == "bool":
             return is_on(field.name) and (field.name != "data" or is_on(_last(name)))
+        if field.default is not None and not place.compared.is_known(place.path):
+            return field.default
         if field.base in ("string", "wstring"):
+            if (owner_of_state := place.compared.state_of(place.path)) is not None:
+                return self._state(owner_of_state)
             # The text of a plain message is of what its topic is called.
             called = _last(name) if field.name == "data" and name else field.name
             return self.text(called, place.compared.texts(place.path))
@@ -315,11 +330,25 @@ class UsableValues(ReachedPoses):
             return self.robot.name
         return ""
 
+    def _state(self, owner: str) -> str:
+        """Return a named state of the arm, or of the gripper where the `owner`'s name says so.
+
+        It is one in which the robot does not begin, if there is one.
+        """
+        is_hand = bool(self.robot.grippers) and HAND.search(owner) is not None
+        group = self.robot.grippers[0].group if is_hand else self.group[0] if self.group else ""
+        states = dict(self.robot.named_states.get(group) or {})
+        for name, positions in states.items():
+            here = self.robot.initial_state
+            if any(abs(value - here.get(joint, 0.0)) > _NEAR for joint, value in positions.items()):
+                return name
+        return next(iter(states), "open" if is_hand else "home")
+
     def _float(self, field: MessageField, place: _Place, owner: str) -> float:
         if place.numbers:
             return float(place.numbers[0])
         if owner.startswith("geometry_msgs/"):
-            return 0.0 if owner == "geometry_msgs/Vector3" else 0.1
+            return 0.1
         if _LIKELY.search(field.name):
             return _SURE
         numbered = _NUMBERED.match(field.name)

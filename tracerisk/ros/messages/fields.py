@@ -42,6 +42,8 @@ class MessageField:
     """The class of a nested message; `None` for primitives."""
     is_ros2: bool
     """Whether the message is of ROS 2."""
+    default: Any = None
+    """The default that the definition sets; `None` where it sets none, as always in ROS 1."""
 
     @property
     def type_text(self) -> str:
@@ -77,6 +79,7 @@ def fields_of(message_class: Any) -> tuple[MessageField, ...]:
                 field.size if field.arrangement == "sequence" else None,
                 field.message,
                 True,
+                field.default,
             )
             for field in message_class._ros_fields
         )

@@ -13,7 +13,8 @@ from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.robots.robot_parts import Group
 
-_HAND = re.compile(r"gripper|hand|finger|claw|end_?effector", re.IGNORECASE)
+HAND = re.compile(r"gripper|hand|finger|claw|end_?effector", re.IGNORECASE)
+"""What a group of a gripper is called, rather than one of an arm."""
 _OPENS = re.compile(r"open|release", re.IGNORECASE)
 _CLOSES = re.compile(r"clos|grasp|grip", re.IGNORECASE)
 _SLIP = 0.8  # how alike two names of a group are of which one is taken for a misspelling
@@ -58,7 +59,7 @@ class _AssumedGroups(Mapping[str, Group]):
     def stand_in(self, name: str) -> str:
         """Return which known group stands for one of another name."""
         grippers = [gripper.group for gripper in self._robot.grippers]
-        if grippers and _HAND.search(name) and "arm" not in name.lower():
+        if grippers and HAND.search(name) and "arm" not in name.lower():
             return grippers[0]
         fingers = {joint for gripper in self._robot.grippers for joint in gripper.joints}
         groups = self._robot.groups

@@ -36,6 +36,7 @@ from tracerisk.instrument.source.literals.called_functions import (
 )
 from tracerisk.instrument.source.literals.comparisons import (
     Constant,
+    NamedState,
     bare_value,
     beyond,
     compared,
@@ -89,6 +90,15 @@ class Compared:
     def truths(self, path: tuple[str, ...]) -> tuple[bool, ...]:
         """Return the truth values for each of which the code has a branch for a field."""
         return tuple(flag for flag in self._of(path) if isinstance(flag, bool))
+
+    def is_known(self, path: tuple[str, ...]) -> bool:
+        """Return whether the code compares a field with anything."""
+        return bool(self._of(path))
+
+    def state_of(self, path: tuple[str, ...]) -> str | None:
+        """Return what is given a field as the name of one of its states; None for nothing."""
+        states = (value for value in self._of(path) if isinstance(value, NamedState))
+        return next((state.owner for state in states), None)
 
     def _of(self, path: tuple[str, ...]) -> tuple[Any, ...]:
         if path in self.values:

@@ -7,13 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 from tracerisk.instrument.source.literals.named_literals import literal_value
 
 EMERGENCY = frozenset({"estop", "e_stop", "e-stop", "emergency_stop", "emergency"})
 """Words for the stop of an emergency, after which nothing is to move."""
 _METHODS = frozenset({"lower", "upper", "strip", "rstrip", "lstrip", "title", "casefold"})
 _CASTS = frozenset({"str", "int", "float", "bool", "round"})
+_TAKES_STATES = frozenset({"set_named_target", "get_named_target_values"})
+_STATE = "configuration_name"  # the keyword of `set_goal_state` of moveit_py
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,10 +26,18 @@ class Constant:
     """The name of the constant."""
 
 
+@dataclass(frozen=True)
+class NamedState:
+    """Any named state of a planning group, which the robot's description says."""
+
+    owner: str
+    """What is given the state in the source, `self.gripper` of `self.gripper.set_named_target`."""
+
+
 def comparisons(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
     """Yield what is compared and a literal for which the comparison holds."""
     for subject, value in compared(node):
-        if not isinstance(value, Constant):
+        if not isinstance(value, Constant | NamedState):
             yield subject, value
 
 
@@ -49,7 +59,11 @@ def compared(node: ast.AST) -> Iterator[tuple[ast.expr | None, Any]]:
             yield from ((node.args[0], key) for key in _keys(node.func.value))
         if node.func.attr in ("startswith", "endswith"):
             yield from ((node.func.value, literal) for literal in _literals(node.args[0]))
+        if node.func.attr in _TAKES_STATES:
+            yield node.args[0], NamedState(dotted_name(node.func.value))
         return
+    if isinstance(node, ast.keyword) and node.arg == _STATE:
+        yield node.value, NamedState("")
     if not isinstance(node, ast.Compare) or len(node.ops) != 1:
         return
     left, operator, right = node.left, node.ops[0], node.comparators[0]

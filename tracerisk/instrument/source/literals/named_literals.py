@@ -34,6 +34,7 @@ def _named(tree: ast.Module) -> dict[str, ast.expr]:
     """Return the literals, and the mappings with keys, by the one name that each is given."""
     given: Counter[str] = Counter()
     values: dict[str, ast.expr] = {}
+    put: dict[str, list[ast.expr]] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
             for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
@@ -42,16 +43,26 @@ def _named(tree: ast.Module) -> dict[str, ast.expr]:
             given[dotted_name(node)] += 1
         if isinstance(node, ast.arg):
             given[node.arg] += 1
+        if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store):
+            put.setdefault(dotted_name(node.value), []).append(node.slice)
     for name, short, value in _in_classes(tree):
         if given[short] == 1:
             values |= {name: value, f"{name}.value": value, f"self.{short}": value}
             given[name] = given[f"{name}.value"] = 1
             given[f"self.{short}"] += 1
     return {
-        name: value
+        name: _with_keys(value, put.get(name, ()))
         for name, value in values.items()
         if name and given[name] == 1 and isinstance(value, _WHOLE)
     }
+
+
+def _with_keys(value: ast.expr, keys: Iterable[ast.expr]) -> ast.expr:
+    """Return a mapping with the literal keys, too, under which something is put into it later."""
+    more = [key for key in keys if isinstance(key, ast.Constant | ast.Attribute)]
+    if not isinstance(value, ast.Dict) or not more:
+        return value
+    return ast.Dict([*value.keys, *more], [*value.values, *(ast.Constant(None) for _ in more)])
 
 
 def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]:
