@@ -129,7 +129,9 @@ def test_a_run_drafts_a_module_that_is_missing(example, statement, line, remedy)
     assert remedy in reason["words"]
 
 
-@pytest.mark.parametrize("statement", ["import pymycobot", "from acme_msgs.msg import Go"])
+@pytest.mark.parametrize(
+    "statement", ["import pymycobot", "from acme_msgs.msg import Go", "from acme.srv import Go"]
+)
 def test_no_placeholder_stands_for_what_moves_the_robot_or_is_of_ros(example, statement):
     example.write("c.py", f"{statement}\nimport absent_library\n{quick_controller()}")
     ran = example.run("trace", "c.py", "--robot", "panda", "--json")

@@ -15,6 +15,8 @@ from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.ros.imports.vendor_libraries import may_stand_in, remedy
 
+_INTERFACES = frozenset({"msg", "srv", "action"})
+
 
 @dataclass(frozen=True, slots=True)
 class MissingModules:
@@ -49,8 +51,12 @@ class MissingModules:
         """
         if self.python_2() is not None:
             return {}
-        names = self._missing(failed, self._files())
-        if not all(may_stand_in(name, self.provided) for name in names):
+        files = self._files()
+        names = self._missing(failed, files)
+        imported = [name.split(".") for name in self._imported(files)]
+        # What is in `parts.srv` are definitions of a service, whatever the package is called.
+        interfaces = {top for top, *below in imported if below[:1] and below[0] in _INTERFACES}
+        if not all(may_stand_in(name, self.provided) for name in names) or interfaces & {*names}:
             return {}
         return {name: _remedy_words(name, self.provided) for name in names}
 
@@ -62,7 +68,8 @@ class MissingModules:
     def _missing(self, failed: str, files: Iterable[Path]) -> list[str]:
         """Return the top modules that are missing, the one whose import failed first."""
         top = failed.partition(".")[0]
-        return [top, *_absent(self._imported(files), top)]
+        imported = (name.partition(".")[0] for name in self._imported(files))
+        return [top, *_absent(imported, top)]
 
     def _shown(self, path: Path) -> str:
         try:
@@ -77,15 +84,16 @@ class MissingModules:
             return (self.script,)
 
     def _imported(self, files: Iterable[Path]) -> Iterator[str]:
+        """Yield the dotted names of the modules that files import, but for guarded imports."""
         for path in files:
             tree = parsed(source_bytes(path))
             if tree is None:
                 continue
             for node, is_guarded in walk_with_guards(tree):
                 if isinstance(node, ast.Import) and not is_guarded:
-                    yield from (alias.name.partition(".")[0] for alias in node.names)
+                    yield from (alias.name for alias in node.names)
                 elif isinstance(node, ast.ImportFrom) and not is_guarded and not node.level:
-                    yield (node.module or "").partition(".")[0]
+                    yield node.module or ""
 
 
 def _unreadable(path: Path, shown: str) -> str | None:

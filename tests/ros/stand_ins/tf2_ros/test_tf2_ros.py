@@ -82,6 +82,26 @@ except TypeError as error:
 """)
 
 
+def test_a_busy_loop_for_a_frame_lets_time_pass_and_sees_the_frame_when_it_comes(succeed):
+    succeed("""
+began, looks = rospy.get_time(), 0
+broadcaster = tf2_ros.TransformBroadcaster()
+rospy.Timer(
+    rospy.Duration(5.01),
+    lambda _: broadcaster.sendTransform(transform("world", "nose", 0.1)),
+    oneshot=True,
+)
+while not rospy.is_shutdown():
+    try:
+        buffer.lookup_transform("world", "nose", latest)
+        break
+    except tf2_ros.LookupException:
+        looks += 1
+assert 5.01 <= rospy.get_time() - began < 5.03, rospy.get_time() - began
+assert looks < 150, looks
+""")
+
+
 def test_what_a_program_broadcasts_is_found_again(succeed):
     succeed("""
 tf2_ros.StaticTransformBroadcaster().sendTransform(transform("panda_hand", "camera", 0.1))

@@ -16,6 +16,7 @@ from tracerisk.ros.graph.sensor_reading import SensorReading
 from tracerisk.ros.messages.dialect import is_ros2, nanoseconds, set_time
 from tracerisk.ros.readings.read_poses import ReadPoses
 from tracerisk.ros.robot.frames import WORLD
+from tracerisk.ros.time.scheduler import Scheduler
 from tracerisk.ros.transforms.tree import CACHE_NS, FrameError, TransformTree
 from tracerisk.twin.physics.motion import Pose
 
@@ -33,6 +34,10 @@ _EXCEPTIONS = {
     "lookup": LookupException,
 }
 Answer = TypeVar("Answer")
+_OFTEN = 10
+"""So many looks in vain without a wait in between are those of a busy loop."""
+_AGAIN_NS = 50_000_000
+"""How long a busy loop waits that looks for a frame which is not there [ns]."""
 
 
 def _warn(message: str) -> None:
@@ -45,6 +50,10 @@ class BufferCore:
     def __init__(self, cache_time: Any = None) -> None:
         cache_ns = CACHE_NS if cache_time is None else nanoseconds(cache_time)
         self._tree = TransformTree(cache_ns, warn=_warn, names_span=not is_ros2(TransformStamped))
+        self._seeker: tuple[object, int] = (None, 0)
+        """The thread that looked for an absent frame last, and how often it had waited by then."""
+        self._n_vain = 0
+        """How often it has looked since then."""
 
     def set_transform(self, transform: Any, authority: str) -> None:
         """Note a TransformStamped; one that makes no sense is reported and dropped."""
@@ -190,7 +199,11 @@ class BufferCore:
         robot = None if runtime.twin is None else runtime.twin.robot
         base = WORLD if robot is None else robot.base_link
         names = target.removeprefix("/"), source.removeprefix("/")
-        known = {*self._tree.frames, WORLD, *(() if robot is None else robot.link_names)}
+        links = () if robot is None else robot.link_names
+        known = {*self._tree.frames, WORLD, *links}
+        if not known.issuperset(names):
+            self._wait_for_frames(runtime.scheduler)
+            known = {*self._tree.frames, WORLD, *links}
         parents = names[1] if names[1] in known else base, names[0]
         for name, parent in zip(names, parents, strict=True):
             need = Need("frame", name, parent=parent)
@@ -198,6 +211,22 @@ class BufferCore:
                 runtime.scheduler.needs.meet(need)
             else:
                 runtime.scheduler.miss(need)
+
+    def _wait_for_frames(self, scheduler: Scheduler) -> None:
+        """Let time pass where a loop looks for an absent frame again and waits for nothing else."""
+        thread = scheduler.current
+        if thread is None or thread.is_undisturbed:
+            return
+        is_again = self._seeker == (thread, thread.waits)
+        self._n_vain = self._n_vain + 1 if is_again else 0
+        if self._n_vain >= _OFTEN:
+            count = len(self._tree.frames)
+            scheduler.wait_until(
+                lambda: len(self._tree.frames) != count,
+                timeout_ns=_AGAIN_NS,
+                reason="another frame of tf",
+            )
+        self._seeker = (thread, thread.waits)
 
     def _read(self, target: str, source: str, time_ns: int) -> None:
         """Note that the transform between two frames comes from the joints between them."""
