@@ -32,3 +32,30 @@ def test_a_robot_without_groups_assumes_none():
     found = with_assumed_names(bare, lambda _: None)
     assert "arm" not in found.groups
     assert not list(found.named_states.values())
+
+
+def test_a_group_that_is_not_known_has_the_joints_of_the_controller_of_its_name():
+    reported: list[str] = []
+    joints = tuple(f"panda_joint{number}" for number in range(1, 5))
+    panda = with_assumed_names(
+        replace(load_robot("panda"), assumes_names=True),
+        reported.append,
+        lambda: {
+            "digger_controller": joints[::-1],
+            "others": joints[:2],
+            "hand_controller": ("panda_finger_joint1", "panda_finger_joint2"),
+        },
+    )
+    assert panda.groups["digger"].joints == joints
+    assert panda.groups["digger"].tip_link == "panda_link4"
+    assert panda.groups["manipulator"] == panda.groups["panda_arm"]  # nobody says which
+    assert panda.groups["gripper"] == panda.groups["hand"]
+    assert "using the joints of controller digger_controller of panda" in reported[0]
+
+
+def test_a_group_that_is_not_known_is_what_the_only_controller_of_several_joints_moves():
+    joints = ("panda_joint1", "panda_joint3")
+    panda = with_assumed_names(
+        replace(load_robot("panda"), assumes_names=True), lambda _: None, lambda: {"a": joints}
+    )
+    assert panda.groups["manipulator"].joints == joints

@@ -1,5 +1,6 @@
 """The robot of a controller's own workspace, and the generic arm where there is none."""
 
+import ast
 import re
 from dataclasses import replace
 
@@ -466,6 +467,22 @@ def test_an_unknown_robot_is_the_generic_arm_with_the_joints_named(tmp_path):
     assert robot.approximate
     assert "--robot" in robot.chosen_by
     compile_model(robot)
+
+
+@pytest.mark.parametrize(
+    ("program", "count"),
+    [
+        ("arm.go([0.1] + rest)", 6),
+        ("arm.go([0.0, -0.5, 0.0, -1.0, 0.0, 1.5, 0.0], wait=True)\nhand.go([0.04, 0.04])", 7),
+        ("point = JointTrajectoryPoint(positions=[0.1, 0.2, 0.3, 0.4])", 4),
+        ("point.positions = (0.1, 0.2, 0.3, 0.4, 0.5)", 5),
+        ("goal = arm.get_current_joint_values()\ngoal[7] = 0\narm.go(goal)", 8),
+        ("goal = arm.get_current_joint_values()\ngoal[0] = 0\narm.go(goal)", 6),
+        ("names = ['a_joint', 'b_joint', 'c_joint']\narm.go([0.1, 0.2, 0.3, 0.4])", 3),
+    ],
+)
+def test_the_generic_arm_has_as_many_joints_as_the_program_gives_positions_of(program, count):
+    assert len(generic_arm(names_asked(ast.parse(program))).arm_joints) == count
 
 
 def test_the_generic_arm_says_each_name_that_it_assumes_once():

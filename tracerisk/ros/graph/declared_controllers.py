@@ -10,12 +10,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import ScenarioError
 from tracerisk.ros.graph.parameter_files import Parameter, flat, read_parameters
-from tracerisk.ros.graph.runtime import Runtime
 
 _MOST_FILES = 200  # that may declare a controller
 _MOST_BYTES = 200_000
@@ -58,12 +57,18 @@ class DeclaredController:
         return next((text for text in _QUANTITIES if text.capitalize() in name), self.interface)
 
 
+class _WithPackages(Protocol):
+    @property
+    def packages(self) -> Mapping[str, Path]:
+        """The folders of packages, by name."""
+
+
 class DeclaredControllers:
     """The controllers that YAML files of the workspace's packages declare, read when asked for."""
 
     is_of_world = True
 
-    def __init__(self, runtime: Runtime) -> None:
+    def __init__(self, runtime: _WithPackages) -> None:
         self._folders = tuple(runtime.packages.values())
 
     @cached_property

@@ -18,17 +18,24 @@ HAND = re.compile(r"gripper|hand|finger|claw|end_?effector", re.IGNORECASE)
 _OPENS = re.compile(r"open|release", re.IGNORECASE)
 _CLOSES = re.compile(r"clos|grasp|grip", re.IGNORECASE)
 _SLIP = 0.8  # how alike two names of a group are of which one is taken for a misspelling
+_OF_CONTROLLER = re.compile(r"(_joint)?(_trajectory|_position)?_controller$")
 _SHARE = 0.12  # of its range, how far an assumed state is from rest at most
 
 
-def with_assumed_names(robot: Robot, report: Callable[[str], None]) -> Robot:
+Controllers = Callable[[], Mapping[str, tuple[str, ...]]]
+"""Returns the joints of each controller that the workspace declares, by the controller's name."""
+
+
+def with_assumed_names(
+    robot: Robot, report: Callable[[str], None], controllers: Controllers = dict
+) -> Robot:
     """Return a robot that assumes the groups and states asked of it, and reports each one once.
 
     A robot that does not assume names is returned as it is.
     """
     if not robot.assumes_names:
         return robot
-    groups = _AssumedGroups(robot, report)
+    groups = _AssumedGroups(robot, report, controllers)
     return replace(robot, groups=groups, named_states=_AssumedStates(robot, groups, report))
 
 
@@ -41,25 +48,52 @@ def _remedy(robot: Robot) -> str:
 class _AssumedGroups(Mapping[str, Group]):
     """The groups of a robot; any other name is the arm, or the gripper if it sounds like one."""
 
-    def __init__(self, robot: Robot, report: Callable[[str], None]) -> None:
+    def __init__(
+        self, robot: Robot, report: Callable[[str], None], controllers: Controllers
+    ) -> None:
         self._known = dict(robot.groups)
         self._robot = robot
         self._report = report
+        self._controllers = controllers
 
     def __getitem__(self, name: str) -> Group:
         if name not in self._known:
             stand_in = self.stand_in(name)
-            self._known[name] = self._known[stand_in]
+            self._known[name], taken = self._known[stand_in], f"group {stand_in}"
+            declared = self._declared(name)
+            if declared is not None and {*declared[1]} != {*self._known[name].joints}:
+                self._known[name] = _group_of(self._robot, declared[1])
+                taken = f"the joints of controller {declared[0]}"
             self._report(
-                f"unknown planning group '{name}'; using group {stand_in} of {self._robot.name}; "
+                f"unknown planning group '{name}'; using {taken} of {self._robot.name}; "
                 f"{_remedy(self._robot)}"
             )
         return self._known[name]
 
+    def _declared(self, name: str) -> tuple[str, tuple[str, ...]] | None:
+        """Return the workspace's controller for a group of an arm, with its joints; else None.
+
+        It is called as the group is, or the only one that moves several joints of the arm.
+        """
+        if self._is_hand(name):
+            return None
+        arm = {joint.name for joint in self._robot.arm_joints}
+        declared = [
+            (controller, joints)
+            for controller, joints in self._controllers().items()
+            if len(joints) > 1 and arm.issuperset(joints)
+        ]
+        own = [pair for pair in declared if _OF_CONTROLLER.sub("", pair[0]) == name]
+        is_one = len({frozenset(joints) for _, joints in declared}) == 1
+        return own[0] if own else declared[0] if is_one else None
+
+    def _is_hand(self, name: str) -> bool:
+        return bool(self._robot.grippers) and bool(HAND.search(name)) and "arm" not in name.lower()
+
     def stand_in(self, name: str) -> str:
         """Return which known group stands for one of another name."""
         grippers = [gripper.group for gripper in self._robot.grippers]
-        if grippers and HAND.search(name) and "arm" not in name.lower():
+        if self._is_hand(name):
             return grippers[0]
         fingers = {joint for gripper in self._robot.grippers for joint in gripper.joints}
         groups = self._robot.groups
@@ -86,6 +120,26 @@ class _AssumedGroups(Mapping[str, Group]):
 
     def __len__(self) -> int:
         return len(self._known)
+
+
+def _group_of(robot: Robot, joints: tuple[str, ...]) -> Group:
+    """Return a group of joints, whose tip is what hangs rigidly on the last of them."""
+    order = [attachment.name for attachment in robot.attachments]
+    names = tuple(sorted(joints, key=order.index))
+    ways = {
+        attachment.name: [above.name for above in robot.above(attachment.child)]
+        for attachment in robot.attachments
+        if attachment.name in names
+    }
+    last = max(names, key=lambda joint: len(ways[joint]))
+    if not {*names} <= {*ways[last]}:
+        return Group(names, None)
+    tip = next(attachment.child for attachment in robot.attachments if attachment.name == last)
+    while True:
+        below = [attachment for attachment in robot.attachments if attachment.parent == tip]
+        if len(below) != 1 or below[0].type != "fixed":
+            return Group(names, tip)
+        tip = below[0].child
 
 
 class _AssumedStates(Mapping[str, Mapping[str, Mapping[str, float]]]):

@@ -1,7 +1,8 @@
 """The generic arm: for a controller whose robot nobody knows.
 
-It has the joints that the controller names, else six. Planning groups, named states and tool
-frames that the controller asks for are assumed, and each assumption is reported.
+It has the joints that the controller names, else as many as it gives positions of, else six.
+Planning groups, named states and tool frames that the controller asks for are assumed, and each
+assumption is reported.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from tracerisk.common.geometry.shapes import Shape
+from tracerisk.instrument.source.literals.bounds import whole
 from tracerisk.instrument.source.literals.named_literals import counted_names
 from tracerisk.twin.robots.outline import derived_servo, outlined
 from tracerisk.twin.robots.robot import Robot
@@ -31,6 +33,8 @@ from tracerisk.twin.robots.robot_parts import (
 NAME = "generic"
 _N_JOINTS = 6
 _MOST_JOINTS = 9
+_FINGERS = 2
+_TAKES_JOINTS = frozenset({"go", "set_joint_value_target"})
 _JOINT = re.compile(r"(?=.*joint)[A-Za-z][A-Za-z0-9_]*(?:\d|_joint|joint_\w+)", re.IGNORECASE)
 _NO_JOINT = re.compile(
     r"state|traj|controller|command|name|value|goal|limit|group|position|space|angle|pub|sub|"
@@ -104,6 +108,8 @@ class NamesAsked:
     """The names of joints, fingers among them."""
     frames: tuple[str, ...]
     """The names of links and tool frames."""
+    count: int = 0
+    """How many joints the arm has by the lists of positions in the source; 0 where none says."""
 
 
 def names_asked(tree: ast.Module | None) -> NamesAsked:
@@ -123,7 +129,9 @@ def names_asked(tree: ast.Module | None) -> NamesAsked:
     joints = list(dict.fromkeys(listed or alone))
     frames = [text for text in strings if _FRAME.fullmatch(text) and not _BASE.search(text)]
     return NamesAsked(
-        tuple(joints), tuple(name for name in dict.fromkeys(frames) if name not in joints)
+        tuple(joints),
+        tuple(name for name in dict.fromkeys(frames) if name not in joints),
+        _counted_joints(tree),
     )
 
 
@@ -143,6 +151,37 @@ def _listed(tree: ast.AST) -> Iterator[str]:
                 continue
             if "joint" in name.lower() or all(_JOINT.fullmatch(word) for word in words):
                 yield from words
+
+
+def _counted_joints(tree: ast.AST) -> int:
+    """Return how many positions a source gives an arm, or takes of it by their index; 0 for none.
+
+    Two are those of fingers. An index says of an arm that it has so many joints at least.
+    """
+    longest = furthest = 0
+    taken: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
+            is_taken = _name(node.value.func) == "get_current_joint_values"
+            taken |= {_name(target) for target in node.targets} if is_taken else set()
+        for value in _given_positions(node):
+            if isinstance(value, ast.List | ast.Tuple) and len(value.elts) > _FINGERS:
+                longest = max(longest, len(value.elts))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Subscript) and _name(node.value) in taken:
+            furthest = max(furthest, (whole(node.slice) or 0) + 1)
+    return min(max(longest, furthest if longest or furthest > _N_JOINTS else 0), _MOST_JOINTS)
+
+
+def _given_positions(node: ast.AST) -> list[ast.expr]:
+    """Return what is given as the positions of joints at one place."""
+    if isinstance(node, ast.Call) and _name(node.func) in _TAKES_JOINTS:
+        return node.args[:1]
+    if isinstance(node, ast.keyword) and node.arg == "positions":
+        return [node.value]
+    if isinstance(node, ast.Assign):
+        return [node.value for target in node.targets if _name(target) == "positions"]
+    return []
 
 
 def _words(value: ast.expr) -> list[str]:
@@ -165,13 +204,13 @@ def _name(target: ast.expr) -> str:
 
 
 def generic_arm(asked: NamesAsked) -> Robot:
-    """Return an arm with the joints asked for, else with six, and with a gripper.
+    """Return an arm with the joints asked for, else as many as are given, else six; and a gripper.
 
     It is marked approximate, and as one that assumes groups and states: see `with_assumed_names`.
     """
     fingers = tuple(name for name in asked.joints if _FINGER.search(name))[:2]
     names = tuple(name for name in asked.joints if not _FINGER.search(name))[:_MOST_JOINTS]
-    names = names or tuple(f"joint{index + 1}" for index in range(_N_JOINTS))
+    names = names or tuple(f"joint{index + 1}" for index in range(asked.count or _N_JOINTS))
     fingers = fingers or ("gripper_finger_joint",)
     # A shorter arm is the first axes of the longer one.
     axes = [axis_figures(index) for index in range(len(names))]

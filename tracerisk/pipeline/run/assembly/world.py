@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from tracerisk.common.worlds.world import NOMINAL, world_named
@@ -13,6 +14,8 @@ from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.pipeline.mission.named_objects import check_names
 from tracerisk.pipeline.trace.run_files import JOINTS_ASKED, ROBOT, RunRequest
+from tracerisk.pipeline.workspace.workspace import Workspace
+from tracerisk.ros.graph.declared_controllers import DeclaredControllers
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.objects import with_objects, with_start
 from tracerisk.ros.scenario.scenario import Scenario
@@ -105,6 +108,7 @@ def _twin_of(
     robot = with_assumed_names(
         read_dumped_robot(Path(request.folder, ROBOT)),
         lambda message: recorder.finding("assumed_name", message),
+        partial(_joints_of_controllers, request),
     )
     scenario = Scenario() if request.scenario is None else read_scenario(Path(request.scenario))
     robot = with_start(robot, scenario.start)
@@ -119,6 +123,13 @@ def _twin_of(
         twin.pass_over_rest()
     twin.on_unknown_joints = lambda names: recorder.note(JOINTS_ASKED, names=names)
     return twin, scenario
+
+
+def _joints_of_controllers(request: RunRequest) -> Mapping[str, tuple[str, ...]]:
+    """Return the joints of each controller that the workspace of a request declares."""
+    packages = {name: Path(folder) for name, folder in request.packages.items()}
+    declared = DeclaredControllers(Workspace(packages, request.prefixes))
+    return {name: controller.joints for name, controller in declared.all.items()}
 
 
 def _refusals_noted(recorder: Recorder) -> Callable[[CaughtFailure], None]:
