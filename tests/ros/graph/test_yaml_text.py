@@ -36,3 +36,9 @@ def test_values_are_those_of_yaml_1_1(text, value):
 def test_what_is_no_yaml_is_an_error(text):
     with pytest.raises(YAMLError):
         load_yaml(text)
+
+
+def test_a_value_that_is_changed_stays_as_written_for_who_reads_the_text_again():
+    text = "joints: [a, b]"
+    load_yaml(text)["joints"].append("c")
+    assert load_yaml(text) == {"joints": ["a", "b"]}

@@ -22,10 +22,16 @@ def bounded_yaml(typ: Literal["rt", "safe"], version: tuple[int, int]) -> Any:
     Its errors are `ruamel.yaml.error.YAMLError`; that of a text that is nested deeper than
     `MOST_LEVELS` names the place.
     """
-    yaml = YAML(typ=typ, pure=True)
+    yaml = _Plain(typ=typ, pure=True)
     yaml.version = version
     yaml.Scanner = _BoundedRoundTripScanner if typ == "rt" else _BoundedScanner
     return yaml
+
+
+class _Plain(YAML):
+    def official_plug_ins(self) -> list[str]:
+        """Return no plug-ins: the library has none here, and looks for them on disk each time."""
+        return []
 
 
 class _Bounded:

@@ -7,6 +7,8 @@ Of two equal keys the later counts; in a parameter file of ROS 2 what they hold 
 from __future__ import annotations
 
 import warnings
+from copy import deepcopy
+from functools import lru_cache
 from typing import Any
 
 from tracerisk.common.text.yaml_repeated_keys import fold_repeated
@@ -20,6 +22,12 @@ def load_yaml(text: str) -> Any:
     Raises:
         ruamel.yaml.error.YAMLError: it is not YAML.
     """
+    return deepcopy(_loaded(text))
+
+
+# Launch files of one workspace load the same files again and again.
+@lru_cache(maxsize=512)
+def _loaded(text: str) -> Any:
     from ruamel.yaml.error import YAMLError
 
     from tracerisk.common.text.yaml_bounds import bounded_yaml
