@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.pipeline.launch.program import Program
+from tracerisk.pipeline.scenarios import shell_words
 from tracerisk.pipeline.scenarios.written_values import WrittenValues
 from tracerisk.ros.controller.needs import Need
 
@@ -64,6 +65,16 @@ def written(tmp_path):
 def of(written: WrittenValues, *need: str):
     found = written.of(Need(*need))
     return None if found is None else (found.value, found.place)
+
+
+def test_lines_that_are_data_are_not_read_as_commands(monkeypatch):
+    read = []
+    monkeypatch.setattr(shell_words, "_read", lambda text: read.append(text) or ([], "'"))
+    assert shell_words.command_words(["python3 pick.py " + "x" * 100_000] * 9, 0, 0) == ()
+    assert read == []
+    # A quote that no line closes is looked for in them, and they are not read again.
+    assert shell_words.command_words(["python3 pick.py don't"] + ["word"] * 90, 0, 0) == ()
+    assert len(read) == 1
 
 
 def test_messages_of_commands(written):

@@ -7,6 +7,7 @@ import shlex
 from collections.abc import Sequence
 
 _MOST_LINES = 60  # of one command, with the message that it holds
+_LONGEST = 8000  # characters of one: a longer text is data, and takes seconds to be read as words
 _NAMED = 1  # words before those that may be numbers: the verb and the name
 _TAKES = frozenset({"-r", "--rate", "-n", "--node-name", "-t", "--times", "-w", "-p", "-s"})
 _ENDS_COMMAND = frozenset({"&&", "||", ";", "|", "&", ">", ">>", "#"})
@@ -20,13 +21,13 @@ def command_words(lines: Sequence[str], number: int, start: int) -> tuple[str, .
     before = lines[number][start - 1 : start] if start else ""
     if before in ("`", '"', "'") and before in text:
         text = text[: text.index(before)] if before == "`" else text
+    quote, added = "", text
     for more in range(number + 1, min(number + 1 + _MOST_LINES, len(lines) + 1)):
-        try:
-            lexer = shlex.shlex(text.rstrip("\\"), posix=True, punctuation_chars=False)
-            lexer.whitespace_split, lexer.commenters = True, "#"
-            words = list(lexer)
-        except ValueError:
-            words = []
+        if len(text) > _LONGEST:
+            break
+        words: list[str] = []
+        if quote in added:
+            words, quote = _read(text.rstrip("\\"))
         if words and not text.endswith("\\"):
             end = next((at for at, word in enumerate(words) if word in _ENDS_COMMAND), len(words))
             return tuple(words[:end])
@@ -39,7 +40,19 @@ def command_words(lines: Sequence[str], number: int, start: int) -> tuple[str, .
             text = f"{text[:-1].rstrip()} {following.strip()}"
         else:
             text = f"{text}\n{following}"
+        added = following
     return ()
+
+
+def _read(text: str) -> tuple[list[str], str]:
+    """Return the words of a command, or none and the quote that is not closed in it."""
+    lexer = shlex.shlex(text, posix=True, punctuation_chars=False)
+    lexer.whitespace_split, lexer.commenters = True, "#"
+    try:
+        return list(lexer), ""
+    except ValueError:
+        state = getattr(lexer, "state", "")  # the quote in which it stopped
+        return [], state if state in ("'", '"') else ""
 
 
 def positional_words(words: Sequence[str]) -> tuple[str, ...]:
