@@ -81,6 +81,16 @@ def test_a_touch_that_the_run_without_had_too_is_none():
     assert judge(run(visits=both), run(visits=both), CELL).effect == "nothing"
 
 
+def test_a_grasp_in_the_run_without_excuses_no_other_touch_of_the_same_two():
+    grasp = Contact("finger", "tube", 0.5, 1.0, 15.0, expected=True)
+    blow = Contact("finger", "tube", 2.5, 0.02, 35.5, expected=False)
+    nominal = run(visits=(visit(PICK, 0.0, contacts=[grasp]), visit(PLACE, 2.0)))
+    failed = run(visits=(visit(PICK, 0.0, contacts=[grasp]), visit(PLACE, 2.0, contacts=[blow])))
+    assert judge(nominal, nominal, CELL).effect == "nothing"
+    cell = judge(nominal, failed, CELL)
+    assert (cell.effect, cell.fails, cell.contact) == ("collision", True, "finger on tube, 35.5 N")
+
+
 def test_what_fell_is_dropped():
     fell = Reason("object-dropped", "faulted", "'tube' fell", object="tube", time_s=3.0)
     cell = judged(run(verdict=Verdict("faulted", (fell,))))
