@@ -93,8 +93,10 @@ LONGEST = ("test_benchmarks.py", "test_replay_browser.py")
 """Files that begin first, each on a core of its own, so that no core waits for them at the end."""
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Order them as every worker does, whichever folder it began with."""
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Choose the quick cases, and order all as every worker does, whichever folder came first."""
+    slow.take_some(items, config.getoption("--share"))
     items.sort(key=lambda item: (item.path.name not in LONGEST, item.path))
 
 
@@ -172,6 +174,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         choices=("windows", "macos"),
         help="run commands that need no run of a controller as if on this system",
     )
+    parser.addoption("--all", action="store_true", help="take the slow cases too")
+    parser.addoption(
+        "--share",
+        type=int,
+        default=1,
+        help="take so many times as many cases of each test of which some are slow (default: 1)",
+    )
 
 
 _ELSEWHERE: list[str] = []
@@ -183,6 +192,8 @@ ON_LINUX_ALONE = frozenset(
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--all"):
+        config.option.markexpr = ""
     slow.taken_by(config.option.markexpr)
     _ELSEWHERE.extend(filter(None, [config.getoption("--system")]))
     config.option.loadscopereorder = False  # of pytest-xdist: files come in the order given here
