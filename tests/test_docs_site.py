@@ -108,6 +108,7 @@ def test_paper_is_light_whatever_the_screen(opened):
     assert ink < 400
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("name", ["index", "tutorial", "command", "formats", "python"])
 def test_axe_finds_nothing_serious(opened, name, scheme):
@@ -116,6 +117,7 @@ def test_axe_finds_nothing_serious(opened, name, scheme):
     assert not serious, reported
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("name", ["index", "theory", "behaviours", "hardware", "gallery"])
 def test_no_page_is_wider_than_a_phone(opened, name):
     page = opened(f"{name}.html")
@@ -143,6 +145,7 @@ def headings(page: Path) -> set[str]:
     return {re.sub(r"[^\w -]", "", title).strip().lower().replace(" ", "-") for title in titles}
 
 
+@pytest.mark.slow(but=12)
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_lead_somewhere_in_plain_markdown_too(page):
     text = re.sub(r"^```.*?^```$", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)

@@ -102,6 +102,7 @@ def test_the_base_is_few_distributions():
     assert len(base_distributions()) + 1 <= MOST
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize(
     "words",
     slow_but(
@@ -217,6 +218,7 @@ def test_samples_say_what_to_install(annotated, light):
     assert outcome.err.splitlines()[-1] == f"tracerisk: {LARGE} [dependency]"
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("program", "expected"),
     [

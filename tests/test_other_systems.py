@@ -77,6 +77,7 @@ COMMANDS = (
 )
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize(
     ("system", "command"),
     slow_but(

@@ -108,6 +108,7 @@ class Project:
             yield name, text
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("seed", slow_but_every(12, range(24)))
 def test_no_verb_prints_or_writes_what_acts(repository, annotated_source, seed):
     project = Project(repository, annotated_source, random.Random(seed))

@@ -139,6 +139,7 @@ def test_a_command_that_is_killed_leaves_no_controller_behind(simulating):
     until(lambda: not any(map(is_alive, theirs)))
 
 
+@pytest.mark.slow
 def test_two_runs_of_two_controllers_in_one_folder_both_reach_the_lock(example, two_steps):
     example.write("one.py", two_steps)
     example.write("two.py", two_steps)
@@ -167,6 +168,7 @@ def test_two_runs_of_one_controller_at_once_give_what_one_gives(annotated_run, e
         assert example.read(name) == run.read(name)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("body", ["script", "module"])
 def test_a_run_whose_source_another_annotates_before_it_is_imported_gives_what_one_gives(
     annotated_run, example, two_steps, monkeypatch, body
@@ -366,6 +368,7 @@ print(*sorted(sys.modules), file=sys.stderr)
     assert {name for name in loaded if name.startswith("tracerisk.prm.other_models")} == set()
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "call",
     slow_but(

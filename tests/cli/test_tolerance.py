@@ -47,6 +47,7 @@ def lock(example):
     return json.loads(example.read("tracerisk.lock"))["controllers"][CONTROLLER]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("form", ["published", "compact"])
 def test_the_noise_of_other_processors_writes_the_same_bytes(annotated, form):
     assert annotated.run("annotate", CONTROLLER, "--form", form).code == 0

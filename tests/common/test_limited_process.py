@@ -155,6 +155,7 @@ def test_processes_of_a_child_that_take_too_much_together_end_with_its_limit(run
         run(f"{hoard}\n    signal.pause()", memory=2000)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is weighed")
 @pytest.mark.parametrize("sandbox", ["off", "auto"])
 def test_processes_that_a_child_left_behind_count_too(run, sandbox):

@@ -140,6 +140,7 @@ def test_columns_count_units_of_utf_16(editor, cell):
     assert editor.hover(cell, at, units - 2) is None
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("encoding", list(lsp.PositionEncodingKind))
 def test_the_encoding_that_an_editor_asks_for_is_kept(tmp_path, cell, encoding):
     asked = lsp.ClientCapabilities(

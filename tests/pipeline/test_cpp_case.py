@@ -178,6 +178,7 @@ def test_cpp_is_run_live_alone_and_it_is_said_what_to_do(case, verb):
     assert "tracerisk annotate FILE --log LOG" in refused.err
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "verb", [("evidence",), ("mutate",), ("run", "--fault", "panda_hand:stuck@1")]
 )

@@ -436,6 +436,7 @@ def risk(outcome) -> dict[str, float]:
     }
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("name", NAMES)
 def test_the_functions_that_matter_are_found_with_what_they_use(name, ran):
     _, outcome = ran(name)

@@ -182,6 +182,7 @@ ENDS = {
 }
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("end", slow_but([*ENDS][:3], [*ENDS]))
 def test_nothing_is_lost_however_it_ends(probed, end):
     probed.write("act.py", ACT)
@@ -239,6 +240,7 @@ def pids(probed: Probed) -> set[int]:
     return {each["pid"] for each in probed.commands}
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

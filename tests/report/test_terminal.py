@@ -146,6 +146,7 @@ WIDE_LETTERS = "\u628a\u8bd5\u7ba1\u653e\u5165\u67b6\u5b50" * 6
 EMOJI = "\U0001f916_arm"
 
 
+@pytest.mark.slow(but=16)
 @pytest.mark.parametrize("width", [60, 72, 80, 109, 110, 120, 160, 240])
 @pytest.mark.parametrize("name", [LONG, WIDE_LETTERS, EMOJI])
 @pytest.mark.parametrize("color", [True, False])

@@ -202,6 +202,7 @@ def same(field: str, one: str, other: str) -> bool:
     return set(one.split(", ")) == set(other.split(", "))
 
 
+@pytest.mark.slow(but=20)
 @pytest.mark.parametrize(
     ("field", "tool", "content", "lock_kind"),
     slow_but_every(3, list(itertools.product(FIELDS, ["unchanged", "changed"], CONTENTS, LOCKS))),
@@ -256,6 +257,7 @@ COMPONENTS = {
 }
 
 
+@pytest.mark.slow(but=20)
 @pytest.mark.parametrize("lock_kind", ["own", "missing", "of another branch"])
 @pytest.mark.parametrize("content", COMPONENTS)
 @pytest.mark.parametrize(
@@ -302,6 +304,7 @@ PINNED_GONE = (
 )  # fmt: skip
 
 
+@pytest.mark.slow(but=16)
 @pytest.mark.parametrize("lock_kind", ["own", "missing", "of another branch"])
 @pytest.mark.parametrize("content", ["absent", "as written", "by hand", "pinned"])
 @pytest.mark.parametrize(

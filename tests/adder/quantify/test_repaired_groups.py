@@ -85,6 +85,7 @@ def brute_force(hazards, redundancy, repairs, *, in_mission):
         return 1 / missions[place[frozenset()], 0]
 
 
+@pytest.mark.slow(but=20)
 @pytest.mark.parametrize("in_mission", [False, True])
 @pytest.mark.parametrize("seed", slow_but_every(50, range(1000)))
 def test_random_groups_fail_as_by_all_sets_of_failed_units(seed, in_mission):
@@ -127,6 +128,7 @@ def test_a_slow_repair_is_worse_and_one_within_missions_better():
     assert within < alone < shares[-1]
 
 
+@pytest.mark.slow(but=10)
 @pytest.mark.parametrize("in_mission", [False, True])
 @pytest.mark.parametrize(
     "redundancy",

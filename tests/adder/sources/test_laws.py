@@ -98,6 +98,7 @@ def same_code(one: object, other: object) -> bool:
     )
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("path", slow_but_every(10, sample()), ids=lambda path: path.stem)
 def test_the_laws_hold_on_a_sample_of_the_standard_library(path: Path) -> None:
     check_laws(path.read_bytes(), str(path))

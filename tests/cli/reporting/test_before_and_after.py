@@ -228,6 +228,7 @@ def test_keys_and_marks_go_from_difference_to_difference(opened):
     assert opened.execute_script("return tracerisk.clock.time") == 0.0
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("width", "scheme"),
     slow_but(
@@ -250,6 +251,7 @@ def test_both_runs_are_accessible_and_fit_the_window(opened, scheme, width):
     opened.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -70,6 +70,7 @@ def test_the_markdown_has_its_tag(changed):
     assert outcome.out.startswith("<!-- tracerisk-diff -->\n**pick.py: mission failure rises")
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("options", "code", "expected"),
     [
@@ -167,6 +168,7 @@ def test_plain_git_diff_shows_the_model_by_textconv(changed):
     assert not [line for line in shown if "pick: " in line and line[0] in "+-"]
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
@@ -192,6 +194,7 @@ def test_textconv_leaves_a_source_without_blocks_as_it_is(changed):
     assert (outcome.code, outcome.out) == (0, source)
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize(
     ("change", "threshold", "is_reported"),
     [

@@ -75,6 +75,7 @@ def test_small_rises_add_up_to_one_that_is_shown(repository, annotated_source):
     assert repository.run("history", "cell.py", "--above", "1.03e-6").code == 1
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(("limit", "since"), [("5e-7", 4), ("1.5e-7", 2), ("1e-6", None)])
 def test_since_which_commit_it_is_above_a_limit(grown, limit, since):
     outcome = grown.run("history", "cell.py", "--above", limit, "--json")

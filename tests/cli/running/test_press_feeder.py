@@ -144,6 +144,7 @@ def test_solve_says_the_verdict_of_the_lock_first(ran, run, word):
     assert ran[0][f"{run} solve"].out.startswith(word)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("form", ["text", "markdown", "json"])
 def test_a_change_that_breaks_the_run_says_what_broke_and_never_that_risk_falls(
     ran, repository, form

@@ -221,6 +221,7 @@ def test_the_schema_is_where_a_first_description_says(example):
     assert example.read(f"arms/{name}") == b"{}", "a file that is there stays"
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("name", ["settings", "pyproject", "hardware", "scenario", "driver"])
 def test_a_schema_is_printed_and_written(example, name):
     printed = example.run("schema", name)

@@ -95,6 +95,7 @@ def test_it_says_how_the_hook_comes_to_work(cell):
     assert wanted not in cell.run("init", "--yes").out
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("ci", ["github", "gitlab"])
 def test_what_it_writes_is_enough_for_a_first_figure(cell, ci):
     assert cell.run("init", "--yes", "--ci", ci).code == 0
@@ -192,6 +193,7 @@ def test_ci_files_name_where_the_installed_package_came_from(
     assert ("set TRACERISK_PACKAGE" in job.why) is (package == "tracerisk[large]")
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("typed", "code", "said"),
     [

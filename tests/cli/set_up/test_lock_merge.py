@@ -141,6 +141,7 @@ def test_after_a_merge_what_the_tool_wrote_on_a_branch_is_nobodys_edit(two_branc
     assert b":=" not in two_branches.read("c.py")
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "how",
     # Where there is no git, the lock is that of ours too.

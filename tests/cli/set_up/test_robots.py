@@ -139,6 +139,7 @@ def test_a_controller_finds_what_is_said_to_be_served(example, quick):
     assert outcome.code == 0, outcome.err
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("arguments", [[], ["ur5e"], ["ur5e", "--json"]])
 def test_robots_are_shown_without_a_simulator(arguments):
     code = (

@@ -351,6 +351,7 @@ WORDS = {
 _ALIKE = ("an unknown robot", "hardware", "robots", "a robot", "set")
 
 
+@pytest.mark.slow(but=4)
 @pytest.mark.parametrize(
     "what", slow_but([what for what in WORDS if what not in _ALIKE], list(WORDS))
 )

@@ -37,6 +37,7 @@ def test_it_takes_whatever_the_reader_takes(hardware):
     assert plain(write_hardware(hardware)) == data
 
 
+@pytest.mark.slow(but=20)
 @pytest.mark.parametrize("robot", shipped_names())
 def test_it_takes_the_shipped_files(robot):
     VALIDATOR.validate(plain((SHIPPED / f"{robot}.yaml").read_text(encoding="utf-8")))

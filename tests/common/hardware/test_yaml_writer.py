@@ -36,6 +36,7 @@ def test_what_is_written_reads_back_as_the_same_description(file, hardware):
     assert write_hardware(again) == text
 
 
+@pytest.mark.slow(but=20)
 @pytest.mark.parametrize("robot", shipped_names())
 def test_shipped_descriptions_survive_writing(file, robot):
     hardware = shipped_hardware(robot)

@@ -283,6 +283,7 @@ def test_nothing_outside_is_changed(world, capfd):
     assert not list(Path("/dev/shm").glob("tracerisk-pwned*"))
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("part", range(4))
 def test_nobody_outside_is_reached(world, capfd, part):
     reaches_nobody(world, capfd, list(OTHERS)[part::4])

@@ -95,12 +95,14 @@ def test_a_fifo_that_is_looked_at_during_the_run_holds_nobody_up(attacked):
         )
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("name", ["events.jsonl", "contact_bodies.jsonl", "samples.json"])
 def test_a_file_that_is_too_large_is_not_read(attacked, name):
     with pytest.raises((LimitError, LogError)):
         attacked(f'os.truncate(os.path.join(FOLDER, "{name}"), 1_500_000_000); os._exit(0)')
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "line",
     slow_but_every(

@@ -446,6 +446,7 @@ def write_made(kind: str, user: int, own_network: bool) -> None:
     sys.stdout.write(json.dumps([got, changed]))
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("kind", sorted(ATTACKS.keys() - {"silent"}))
 @pytest.mark.parametrize("own_network", [False, True], ids=["no_network", "own_network"])
 def test_no_call_reaches_what_lies_outside(kind, user, own_network):
@@ -483,6 +484,7 @@ def test_who_speaks_in_a_network_of_its_own_reaches_nobody_outside(world, user, 
     assert world.state() == before
 
 
+@pytest.mark.slow(but=1)
 def test_what_is_said_to_succeed_has_no_effect(user):
     got, changed = made_apart("silent", user)
     assert {name for name, text in got.items() if "Traceback" in text or "made" in text} == set()

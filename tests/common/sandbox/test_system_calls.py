@@ -100,6 +100,7 @@ def test_only_a_network_of_its_own_opens_calls_and_only_those_that_speak():
     assert {alone[call] for call in SPEAKING - {"sendto"}} == {()}
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("own_network", [False, True])
 @pytest.mark.parametrize(
     ("machine", "landlock"),

@@ -198,6 +198,7 @@ def code_objects(code: object) -> list[object]:
     return found
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("path", slow_but_every(10, STANDARD_LIBRARY), ids=lambda path: path.name)
 def test_standard_library_keeps_its_tree_and_its_lines(path: Path) -> None:
     source = path.read_bytes()

@@ -291,6 +291,7 @@ def test_strip_takes_its_controller_out_of_the_lock(project):
     assert not (project.folder / "tracerisk.lock").exists()
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("verb", ["check", "refresh"])
 @pytest.mark.parametrize("content", [b"x = 1\n", b"def broken(:\n", b"\x00\xff\xfe"])
 def test_a_file_without_blocks_is_named(project, verb, content):

@@ -378,6 +378,7 @@ def with_own_hardware(example_in, quick, tmp_path_factory):
     return example.folder
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("file", "old", "new", "code", "why"),
     [

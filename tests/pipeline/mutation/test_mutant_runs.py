@@ -73,6 +73,7 @@ def test_the_files_that_ran_are_changed_in_what_ran(plan):
     }
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("words", "differs"),
     [

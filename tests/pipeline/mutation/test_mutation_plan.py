@@ -83,6 +83,7 @@ def is_one_edit(change, source):
     return changed
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("path", slow_but_every(4, SAMPLES), ids=lambda path: path.stem)
 @pytest.mark.parametrize("form", ["as it is", "CRLF", "BOM"])
 def test_each_change_is_one_edit_that_parses_and_can_be_taken_back(path, form):

@@ -37,6 +37,7 @@ def function_of(visit) -> str:
     return str(visit.function.name)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_of_recording_says_the_same(recorder, panda, kind):
     trace = measured_trace(recorder.write(Mission(), kind, commanded()), panda, NM)
@@ -65,6 +66,7 @@ def test_every_kind_of_recording_says_the_same(recorder, panda, kind):
     assert trace_json.loads(trace_json.dumps(trace), "") == trace
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("kind", ["bag", "mcap"])
 @pytest.mark.parametrize(
     ("form", "measured"), [(CONTROLLER, "actual"), (CONTROLLER, "feedback"), (DYNAMIC, "actual")]

@@ -223,6 +223,7 @@ def test_what_does_not_go_is_reported_before_the_run(recorded, words, expected):
     assert not (recorded.folder / "x.mcap").exists()
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "words", [("trace", "--from", "quick.mcap"), ("field", "quick.mcap"), ("field", "quick.json")]
 )

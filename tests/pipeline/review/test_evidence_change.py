@@ -99,6 +99,7 @@ def test_the_limit_on_the_increase_holds_without_evidence(both):
     assert "evidence is no longer taken" in outcome.err
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("code", "cause"), [("a", "evidence"), ("b", "code")], ids=["alone", "with the code"]
 )

@@ -129,6 +129,7 @@ def test_the_gate_is_on_just_that(both):
     assert "pick.py: cup is no longer moved (and 2 more); --no-outcome-change" in outcome.err
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("figures", [("4e-07", "2e-07"), ("2e-07", "4e-07"), ("2e-07", "2e-07")])
 def test_every_output_calls_two_missions_not_comparable(both, figures):
     repository = both(WHOLE, HALF, figures=figures)
@@ -198,6 +199,7 @@ def test_the_limit_on_the_figure_holds_for_controllers_that_the_change_leaves_al
     assert outcome.json["controllers"] == []
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("kind", ["faulted", "stuck"])
 @pytest.mark.parametrize("was", ["complete", "faulted"])
 def test_a_run_that_went_wrong_passes_no_limit_on_the_figure(both, kind, was):

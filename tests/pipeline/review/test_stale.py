@@ -60,6 +60,7 @@ VERSIONS = (["HEAD"], ["HEAD~1..HEAD"], ["HEAD", "pick.py"])
 
 
 # Every fourth has each change, and each limit with each way to name versions.
+@pytest.mark.slow(but=4)
 @pytest.mark.parametrize(
     ("versions", "limit", "change"), slow_but_every(4, [*product(VERSIONS, LIMITS, CHANGES)])
 )
@@ -84,6 +85,7 @@ def test_a_change_that_nobody_has_run_is_said_and_passes_no_limit(cell, versions
 FIGURE = "@TraceriskHardware::FailureData {{ rate = {} [SI::h^-1]; }}"
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("name", ["parts.sysml", "Parts.SYSML"])
 def test_a_file_of_a_described_folder_that_changes_makes_the_figure_stale(cell, name):
     """The description is a folder of SysML, of which one part is the system."""
@@ -162,6 +164,7 @@ def test_a_function_that_is_gone_makes_nothing_look_safer(cell, lost):
     assert cell.run("diff", "--max-increase", "0.1").code == 1
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("also", ["", "name = ", "next = "])
 def test_a_function_that_was_renamed_keeps_its_figure(cell, also):
     text = (cell.folder / "pick.py").read_text().replace("def place(", "def put(")

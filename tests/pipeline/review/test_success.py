@@ -52,6 +52,7 @@ def cell(repository, annotated_source):
     return make
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("is_run", [True, False])
 def test_a_looser_success_is_the_first_thing_said_in_every_output(cell, is_run):
     repository = cell(STRICT, LOOSE, is_run=is_run)
@@ -111,6 +112,7 @@ def test_a_scenario_that_cannot_be_read_is_no_success(cell):
     assert "the scenario of the later version cannot be read" in said
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("success", "said"),
     [(STRICT, ("can",)), (f"{STRICT}- {{object: can, rests_on: table}}\n", ()), ("{}\n", ())],

@@ -38,6 +38,7 @@ def cell(top: Path, body: str, source: str = "import rospy\n", **files: str) -> 
     return choose_launched_robot(controller, Settings(), launch).robot
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("package", "call", "joint", "shipped", "doubt"),
     [
@@ -233,6 +234,7 @@ def test_an_argument_that_only_a_launch_file_gives_is_taken_from_it(
     assert doubt in robot.doubt if doubt else not robot.doubt
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("file", "joint", "shipped"),
     slow_but_every(
@@ -306,6 +308,7 @@ OLD = {
 }
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("form", OLD)
 def test_tags_of_xacro_without_their_prefix_are_read_as_up_to_melodic(tmp_path, form):
     own = TWO_JOINTS.replace("$(arg side)", "")
@@ -337,6 +340,7 @@ def test_an_srdf_goes_with_a_urdf_whose_gripper_is_of_an_absent_package(tmp_path
     assert "macro 'robotiq_gripper'" in " ".join(robot.assumed_figures)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("command", "shipped"),
     [

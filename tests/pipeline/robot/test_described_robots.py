@@ -297,6 +297,7 @@ WITHOUT_NAMES = {
 
 # What a launch file of ROS 1 says is the choice between several arms below, too; that XML has all
 # that Python has, `launch/test_launch_child.py` shows.
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "file",
     slow_but(["robot.launch.py", "moveit.launch.py"], [*XACRO_LAUNCHES]),
@@ -579,6 +580,7 @@ def test_a_prefix_that_the_controller_leaves_out_makes_no_other_robot_of_it(tmp_
     assert choice.robot.doubt == "the controller names its joints without the prefix 'feeder_'"
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("names", [joints("")[:6], [*joints("")[:6], "joint9"]])
 def test_an_arm_of_other_joints_is_not_that_of_the_workspace(tmp_path, names):
     described(tmp_path)

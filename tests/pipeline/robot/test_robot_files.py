@@ -235,6 +235,7 @@ REPLICATE = '<replicate count="900" offset="1 0 0">{}</replicate>'
 FEWER = REPLICATE.replace("900", "120")
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("text", "message"),
     [

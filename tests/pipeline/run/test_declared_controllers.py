@@ -105,6 +105,7 @@ def test_it_is_listed_with_its_type_and_runs(ran):
     assert f"{text} hinge_3/position hinge_1/position" in ran.err + ran.out
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("names", "code"),
     slow_but([("1, 2, 3", 0), ("3, 4", -2)], [("1, 2, 3, 4", 0), ("1, 2, 3", 0), ("3, 4", -2)]),

@@ -63,6 +63,7 @@ ALIKE = (
 the controller handles."""
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "name", slow_but([each for each in FAILURES if each not in ALIKE], [*FAILURES])
 )
@@ -120,6 +121,7 @@ DEATHS = {
 
 
 # That it kills itself is reported where it reads a null pointer: both are signals.
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "name", slow_but(["reads a null pointer", "leaves through libc"], [*DEATHS])
 )
@@ -247,6 +249,7 @@ def test_a_controller_cannot_raise_its_limits(example, quick):
         assert "not allowed to raise maximum limit" in outcome.err
 
 
+@pytest.mark.slow
 def test_processes_that_take_too_much_memory_together_are_ended(example, quick):
     hoard = "import time; hoard = b'x' * 300_000_000; time.sleep(100)"
     source = quick(
@@ -375,6 +378,7 @@ IMPORTS = {
 
 
 # A module of a package is reported by the package, as a module is.
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "name", slow_but([each for each in IMPORTS if each != "a module of a package"], [*IMPORTS])
 )

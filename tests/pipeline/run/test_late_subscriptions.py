@@ -50,6 +50,7 @@ def _reasons(example, topic, message, profile):
     ]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("topic", "message"),
     [("/robot_description", "std_msgs.String"), ("/tf_static", "tf2_msgs.TFMessage")],
@@ -58,6 +59,7 @@ def test_a_volatile_subscription_of_what_was_published_once_is_a_reason(example,
     assert _reasons(example, topic, message, "1") == [("unmet-need", topic, 12)]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("topic", "message", "profile"),
     [

@@ -81,6 +81,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "way",
     slow_but(("joint", "another name after one that is known", "type of a message"), [*REFUSED]),
@@ -164,6 +165,7 @@ class Cell:
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "call",
     slow_but(

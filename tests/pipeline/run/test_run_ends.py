@@ -293,6 +293,7 @@ def test_a_run_that_waits_for_its_last_motion_when_the_time_is_over_is_no_deadlo
 
 
 # `sys.exit` ends as the last line does: by an exception or none, the interpreter returns.
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("end", "code"),
     slow_but(

@@ -6,6 +6,7 @@ STARTS = "rospy.Timer(rospy.Duration(0.1), lambda event: None)"
 """What lets simulated time pass as long as nothing waits."""
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("statement", "words"),
     [

@@ -139,6 +139,7 @@ FRUITLESS = {
 }
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("source", FRUITLESS.values(), ids=FRUITLESS)
 def test_a_search_that_comes_nowhere_ends(tmp_path, monkeypatch, source):
     counts: Counter[str] = Counter()

@@ -634,6 +634,7 @@ ESTIMATES = {
 }
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("body", ESTIMATES.values(), ids=ESTIMATES)
 def test_what_is_estimated_once_too_early_comes_again(example, body):
     example.write("c.py", HEAD + body)

@@ -166,6 +166,7 @@ def cell(traced):
     return traced(HEAD + CELL)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("joint", "owner", "begins_s"),
     [

@@ -181,6 +181,7 @@ FATES = {
 QUICK = [("gen3", "released"), ("gen3", "missed"), ("panda", "slipped")]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("robot", "fate"), slow_but(QUICK, [(robot, fate) for robot in KINDS for fate in FATES])
 )

@@ -48,6 +48,7 @@ def verdict(outcome) -> list[dict[str, str]]:
     return outcome.json["trace"]["verdict"]["reasons"]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "robot",
     slow_but(["panda", "gen3"], [*ENDS]),
@@ -64,6 +65,7 @@ def test_a_gripper_that_closes_on_nothing_is_told_at_the_line_that_closes_it(
     assert reasons == [("grasped-nothing", "close")]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("objects", "why"),
     [

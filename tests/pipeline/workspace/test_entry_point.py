@@ -121,6 +121,7 @@ def test_a_module_off_the_import_path_is_found_in_the_workspace_and_reported(exa
     assert text in outcome.json["assumptions"]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("script", "imported", "module", "more"),
     [

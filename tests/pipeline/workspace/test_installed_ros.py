@@ -235,6 +235,7 @@ up(moveit_commander.MoveGroupCommander("feeder_arm"))
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("needs", ["feeder_moveit_config", "feeder_description"])
 def test_the_robot_of_an_installed_package_is_taken_and_its_files_count(
     example, tmp_path_factory, needs

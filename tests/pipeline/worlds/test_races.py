@@ -37,6 +37,7 @@ def test_every_program_is_tried():
     assert sorted(name for name, *_ in NAMED) == sorted(path.stem for path in RACES.glob("*.py"))
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(("program", "world", "line"), slow_but(NAMED[:2], NAMED))
 def test_a_world_names_a_race(program, world, line):
     of_program = nominal(RACES / f"{program}.py")

@@ -198,6 +198,7 @@ def importances(model):
     return {component.name: component for component in solve(model).components}
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("name", ["case", "branching"])
 def test_birnbaum_equals_a_finite_difference_in_exact_rationals(exact, request, name):
     model = request.getfixturevalue(name)

@@ -55,6 +55,7 @@ def test_an_erlang_law_of_many_events_or_phases_takes_no_time_for_each():
     assert Erlang(1e-9, 10_000).probability(1.0) == (0.0, 1.0)
 
 
+@pytest.mark.slow(but=8)
 @pytest.mark.parametrize("phases", [1, 2, 7, 900, 9000])
 @pytest.mark.parametrize("mean", [1e-7, 1e-2, 3.3, 40.0, 1000.0])
 def test_an_erlang_law_counts_poisson_events(phases, mean):
@@ -202,6 +203,7 @@ TESTED = [
 ]
 
 
+@pytest.mark.slow(but=12)
 @pytest.mark.parametrize("mission", [50.0, 1500.0, 5100.5, 5150.0])
 @pytest.mark.parametrize("test", TESTED, ids=range(len(TESTED)))
 def test_a_tested_unit_follows_its_markov_chain(test, mission):

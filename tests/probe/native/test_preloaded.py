@@ -54,6 +54,7 @@ WAYS = {
 }
 
 
+@pytest.mark.slow(but=5)
 @pytest.mark.parametrize("way", WAYS)
 def test_nothing_is_lost_however_a_node_ends(nodes, node, way):
     assert nodes.run(node, way, "700").returncode == WAYS[way]
@@ -220,6 +221,7 @@ FLAGS = {
 }
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("level", FLAGS)
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
 def test_stacks_are_the_same_by_every_compiler_and_level(nodes, compiler, level):

@@ -19,6 +19,7 @@ WITHOUT_COMMAND = {"wait_for"}
 """Functions that no run of a node enters."""
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("name", NODES)
 @pytest.mark.parametrize(
     ("compiler", "flags"),

@@ -61,6 +61,7 @@ def test_hostile_texts_do_nothing(browser, hostile_page, tmp_path):
     assert "{{ 7 * 7 }}" in browser.find_element("id", "findings").text
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing_serious(opened, scheme):
     emulate(opened, scheme)
@@ -84,6 +85,7 @@ def test_the_page_follows_the_scheme_until_a_theme_is_chosen(opened):
     assert chosen == ["false", "true", "false"]
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("width", WIDTHS)
 def test_only_drawings_tables_and_sources_scroll_sideways(opened, width):
     metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
@@ -164,6 +166,7 @@ def test_print_is_light_and_shows_what_is_folded(opened):
     assert opened.execute_script("return document.querySelectorAll('details[open]').length") == 0
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing_serious_on_the_page_over_all_controllers(
     browser, arm, report_of, tmp_path, scheme

@@ -88,6 +88,7 @@ def test_what_is_fixed_to_a_link_is_moved_by_its_joint():
     assert moved["panda_leftfinger"] == moved["panda_rightfinger"] == "panda_hand"
 
 
+@pytest.mark.slow(but=20)
 @pytest.mark.parametrize("name", robot_names())
 def test_each_link_is_there_once_behind_its_parent(name):
     robot = load_robot(name)

@@ -460,6 +460,7 @@ def test_a_click_on_a_link_leads_to_its_share_and_to_the_source(risky, open_page
     assert (link.text, link.get_attribute("title")) == ("pick 40 %", "pick.py:3")
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("size", [(1400, 1000), (400, 900)])
 def test_the_picture_holds_all_that_the_arm_reaches_and_little_more(page, shown_run, size):
     metrics = {"width": size[0], "height": size[1], "deviceScaleFactor": 0.25, "mobile": False}

@@ -115,6 +115,7 @@ IMPORTS = {
 }
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(("statement", "line", "remedy"), IMPORTS.values(), ids=IMPORTS)
 def test_a_run_drafts_a_module_that_is_missing(example, statement, line, remedy):
     example.write("beside.py", "import absent_library\n")
@@ -129,6 +130,7 @@ def test_a_run_drafts_a_module_that_is_missing(example, statement, line, remedy)
     assert remedy in reason["words"]
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "statement", ["import pymycobot", "from acme_msgs.msg import Go", "from acme.srv import Go"]
 )

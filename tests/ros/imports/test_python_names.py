@@ -20,6 +20,7 @@ turn()
 """
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("imports", "use", "name"),
     [

@@ -273,6 +273,7 @@ def test_an_error_for_want_of_a_screen_says_what_gives_windows(example):
     assert "a scenario with `modules: [{module: tkinter}]` gives windows" in " ".join(said.split())
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(("program", "library"), [(TK, "tkinter"), (QT, "PyQt5")])
 def test_a_run_presses_the_buttons_of_a_program_and_says_so(example, program, library):
     example.write("panel.py", dedent(program))

@@ -166,6 +166,7 @@ def test_a_second_goal_of_execute_trajectory_waits_for_the_first(ros2, distro):
     assert second.issue_ns >= first.end_ns
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
 def test_a_waiting_goal_of_execute_trajectory_is_not_answered_and_may_start_too_far_away(
     ros2, distro
@@ -260,6 +261,7 @@ def test_a_goal_of_move_action_is_cancelled_in_jazzy_alone(ros2, distro, code, s
     assert ran["error"] == (1 if status == 4 else -7)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
 @pytest.mark.parametrize(
     ("first", "second"),
@@ -280,6 +282,7 @@ def test_the_other_action_of_moveit_2_is_refused_while_one_executes(ros2, distro
     assert any("executes one trajectory at a time" in text for text in ran.findings)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
 @pytest.mark.parametrize(("goal", "code"), [("execute, swing()", -7), ("move, move_goal(0.4)", -4)])
 def test_the_event_stop_aborts_the_goals_of_moveit_2(ros2, distro, goal, code):
@@ -321,6 +324,7 @@ def test_a_new_goal_of_the_same_action_of_moveit_1_ends_the_one_before(ros1, cli
     assert ends(ran)[-2:] == ["replaced", "arrived"]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("first", "second"),
     [
@@ -346,6 +350,7 @@ def test_the_other_action_of_moveit_1_is_refused_while_one_executes(ros1, first,
     assert any("executes one trajectory at a time" in text for text in ran.findings)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "asked",
     [
@@ -409,6 +414,7 @@ def test_stop_fails_a_goal_of_move_group_and_preempts_one_of_execute_trajectory(
 # What is executed
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
 @pytest.mark.parametrize(
     ("points", "answer"),
@@ -437,6 +443,7 @@ def test_a_trajectory_of_moveit_2_must_start_where_the_robot_is(ros2, distro, po
         assert [each.end for each in ran.recording.refused] == ["ignored"]
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("points", "answer"),
     [
@@ -457,6 +464,7 @@ def test_a_trajectory_of_moveit_1_must_start_where_the_robot_is(ros1, points, an
     assert ran["answer"] == answer
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("points", ["", "(turned(0.5), 0.0)"])
 @pytest.mark.parametrize(
     "ask",
@@ -504,6 +512,7 @@ def test_a_motion_that_takes_too_long_is_stopped_as_timed_out(ros1, parameters, 
     assert any("the longest that it allows" in text for text in ran.findings) == (answer[1] == -6)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("parameters", "is_executed"),
     [

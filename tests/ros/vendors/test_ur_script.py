@@ -131,6 +131,7 @@ def servoj(period, look_ahead):
 START = "movej([-1.57, -1.57, 0, -1.57, 0, 0], a=1.2, v=0.8)"
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("period", [0.1, 0.02, 0.008])
 def test_set_points_of_a_program_are_one_smooth_stream_at_any_rate(run_on, period):
     lines = [START, *servoj(period, 0.1)]

@@ -79,6 +79,7 @@ def mutated(draws: random.Random, pieces: list[str]) -> str:
     return "".join(words)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_mutated_file_is_read_or_refused_with_its_place(tmp_path, seed):
     draws = random.Random(seed)

@@ -92,6 +92,7 @@ def exact(tree, *, is_left):
         )
 
 
+@pytest.mark.slow(but=10)
 @pytest.mark.parametrize("seed", slow_but_every(50, range(1000)))
 def test_random_trees_are_those_of_all_sets_of_failed_events(seed):
     tree = drawn_tree(random.Random(seed))

@@ -186,6 +186,7 @@ def test_a_cold_spare_of_rare_failures_keeps_its_digits():
 # derivatives and changes
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("figure", FIGURES)
 def test_the_derivatives_of_one_pass_equal_finite_differences(plant, oracle, figure):
     found = plant.solve().sensitivities(figure)

@@ -253,6 +253,7 @@ def trains_xml(count, law, factors, q):
     )
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.skipif(shutil.which("scram") is None, reason="SCRAM is not installed")
 @pytest.mark.parametrize(
     ("count", "law", "factors"),

@@ -196,6 +196,7 @@ def why_not_asked(rule: dict[str, Any]) -> str:
     return next((why for kind, why in OTHER.items() if kind in kinds), "")
 
 
+@pytest.mark.slow(but=32)
 @pytest.mark.parametrize("rule", RULES, ids=[rule["name"] for rule in RULES])
 def test_real(rule, tmp_path):
     if why := why_not_asked(rule):

@@ -356,6 +356,7 @@ go("ready")
     assert one.recording.commands == two.recording.commands
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("change", "status"),
     [
