@@ -48,7 +48,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 settings.register_profile(
     "any_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=20
 )
-# `--hypothesis-profile thorough` tries a hundred times as many, where a test gives no number.
+# Where a test gives no number, `--all` tries ten times as many, and `--hypothesis-profile thorough`
+# a hundred times.
+settings.register_profile("all", settings.get_profile("any_machine"), max_examples=200)
 settings.register_profile("thorough", settings.get_profile("any_machine"), max_examples=2000)
 settings.load_profile("any_machine")
 
@@ -194,6 +196,7 @@ ON_LINUX_ALONE = frozenset(
 def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("--all"):
         config.option.markexpr = ""
+        settings.load_profile("all")
     slow.taken_by(config.option.markexpr)
     _ELSEWHERE.extend(filter(None, [config.getoption("--system")]))
     config.option.loadscopereorder = False  # of pytest-xdist: files come in the order given here

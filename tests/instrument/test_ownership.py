@@ -6,7 +6,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
@@ -273,7 +273,6 @@ def cut_into_functions(
     )
 
 
-@settings(max_examples=40)
 @given(mission=missions(), cut=cuts())
 def test_every_step_of_every_element_belongs_to_exactly_one_visit(
     mission: list[tuple[int, tuple[str, ...], int, int | None, CommandEnd | None]], cut: Cut
@@ -289,7 +288,6 @@ def test_every_step_of_every_element_belongs_to_exactly_one_visit(
     assert starts == sorted(starts)
 
 
-@settings(max_examples=40)
 @given(mission=missions(), cut=cuts(), other=cuts())
 def test_how_the_code_is_cut_moves_no_step_from_one_command_to_another(
     mission: list[tuple[int, tuple[str, ...], int, int | None, CommandEnd | None]],
@@ -319,7 +317,6 @@ def test_how_the_code_is_cut_moves_no_step_from_one_command_to_another(
             assert gathered[command].tolist() == found.assign(element, N_STEPS, STEP).tolist()
 
 
-@settings(max_examples=40)
 @given(mission=missions(), cut=cuts())
 def test_renaming_functions_renames_owners_and_nothing_else(
     mission: list[tuple[int, tuple[str, ...], int, int | None, CommandEnd | None]], cut: Cut

@@ -1,7 +1,7 @@
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.adder.blocks.random_blocks import blocks
@@ -72,7 +72,6 @@ def test_both_forms_of_a_block_say_the_same() -> None:
     assert text_of(replace(compact, form="published")) == PUBLISHED
 
 
-@settings(max_examples=200)
 @given(blocks(), st.integers(20, 120))
 def test_any_block_is_the_same_in_both_forms_and_back(block: RiskBlock, width: int) -> None:
     published = text_of(with_digest(block), width)
@@ -101,7 +100,6 @@ def typed_anew(text: str, breaks: list[bool]) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-@settings(max_examples=50)
 @given(
     blocks(),
     st.integers(30, 120),

@@ -1,7 +1,7 @@
 from fractions import Fraction
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.adder.blocks.random_blocks import blocks
@@ -181,7 +181,6 @@ def test_counts_of_visits_stay_unreduced_and_a_certain_transition_is_one() -> No
     )
 
 
-@settings(max_examples=40)
 @given(blocks(), st.integers(20, 120))
 def test_a_printed_block_parsed_again_is_the_same_block(block: RiskBlock, width: int) -> None:
     lines = print_block(block, width)

@@ -81,7 +81,6 @@ def relative_error(found, expected):
     return float(abs(Fraction(found) / expected - 1))
 
 
-@settings(max_examples=100, deadline=None)
 @given(groups())
 @example(([[1e-20, 0.9, 1e-20, 0.9]] * 3, Redundancy(True, 1)))
 @example(([[1e-20, 0.9, 1e-20, 1e-8]] * 2, Redundancy(True, 2, 0.1)))
@@ -143,7 +142,6 @@ def test_like_spares_at_the_groups_value_fail_as_the_unlike_ones_do(group):
         assert float(abs(like / expected - 1)) < TOLERANCE
 
 
-@settings(max_examples=100, deadline=None)
 @given(groups(), st.integers(1, 4))
 def test_units_that_are_alike_give_back_their_probability(group, visits):
     drawn, redundancy = group
@@ -212,7 +210,6 @@ def test_functions_share_a_hidden_groups_hazard_by_what_each_adds_to_it():
     assert (a + b) ** 2 == pytest.approx(1e-21, rel=1e-8)
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.lists(groups(), min_size=1, max_size=3), st.lists(st.integers(1, 9), min_size=3))
 def test_functions_share_the_hazard_of_a_hidden_group_over_the_mission(drawn, times):
     units = min(len(visits[0]) for visits, _ in drawn)

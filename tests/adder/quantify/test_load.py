@@ -1,7 +1,7 @@
 """Wear by load: what counts, and what a trace must tell for it."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.common.hardware.load import UnitLoad, mean_speed, wear_s
@@ -33,7 +33,6 @@ def test_at_the_mean_speed_of_the_mission_time_counts_by_the_load_alone(k, refer
     assert unit.wearing_s(exposure) == pytest.approx(40.0 * (load / reference) ** k, rel=1e-12)
 
 
-@settings(max_examples=40)
 @given(exponents, loads, loads, speeds, speeds)
 def test_life_counts_in_revolutions(k, reference, load, speed, reference_speed):
     # Twice as fast for half the time wears alike.

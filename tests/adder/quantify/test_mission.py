@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import mpmath
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.adder.quantify.component_activity import (
@@ -166,7 +166,6 @@ FIGURES = {
 runs = st.lists(st.lists(stretches, min_size=1, max_size=3), min_size=1, max_size=4)
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     name=st.sampled_from(sorted(FIGURES)),
     run=runs,
@@ -189,7 +188,6 @@ def test_cutting_visits_leaves_the_missions_figure(name, run, load_law, modes, a
     assert p[2] == pytest.approx(p[0], rel=1e-12, abs=nothing)
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     name=st.sampled_from(sorted(FIGURES)),
     run=runs,
@@ -261,7 +259,6 @@ def test_the_missions_figure_is_that_of_its_totals(name, run, load_law, modes, a
     assert found == pytest.approx(expected, rel=1e-11, abs=1e-15 if name == "standby" else 0.0)
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     name=st.sampled_from(sorted(FIGURES)),
     before=st.lists(stretches, max_size=2),

@@ -154,7 +154,6 @@ def definitions_text(draw, depth: int = 0):
     return header.format(name) + "\n" + "".join(lines)
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     st.lists(definitions_text(), min_size=1, max_size=3),
     newlines,
@@ -317,7 +316,7 @@ def hard_sources(draw) -> bytes:
     return with_line_ends(draw, known).encode(encoding)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(suppress_health_check=[HealthCheck.filter_too_much])
 @given(hard_sources())
 def test_the_laws_hold_on_hard_sources(source: bytes) -> None:
     try:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from tests.common.hardware.strategies import hardware_descriptions
 from tracerisk.common.hardware.model import (
@@ -26,7 +26,6 @@ def file(tmp_path_factory) -> Path:
     return tmp_path_factory.mktemp("written") / "hardware.yaml"
 
 
-@settings(max_examples=30, deadline=None)
 @given(hardware=hardware_descriptions())
 def test_what_is_written_reads_back_as_the_same_description(file, hardware):
     text = write_hardware(hardware)

@@ -1,6 +1,6 @@
 from itertools import combinations
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.prm.drawing.layout import Size, layered
@@ -9,7 +9,6 @@ names = [f"n{index}" for index in range(10)]
 graphs = st.lists(st.tuples(st.sampled_from(names), st.sampled_from(names)), max_size=25)
 
 
-@settings(max_examples=60, deadline=None)
 @given(edges=graphs, widths=st.lists(st.floats(10, 200), min_size=10, max_size=10))
 def test_nodes_never_overlap_and_every_edge_has_a_way(edges, widths):
     sizes = {name: Size(width, 30.0) for name, width in zip(names, widths, strict=True)}
@@ -28,7 +27,6 @@ def test_nodes_never_overlap_and_every_edge_has_a_way(edges, widths):
         assert 15.0 <= y <= layout.height - 15.0
 
 
-@settings(max_examples=100, deadline=None)
 @given(edges=graphs)
 def test_edges_of_a_graph_without_cycles_lead_downwards(edges):
     downward = [(a, b) for a, b in edges if a < b]

@@ -325,7 +325,6 @@ def test_a_state_may_have_a_tree_that_shares_an_event():
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
 @given(data=st.data())
 def test_many_random_models_equal_exact_rationals(exact, block, component, data):
     _equals_exact_rationals(exact, block, component, data)

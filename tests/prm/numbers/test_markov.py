@@ -1,7 +1,7 @@
 from fractions import Fraction
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
@@ -51,7 +51,6 @@ def chains(draw):
     return MarkovChain(rows, ("failed", "done"))
 
 
-@settings(max_examples=50, deadline=None)
 @given(chain=chains())
 def test_random_chains_equal_exact_rationals(exact, chain):
     check_against_rationals(exact, chain, "s0")

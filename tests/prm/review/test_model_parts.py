@@ -56,7 +56,6 @@ def versions(draw):
     return RiskVersion.of_blocks(blocks, "c.py")
 
 
-@settings(max_examples=50, deadline=None)
 @given(versions(), versions())
 def test_all_changes_together_make_the_later_model(before, after):
     flows, _ = flow_items(before, after)

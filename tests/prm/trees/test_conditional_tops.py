@@ -139,7 +139,6 @@ def exact_given(tree, values, name, state):
     return exact
 
 
-@settings(max_examples=60, deadline=None)
 @given(tree=shared_trees(), data=st.data())
 def test_the_top_of_shared_events_given_each_equals_exact_enumeration(tree, data):
     values = {event.name: data.draw(probabilities) for event in tree.events}

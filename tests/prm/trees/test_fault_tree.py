@@ -2,7 +2,7 @@ from fractions import Fraction
 from itertools import count
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
@@ -59,7 +59,6 @@ probabilities = st.one_of(
 values = st.fixed_dictionaries(dict.fromkeys("abc", probabilities))
 
 
-@settings(max_examples=50, deadline=None)
 @given(tree=trees(), values=values)
 def test_probability_and_its_complement_equal_exact_enumeration(exact, tree, values):
     expected = exact.top(tree, {name: Fraction(p) for name, p in values.items()})
@@ -69,7 +68,6 @@ def test_probability_and_its_complement_equal_exact_enumeration(exact, tree, val
     assert relative_error(q, 1 - expected) < 1e-14
 
 
-@settings(max_examples=75, deadline=None)
 @given(tree=trees(), values=values)
 def test_drop_without_a_parameter_equals_the_exact_difference(exact, tree, values):
     rational = {name: Fraction(p) for name, p in values.items()}
@@ -77,7 +75,6 @@ def test_drop_without_a_parameter_equals_the_exact_difference(exact, tree, value
     assert relative_error(tree.drop_without("a", values), expected) < 1e-14
 
 
-@settings(max_examples=50, deadline=None)
 @given(tree=trees(), values=values)
 def test_sensitivity_of_an_event_equals_the_exact_derivative(exact, tree, values):
     # The top is linear in each event, so the derivative is top(1) - top(0).

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError
@@ -88,7 +88,6 @@ def test_a_parameter_changes_all_its_events_and_an_event_only_itself():
     assert solution.importance("event")["m1"].risk_achievement_worth == 4.0
 
 
-@settings(max_examples=50, deadline=None)
 @given(values=st.lists(st.floats(1e-25, 1.0), min_size=4, max_size=4))
 def test_measures_equal_their_definitions_where_events_are_shared(values):
     tree = FaultTree.of(

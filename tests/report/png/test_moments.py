@@ -1,7 +1,7 @@
 """The moment that stands for a function is the one that the rule names."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.report.png.moments import FrameCounts, function_moments
@@ -70,7 +70,6 @@ def test_a_visit_between_two_poses_has_a_moment_too(trace_of):
     assert 2 <= g.frame < 9
 
 
-@settings(max_examples=80, deadline=None)
 @given(
     texts=st.lists(st.text("mhg.", min_size=25, max_size=25), min_size=1, max_size=4),
     cut=st.integers(1, 24),

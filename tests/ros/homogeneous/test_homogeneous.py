@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.ros.homogeneous import arcball, matrices, parts, turns, vectors
@@ -43,7 +43,6 @@ def test_there_are_24_kinds_with_the_tuples_of_the_literature():
     assert {name: turns.AXES[name] for name in known} == known
 
 
-@settings(max_examples=40)
 @given(angles, angles, angles, kinds)
 def test_euler_angles_turn_about_their_axes_in_their_order(a, b, c, kind):
     steps = [
@@ -54,7 +53,6 @@ def test_euler_angles_turn_about_their_axes_in_their_order(a, b, c, kind):
     assert np.allclose(turns.euler_matrix(a, b, c, turns.AXES[kind])[:3, :3], product)
 
 
-@settings(max_examples=40)
 @given(angles, st.sampled_from([0.0, math.pi / 2, -math.pi / 2, math.pi, 0.3, 2.9]), angles, kinds)
 def test_the_angles_of_a_rotation_give_it_back(a, b, c, kind):
     matrix = turns.euler_matrix(a, b, c, kind)
@@ -74,7 +72,6 @@ def test_roll_pitch_yaw_by_hand():
         turns.quaternion_from_euler(0, 0, 0, "sxyy")
 
 
-@settings(max_examples=40)
 @given(angles, angles, angles, angles, angles, angles)
 def test_products_of_quaternions_are_products_of_matrices(a, b, c, d, e, f):
     p, q = turns.quaternion_from_euler(a, b, c), turns.quaternion_from_euler(d, e, f)
@@ -105,7 +102,6 @@ def test_random_turns_are_units():
     assert np.allclose(turn @ turn.T, np.identity(4))
 
 
-@settings(max_examples=40)
 @given(st.floats(-3.1, 3.1).filter(lambda a: abs(a) > 0.01), directions, points)
 def test_a_rotation_keeps_its_axis_and_gives_back_what_made_it(angle, direction, point):
     matrix = matrices.rotation_matrix(angle, direction, point)
@@ -116,7 +112,6 @@ def test_a_rotation_keeps_its_axis_and_gives_back_what_made_it(angle, direction,
     )
 
 
-@settings(max_examples=40)
 @given(points, directions)
 def test_a_reflection_twice_is_nothing(point, normal):
     matrix = matrices.reflection_matrix(point, normal)
@@ -125,7 +120,6 @@ def test_a_reflection_twice_is_nothing(point, normal):
     assert np.allclose(matrices.reflection_matrix(*matrices.reflection_from_matrix(matrix)), matrix)
 
 
-@settings(max_examples=40)
 @given(st.floats(0.1, 4.0).filter(lambda f: abs(f - 1.0) > 0.01), points, st.none() | directions)
 def test_a_scaling_gives_back_what_made_it(factor, origin, direction):
     matrix = matrices.scale_matrix(factor, origin, direction)
@@ -135,7 +129,6 @@ def test_a_scaling_gives_back_what_made_it(factor, origin, direction):
     )
 
 
-@settings(max_examples=40)
 @given(points, directions, directions, points)
 def test_what_is_projected_lies_in_the_plane(point, normal, direction, thing):
     if abs(np.dot(normal, direction)) < 0.1:
@@ -168,7 +161,6 @@ def test_a_clip_maps_the_corners_to_the_cube():
         matrices.clip_matrix(-1, 1, -1, 1, 0, 1, perspective=True)
 
 
-@settings(max_examples=40)
 @given(st.floats(0.1, 1.2), directions, points, directions)
 def test_a_shear_moves_along_its_direction_and_gives_back_what_made_it(angle, along, point, other):
     normal = np.cross(along, other)
@@ -181,7 +173,6 @@ def test_a_shear_moves_along_its_direction_and_gives_back_what_made_it(angle, al
     )
 
 
-@settings(max_examples=40)
 @given(
     st.tuples(*3 * [st.floats(0.2, 3.0)]),
     st.tuples(*3 * [st.floats(-1.0, 1.0)]),
@@ -208,7 +199,6 @@ def test_perspective_is_a_part_too():
         parts.decompose_matrix(np.diag([1.0, 0.0, 1.0, 1.0]))
 
 
-@settings(max_examples=40)
 @given(angles, directions, points, st.floats(0.5, 2.0))
 def test_superimposing_finds_the_motion(angle, direction, shift, factor):
     cloud = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3], [1, 1, 1]], dtype=float).T

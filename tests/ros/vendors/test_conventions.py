@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.ros.transforms.poses import angle_between, multiply, unit_quaternion
@@ -22,7 +22,6 @@ def about(axis: int, angle: float):
 
 
 @pytest.mark.parametrize("rotation", ROTATIONS)
-@settings(max_examples=40)
 @given(st.tuples(PART, PART, PART, PART).filter(lambda q: math.hypot(*q) > 0.1))
 def test_a_pose_comes_back_from_its_numbers(rotation, values):
     conventions = Conventions(Units("deg", "mm"), rotation)

@@ -77,7 +77,7 @@ JUNK = st.one_of(
 )
 
 
-@settings(max_examples=50, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_a_changed_description_is_read_or_reported_with_its_line(tmp_path_factory, data):
     changed = copy.deepcopy(data.draw(st.sampled_from(BASES)))
@@ -111,7 +111,6 @@ def test_a_changed_description_is_read_or_reported_with_its_line(tmp_path_factor
         assert (place.file, place.line is None) == ("changed.driver.yaml", False)
 
 
-@settings(max_examples=100, deadline=None)
 @given(st.binary(max_size=200))
 def test_bytes_that_are_no_description_are_reported(tmp_path_factory, data):
     path = tmp_path_factory.getbasetemp() / "bytes.driver.yaml"

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.slow import slow_but
@@ -75,7 +75,6 @@ def test_two_moves_of_a_ur5e_without_a_scaling_take_a_tenth_of_its_limits():
     assert back.duration_s == pytest.approx(optimal, rel=1e-6)
 
 
-@settings(max_examples=50, deadline=None)
 @given(positions, positions)
 def test_a_straight_line_keeps_the_limits_and_rests_at_both_ends(start, goal):
     time, position, velocity = straight_line(start, goal, VELOCITY, ACCELERATION)
@@ -125,7 +124,6 @@ def test_a_move_smaller_than_the_least_change_is_made_all_the_same():
 corners = st.lists(positions, min_size=3, max_size=6).map(np.array)
 
 
-@settings(max_examples=50, deadline=None)
 @given(corners)
 @example(np.array([[0.0, 1.0, 2.25], [2.0, 1.125, 0.0], [0.0, 0.0, 0.0], [-2.0, 0.0, 0.0]]))
 def test_a_path_keeps_the_limits_and_its_corners_within_the_tolerance(path):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.twin.recording.activity import ElementActivity
@@ -224,7 +224,6 @@ def test_each_touch_belongs_to_the_visit_that_moves_the_link(panda: Robot):
     }
 
 
-@settings(deadline=None, max_examples=40)
 @given(st.lists(st.integers(1, N - 1), max_size=5, unique=True))
 def test_contacts_and_payloads_of_all_visits_sum_to_those_of_the_run(cuts: list[int]):
     panda = load_robot("panda")

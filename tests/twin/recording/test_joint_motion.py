@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.twin.recording.joint_motion import (
@@ -88,7 +88,6 @@ def test_bounds_of_a_sliding_joint_are_a_tenth():
     assert len(found(value, value, LEVER_M)) == 1
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     st.lists(st.tuples(st.floats(0.1, 3.0), st.floats(-0.5, 0.5)), min_size=1, max_size=5),
     st.integers(0, 400),

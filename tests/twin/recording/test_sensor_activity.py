@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.trace import Element, Exposure
@@ -48,7 +48,6 @@ def cases(draw):
     return moving, [(start, start + length) for start, length in spans], owned
 
 
-@settings(max_examples=40, deadline=None)
 @given(cases(), st.sampled_from([ENCODER, CAMERA]))
 def test_a_sensor_is_counted_as_a_joint_with_the_same_flags_is(case, element):
     moving, spans, owners = case

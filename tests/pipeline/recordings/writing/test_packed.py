@@ -4,7 +4,7 @@ from io import BytesIO
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 from rosbags.typesys import Stores, get_typestore
@@ -49,7 +49,6 @@ def written(times: list[int], width: int, others: list[tuple[int, bytes]]) -> by
     return stream.getvalue()
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     times=st.lists(st.integers(0, 50).map(lambda k: 2 * LATER * k), max_size=40, unique=True).map(
         sorted
@@ -111,7 +110,6 @@ def test_the_messages_that_are_written_are_those_of_ros_2(name):
     assert definition(name) == theirs.generate_msgdef(name, ros_version=2)[0]
 
 
-@settings(max_examples=30)
 @given(time_ns=st.integers(0, 2**60), texts=st.tuples(*[st.text(max_size=9)] * 4))
 def test_a_finding_is_read_back(time_ns, texts):
     data = log_message(time_ns, 30, *texts, line=7)

@@ -126,7 +126,6 @@ def pieces_of(p, shares):
     return [-math.expm1(math.log1p(-p) * share / total) for share in shares]
 
 
-@settings(max_examples=40, deadline=None)
 @given(
     pair=st.floats(1e-12, 0.3),
     motor=st.floats(1e-12, 0.3),
@@ -175,7 +174,6 @@ def test_random_missions_equal_the_enumeration_of_every_event(exact, small_model
             assert found.risk_reduction_worth == close(expected / without)
 
 
-@settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_contributions_are_the_fall_of_the_top_event_without_the_component(small_models, data):
     model = data.draw(small_models(least=1e-3))
@@ -416,7 +414,6 @@ def test_what_cannot_fail_has_a_plain_zero_in_every_reading(straight, part):
     assert [repr(each) for each in readings] == ["0.0", "0.0", "0.0"]
 
 
-@settings(max_examples=30, deadline=None)
 @given(data=st.data())
 def test_the_chain_written_out_has_the_same_figures(small_models, data):
     model = data.draw(small_models())

@@ -3,7 +3,7 @@ from fractions import Fraction
 from itertools import product
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
@@ -106,7 +106,6 @@ def states_of(condition):
     )
 
 
-@settings(max_examples=30, deadline=None)
 @given(network=networks(), kind=st.sampled_from([GateKind.OR, GateKind.AND]))
 def test_top_and_posteriors_equal_exact_enumeration(network, kind):
     inference_of(network)

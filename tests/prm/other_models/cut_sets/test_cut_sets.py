@@ -4,7 +4,7 @@ from math import comb
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
@@ -72,7 +72,6 @@ def listed(sets):
     return [(frozenset(each.events), frozenset(each.absent)) for each in sets]
 
 
-@settings(max_examples=120, deadline=None)
 @given(tree=trees([OR, AND, ATLEAST, NOT, XOR]), most=st.sampled_from([None, 1, 2, 3]))
 def test_cut_sets_are_the_smallest_sets_that_bring_the_top_about(tree, most):
     names, found = truth(tree)
@@ -116,7 +115,6 @@ def test_a_part_that_always_happens_is_in_no_prime_implicant():
     assert tree.probability(dict.fromkeys("abcd", 0.3)).p == 1.0
 
 
-@settings(max_examples=120, deadline=None)
 @given(tree=trees([OR, AND, ATLEAST, NOT, XOR]))
 def test_prime_implicants_are_the_largest_cubes_within_the_truth_table(tree):
     names, found = truth(tree)
@@ -147,7 +145,6 @@ def test_prime_implicants_are_the_largest_cubes_within_the_truth_table(tree):
     assert sets.count() == len(expected)
 
 
-@settings(max_examples=60, deadline=None)
 @given(tree=trees([OR, AND, ATLEAST]), seed=st.integers(0, 1000))
 def test_cut_sets_come_by_falling_probability_and_sum_up(tree, seed):
     rng = random.Random(seed)
@@ -271,7 +268,6 @@ def test_a_cut_off_that_is_no_probability_is_refused(cut_off):
         minimal_cut_sets(two_of(3)).most_probable(values, cut_off=cut_off)
 
 
-@settings(max_examples=60, deadline=None)
 @given(tree=trees([OR, AND, ATLEAST]), seed=st.integers(0, 1000), most=st.integers(1, 4))
 def test_what_is_left_out_is_left_out_of_the_sum_the_counts_and_the_list(tree, seed, most):
     rng = random.Random(seed)
@@ -284,7 +280,6 @@ def test_what_is_left_out_is_left_out_of_the_sum_the_counts_and_the_list(tree, s
     assert len(list(sets.most_probable(values))) == len(kept)
 
 
-@settings(max_examples=60, deadline=None)
 @given(tree=trees([OR, AND, ATLEAST]), seed=st.integers(0, 1000))
 def test_a_cut_off_at_the_probability_of_a_set_keeps_the_set(tree, seed):
     rng = random.Random(seed)

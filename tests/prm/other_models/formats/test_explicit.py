@@ -4,7 +4,7 @@ import math
 import tracemalloc
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.errors import ModelError, TooLargeError
@@ -77,7 +77,6 @@ def test_what_is_written_reads_back_to_the_same_bits(dialect):
     assert found == CHAIN.solve("Pick.place").absorption()
 
 
-@settings(max_examples=50, deadline=None)
 @given(
     weights=st.lists(
         st.lists(st.one_of(st.just(0.0), st.floats(1e-300, 1.0)), min_size=4, max_size=4),

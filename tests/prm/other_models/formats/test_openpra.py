@@ -237,7 +237,7 @@ def test_a_model_comes_back_as_it_was(more):
     assert ordered(across) == ordered(model)
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(st.booleans().flatmap(lambda plain: logic_models(figures=FIGURES, plain_names=plain)))
 def test_a_random_model_is_taken_by_the_engine_and_keeps_its_names_and_figures(model):
     """Gates may be written otherwise; what their tops come to may not change."""

@@ -56,7 +56,7 @@ def models(block, component):
     return draw_model()
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_the_event_tree_has_the_figures_of_the_mission(models, data):
     model = data.draw(models)

@@ -107,7 +107,6 @@ exact_values = st.integers(0, 1 << 20).map(lambda n: Fraction(n, 1 << 20))
 rare_values = st.sampled_from([Fraction(1, 1 << 60), Fraction(1, 1 << 40), Fraction(3, 1 << 20)])
 
 
-@settings(max_examples=50, deadline=None)
 @given(tree=shared_trees(tuple(GateKind)), data=st.data())
 def test_any_tree_equals_enumeration(tree, data):
     count = len(tree.events)
@@ -127,7 +126,6 @@ def test_any_tree_equals_enumeration(tree, data):
         assert is_close(share, derivative, scale=Fraction(1, 100))
 
 
-@settings(max_examples=50, deadline=None)
 @given(tree=shared_trees(COHERENT), data=st.data())
 def test_nothing_cancels_in_a_coherent_tree(tree, data):
     count = len(tree.events)
