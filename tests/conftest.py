@@ -183,6 +183,21 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default=1,
         help="take so many times as many cases of each test of which some are slow (default: 1)",
     )
+    parser.addoption(
+        "--skips",
+        type=Path,
+        help="write the names of the tests that were skipped to this file, one a line",
+    )
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    """Write which tests were skipped, for a run that has what they need."""
+    path = config.getoption("--skips")
+    if path is not None:
+        skipped = {report.nodeid for report in terminalreporter.stats.get("skipped", ())}
+        path.write_text("".join(f"{name}\n" for name in sorted(skipped)), encoding="utf-8")
 
 
 _ELSEWHERE: list[str] = []
