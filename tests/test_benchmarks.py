@@ -43,6 +43,7 @@ def test_every_program_says_how_it_is_started_and_has_a_quick_form(program):
     assert re.search(r"^from quick import .*\bparsed\b|^import quick\b", text, re.MULTILINE)
 
 
+@pytest.mark.slow(but=12)
 @pytest.mark.parametrize("program", slow_but(set(PROGRAMS) - LONG, PROGRAMS))
 def test_every_program_has_a_quick_form_that_works(program, example):
     script = ROOT / "benchmarks" / program
