@@ -134,6 +134,7 @@ def test_a_node_plans_with_moveit_where_there_is_none(compiled):
     assert trace["verdict"]["kind"] == "complete"
 
 
+@pytest.mark.slow
 def test_the_published_case_as_a_node_ends_as_blocks_in_its_five_functions(compiled):
     text = (PROGRAMS / "tube_cell.cpp").read_text()
     example = compiled("tube_cell", text.replace("kTubes = 10", "kTubes = 2"))
