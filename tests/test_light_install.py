@@ -236,7 +236,7 @@ def test_samples_say_what_to_install(annotated, light):
         ),
         (
             "from tracerisk.prm.numbers.distributions import *\n"
-            "import tracerisk.prm.numbers.arrays",
+            "from tracerisk.prm.numbers.arrays import np\nnp.zeros(3)",
             LARGE,
         ),
     ],

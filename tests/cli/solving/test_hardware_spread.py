@@ -5,7 +5,7 @@ from argparse import Namespace
 import pytest
 
 from tracerisk.api import build
-from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
+from tracerisk.cli.solving.computed_spreads import uncertainty_of_run
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.errors import InputError
 

@@ -11,7 +11,8 @@ from tracerisk.common.geometry.shapes import Shape
 from tracerisk.errors import Location, LogError
 from tracerisk.pipeline.pictures.run_section import recorded_run
 from tracerisk.report.html.run.joining import with_joins
-from tracerisk.report.html.run.replay import BODIES, FRAMES, RecordedRun, make_replay, replay_data
+from tracerisk.report.html.run.recorded_replay import make_replay
+from tracerisk.report.html.run.replay import BODIES, FRAMES, RecordedRun, replay_data
 from tracerisk.report.html.run.replay_frames import unpack_frames
 from tracerisk.report.html.run.replay_model import Body, scene_bodies
 from tracerisk.report.html.run.timeline import TIMELINE, timeline_section

@@ -17,7 +17,8 @@ from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.shipped import hardware_of
 from tracerisk.pipeline.pictures.run_section import recorded_run
 from tracerisk.report.html.page import page as page_text
-from tracerisk.report.html.run.replay import RecordedRun, Replay, make_replay
+from tracerisk.report.html.run.recorded_replay import make_replay
+from tracerisk.report.html.run.replay import RecordedRun, Replay
 from tracerisk.report.html.run.replay_model import bodies_data, scene_bodies
 from tracerisk.report.html.run.risk_shares import RISK
 from tracerisk.report.html.run.timeline import timeline_section

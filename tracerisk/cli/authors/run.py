@@ -6,7 +6,10 @@ import argparse
 
 from tracerisk.cli.reporting.against import add_against, check_against
 from tracerisk.cli.running.fault import add_fault, check_fault_options, run_faults
+from tracerisk.cli.running.finished_run import finish_run
 from tracerisk.cli.running.live_command import name_source
+from tracerisk.cli.running.shown import show_failure, show_run
+from tracerisk.cli.running.watch import watch_run
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.solving.hardware_spread import add_run_uncertainty, check_run_uncertainty
@@ -64,11 +67,7 @@ def run(options: argparse.Namespace) -> int:
     _check_watch(options)
     _check_worlds(options)
     if options.watch:
-        from tracerisk.cli.running.watch import watch_run
-
         watch_run(options)
-    from tracerisk.cli.running.finished_run import finish_run
-    from tracerisk.cli.running.shown import show_failure, show_run
 
     try:
         if options.faults:

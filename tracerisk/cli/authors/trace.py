@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk import api
+from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.cli.running.live_command import name_source
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, scenario_advice, show, write_file
@@ -99,8 +100,6 @@ def _run(options: argparse.Namespace) -> Trace:
         )
         write_record(options, keep, trace)
     if options.log is not None:
-        from tracerisk.adder.figures.computed import compute_blocks
-
         hardware = api.load_hardware(settings, trace.robot)
         write_outputs(options, compute_blocks(trace, hardware, active=settings.active))
     return trace

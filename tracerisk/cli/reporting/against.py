@@ -8,14 +8,18 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tracerisk.cli.reporting.report_input import shown_sources
+from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.errors import InputError
 from tracerisk.pipeline.history.repository import Repository
+from tracerisk.pipeline.pictures.earlier_run import earlier_run
 from tracerisk.pipeline.review.git_versions import compared
+from tracerisk.pipeline.review.review import review
+from tracerisk.report.html.report_input import EarlierRun, SideBySide
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.review.risk_diff import Review
-    from tracerisk.report.html.report_input import SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
 
 
@@ -71,10 +75,6 @@ def both_runs(
         return ""
     if isinstance(now, str):
         return now or "No run is known of the present sources."
-    from tracerisk.cli.reporting.report_input import shown_sources
-    from tracerisk.cli.shared.progress import progress_bar
-    from tracerisk.pipeline.pictures.earlier_run import earlier_run
-    from tracerisk.report.html.report_input import EarlierRun, SideBySide
 
     given = getattr(options, "against_recording", None)
     here = os.path.relpath(controller.path)
@@ -130,7 +130,6 @@ def review_against(revision: str | None, files: Iterable[str]) -> Review | None:
     """
     if revision is None:
         return None
-    from tracerisk.pipeline.review.review import review
 
     return review([_one_revision(revision), *(str(Path(file)) for file in files)])
 

@@ -11,10 +11,10 @@ from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.common.text.bounded import regular_file
 from tracerisk.errors import ExitCode, InputError
 from tracerisk.pipeline.review.overview import overview
+from tracerisk.report.html.repository.overview import OverviewRow, overview_page, report_links
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.review.overview import KnownController
-    from tracerisk.report.html.repository.overview import OverviewRow
 
 _GENERATED = b'<meta name="generator" content="tracerisk">'
 _HEAD_BYTES = 4096  # within which a page names what made it
@@ -40,8 +40,6 @@ def write_overview(options: argparse.Namespace) -> int:
 
     Raises InputError for options that do not go with it, and where no controller is known.
     """
-    from tracerisk.report.html.repository.overview import overview_page, report_links
-
     if options.files:
         raise InputError("--all takes every controller that a lock knows; name none beside it")
     for name in _NOT_WITH_IT:
@@ -86,8 +84,6 @@ def write_overview(options: argparse.Namespace) -> int:
 
 def overview_row(known: KnownController, *, link: str = "", report: str = "") -> OverviewRow:
     """Return a controller as pages show it."""
-    from tracerisk.report.html.repository.overview import OverviewRow
-
     return OverviewRow(known.name, known.verdict, known.assessment, known.error, link, report)
 
 

@@ -17,11 +17,17 @@ from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.instrument.source.language import is_c_like
 from tracerisk.instrument.source.python_source import decoded
 from tracerisk.pipeline.check.overrides import overrides_in
+from tracerisk.pipeline.dossier.record import make_record
 from tracerisk.pipeline.failure_data.band import figure_band
+from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
 from tracerisk.pipeline.freshness.used_evidence import kept_evidence, used_evidence
 from tracerisk.pipeline.model import blocks_of
 from tracerisk.pipeline.pictures.run_section import run_section
+from tracerisk.pipeline.review.history import history
+from tracerisk.report.html.evidence import evidence_section
 from tracerisk.report.html.report_input import ReportInput, SideBySide, SourceBlock, SourceFile
+from tracerisk.report.html.repository.history import history_section
+from tracerisk.report.html.run.worlds import worlds_section
 from tracerisk.report.run_figures import run_figures, set_by_hand
 
 if TYPE_CHECKING:
@@ -66,8 +72,6 @@ def evidence_shown(
         return ()
     if not evidence.cells and evidence.edited is None:
         return ()
-    from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
-    from tracerisk.report.html.evidence import evidence_section
 
     is_used = used_evidence(controller, settings, fingerprint) is not None
     return (evidence_section(at_lines_now(evidence, controller), is_used=is_used),)
@@ -77,7 +81,6 @@ def worlds_shown(trace: Trace) -> tuple[Section, ...]:
     """Return the section of the runs in other worlds, if there were any."""
     if not trace.worlds:
         return ()
-    from tracerisk.report.html.run.worlds import worlds_section
 
     return (worlds_section(trace.worlds),)
 
@@ -186,8 +189,6 @@ def record_of(
 
     Raises InputError for a file that cannot be read.
     """
-    from tracerisk.pipeline.dossier.record import make_record
-
     trace, hardware = (None, None) if isinstance(run, str) else (run.trace, run.hardware)
     return make_record(
         sources,
@@ -204,9 +205,6 @@ def history_shown(file: str) -> tuple[Section, ...]:
 
     Raises InputError outside a repository, and for a file that git does not know.
     """
-    from tracerisk.pipeline.review.history import history
-    from tracerisk.report.html.repository.history import history_section
-
     return (history_section(Path(file).name, history(Path(file))),)
 
 

@@ -13,12 +13,7 @@ from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.cli.shared.run_report import print_failure, trace_as_typed
 from tracerisk.common.dependencies import require_film
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.pipeline.pictures.run_pictures import (
-    run_again,
-    write_films,
-    write_films_of_both,
-    write_pictures,
-)
+from tracerisk.pipeline.pictures.run_section import run_again
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings
@@ -118,18 +113,20 @@ def write_report_pictures(
         if not trace.is_usable or again is None:
             return ExitCode(print_failure(trace_as_typed(trace, options.files[0]))), ()
         recorded = again
+    from tracerisk.pipeline.pictures import run_pictures  # needs NumPy
+
     quiet = options.quiet or options.json
     files: tuple[str, ...] = ()
     if options.png is not None:
-        names = write_pictures(trace, recorded, settings, options.png)
+        names = run_pictures.write_pictures(trace, recorded, settings, options.png)
         note(f"{Path(options.png)}: {len(names) - 1} pictures and {names[-1]}", quiet=quiet)
         files = tuple(str(Path(options.png) / name) for name in names)
     asked: dict[FilmFormat, str | None] = {"gif": options.gif, "mp4": options.mp4}
     films = {name: path for name, path in asked.items() if path is not None}
     if isinstance(both, str):
-        sizes = write_films(trace, recorded, settings, films)
+        sizes = run_pictures.write_films(trace, recorded, settings, films)
     else:
-        sizes = write_films_of_both(both, trace, settings, films, renamed or {})
+        sizes = run_pictures.write_films_of_both(both, trace, settings, films, renamed or {})
     for path, size in sizes.items():
         note(f"{path}: a film of {size / 1e6:.2f} MB", quiet=quiet)
         files += (path,)

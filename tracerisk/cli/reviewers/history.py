@@ -20,7 +20,16 @@ from tracerisk.common.text.plain_data import picked
 from tracerisk.common.verdict import kind_of
 from tracerisk.errors import ExitCode, InputError
 from tracerisk.pipeline.freshness.known_controllers import all_controllers
+from tracerisk.pipeline.review.history import (
+    first_above,
+    histories,
+    is_cut_short,
+    largest_rise,
+    last_other_result,
+    wrong_since,
+)
 from tracerisk.pipeline.workspace.project import Projects
+from tracerisk.report.series.history import badge_svg, history_svg, render_history
 
 if TYPE_CHECKING:
     from tracerisk.report.series.history import HistoryPoint
@@ -52,9 +61,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.review.history import first_above, histories, is_cut_short
-    from tracerisk.report.series.history import badge_svg, history_svg, render_history
-
     files = [Path(file) for file in options.files]
     if not files:
         files = [path for path in all_controllers(Projects()) if path.is_file()]
@@ -108,8 +114,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _answers(points: list[HistoryPoint]) -> list[str]:
     """Return what stands below the table: what went wrong, another result, the largest rise."""
-    from tracerisk.pipeline.review.history import largest_rise, last_other_result, wrong_since
-
     wrong, other = wrong_since(points), last_other_result(points)
     lines = []
     if wrong is not None:
@@ -139,8 +143,6 @@ def _text(point: HistoryPoint) -> str:
 
 
 def _data(points: list[HistoryPoint], above: HistoryPoint | None) -> dict[str, Any]:
-    from tracerisk.pipeline.review.history import largest_rise
-
     rise = largest_rise(points)
     return {
         "above_since": None if above is None else above.commit,

@@ -6,6 +6,8 @@ import argparse
 import os
 from pathlib import Path
 
+from tracerisk.cli.serving.server import Server
+from tracerisk.cli.serving.site import Site
 from tracerisk.cli.shared.output import note, print_text
 from tracerisk.errors import ExitCode, InputError, Location
 
@@ -36,9 +38,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb; it ends by an interrupt."""
-    from tracerisk.cli.serving.server import Server
-    from tracerisk.cli.serving.site import Site
-
     folder = Path(options.folder)
     if not folder.is_dir():
         raise InputError("is no folder; name a repository", Location(str(folder)))

@@ -22,6 +22,7 @@ from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import InputError
 from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
+from tracerisk.report.html.fault_report import render_fault_report
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
@@ -92,8 +93,6 @@ def run_faults(options: argparse.Namespace) -> int:
     )
     lines = _lines(replace(done, nominal=nominal, trace=trace))
     if options.report is not None:
-        from tracerisk.report.html.fault_report import render_fault_report
-
         controller = api.load_controller(options.controller)
         settings = api.load_settings(controller, shared.run_settings(options))
         hardware = api.load_hardware(settings, done.trace.robot)

@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tracerisk import api
+from tracerisk.cli.running.run_page import write_page
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.explain import explained
 from tracerisk.cli.shared.output import note, note_warnings, write_file, write_sarif
 from tracerisk.cli.shared.run_report import recording_folder, write_outputs, write_record
 from tracerisk.cli.shared.sources import read_profile
-from tracerisk.cli.solving.hardware_spread import uncertainty_of_run
+from tracerisk.cli.solving.computed_spreads import uncertainty_of_run
 from tracerisk.common import trace_json
 from tracerisk.pipeline.failure_data.band import figure_band
 from tracerisk.pipeline.freshness.unread_hardware import unread_hardware
@@ -147,6 +148,4 @@ def _write_files(options: argparse.Namespace, finished: FinishedRun) -> None:
         write_sarif(options.sarif, run_alerts(done.trace, done.controller.root))
     if options.report is not None:
         # A page takes more modules than all else that a run writes.
-        from tracerisk.cli.running.run_page import write_page
-
         write_page(options, done, finished.band)

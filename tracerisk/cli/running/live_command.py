@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tracerisk.common.text.bounded import regular_file
 from tracerisk.errors import InputError
+from tracerisk.instrument.native.binaries import Binary
 from tracerisk.instrument.source.language import is_c
 
 _ELF = b"\x7fELF"
@@ -39,7 +40,6 @@ def name_source(options: argparse.Namespace) -> None:
             f"{given} is neither a Python program nor the executable of a node, so what it runs is "
             f"not known; {remedy} -- {command}`"
         )
-    from tracerisk.instrument.native.binaries import Binary
 
     file = Binary(program).file_of("main")
     if not file or not Path(file).is_file():

@@ -10,11 +10,7 @@ from tracerisk.cli.shared.output import note, print_json, write_file
 from tracerisk.cli.shared.sources import model_of_sources, read_profile
 from tracerisk.cli.shared.verdict import sources_verdict
 from tracerisk.cli.solving.figure_options import add_set, set_in, sets_a_rate
-from tracerisk.cli.solving.hardware_spread import (
-    add_hardware_spread,
-    print_spreads,
-    spreads_of_files,
-)
+from tracerisk.cli.solving.hardware_spread import add_hardware_spread, print_spreads
 from tracerisk.prm.formats import model_json
 from tracerisk.report.tables import counted
 
@@ -33,13 +29,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     model = model_of_sources(options.files, read_profile(options))
     model, _ = set_in(model, options)
-    spreads = spreads_of_files(options.files, model, options, is_needed=not sets_a_rate(options))
-    if spreads is not None:
+    if options.hardware is not None:
+        from tracerisk.cli.solving.computed_spreads import spreads_of_files
         from tracerisk.pipeline.failure_data.figure_spreads import with_distributions
 
+        is_needed = not sets_a_rate(options)
+        spreads = spreads_of_files(options.files, model, options, is_needed=is_needed)
         model = with_distributions(model, spreads.figures)
         lots = {spread.lot for figures in spreads.figures.values() for spread in figures} - {""}
         if lots:

@@ -17,7 +17,7 @@ from tracerisk.cli.shared.output import (
 )
 from tracerisk.cli.shared.sources import model_of_files, read_profile
 from tracerisk.cli.solving import figure_options as asked
-from tracerisk.cli.solving.hardware_spread import notes_data, print_spreads, spreads_of_files
+from tracerisk.cli.solving.hardware_spread import notes_data, print_spreads
 from tracerisk.errors import InputError
 
 TYPE_CHECKING = False
@@ -76,7 +76,11 @@ def run(options: argparse.Namespace) -> int:
     model, changes = asked.set_in(given, options)
     assessment = solve(model)
     sweeps = asked.swept(model, options)
-    spreads = spreads_of_files(options.files, model, options) if options.uncertainty else None
+    spreads = None
+    if options.uncertainty and options.hardware is not None:
+        from tracerisk.cli.solving.computed_spreads import spreads_of_files
+
+        spreads = spreads_of_files(options.files, model, options)
     uncertainty = asked.uncertainty_of(model, options, spreads)
     pairs = asked.pairs_of(model, options)
     risks = {"mission failure": assessment.mission.failure_probability}

@@ -15,6 +15,7 @@ from tracerisk.cli.shared.output import (
     write_file,
 )
 from tracerisk.cli.shared.progress import bar_of_cells
+from tracerisk.report.series import sweep as report
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -39,8 +40,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb; 0 whatever the points show."""
-    from tracerisk.report.series import sweep as report
-
     with bar_of_cells("points", quiet=options.quiet) as progress:
         points = api.sweep(
             options.controller,

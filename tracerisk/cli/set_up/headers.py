@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show
+from tracerisk.pipeline.run.live.headers import headers_for
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -25,8 +26,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-    from tracerisk.pipeline.run.live.headers import headers_for
-
     packages = headers_for([Path(name) for name in options.sources], Path(options.output))
     if options.json:
         print_json("headers", output=options.output, packages=list(packages))

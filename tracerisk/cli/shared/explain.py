@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.figures.derivation_json import derivation_data
 from tracerisk.common.text.printable import escaped
+from tracerisk.pipeline.failure_data.explanation import explain
 from tracerisk.report.explain.function import render_derivation
 from tracerisk.report.explain.mission import render_mission
 
@@ -29,7 +30,6 @@ def explained(
     """
     if options.explain is None:
         return None
-    from tracerisk.pipeline.failure_data.explanation import explain
 
     return explain(annotated, hardware, settings, options.explain)
 

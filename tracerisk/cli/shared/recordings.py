@@ -13,6 +13,7 @@ from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, SettingsError
 from tracerisk.pipeline.recordings.declared import Declared, parse_effort_unit
 from tracerisk.pipeline.recordings.messages import open_recording
+from tracerisk.pipeline.recordings.read import read_trace
 
 if TYPE_CHECKING:
     from tracerisk.trace import Trace
@@ -54,7 +55,6 @@ def read_recording(path: Path, options: argparse.Namespace, controller: str | No
     `controller` is the file of its functions.
     """
     from tracerisk.pipeline.recordings.measured import measured_trace
-    from tracerisk.pipeline.recordings.read import read_trace
 
     trace = read_trace(path)
     if trace is not None:

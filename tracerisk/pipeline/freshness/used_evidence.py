@@ -101,10 +101,9 @@ def edited_evidence(root: Path) -> tuple[str, ...]:
 
     A file that is malformed is one too.
     """
-    from tracerisk.common.evidence.file import read_evidence
-
+    path = root / EVIDENCE_NAME
     try:
-        everything = read_evidence(root / EVIDENCE_NAME)
+        everything = _evidence_in(path, file_version(path))
     except InputError as error:
         return (f"{error}",)
     return tuple(

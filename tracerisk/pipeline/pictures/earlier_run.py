@@ -22,8 +22,7 @@ from tracerisk.errors import InputError, Location, LogError, readable
 from tracerisk.pipeline.check.check import given_options
 from tracerisk.pipeline.freshness.trace_cache import FOLDER, TraceCache
 from tracerisk.pipeline.history.repository import SUBMODULE, SYMLINK, Repository
-from tracerisk.pipeline.pictures.run_pictures import run_again
-from tracerisk.pipeline.pictures.run_section import given_recording, packed_recording
+from tracerisk.pipeline.pictures.run_section import given_recording, packed_recording, run_again
 from tracerisk.pipeline.review.controllers import Locks
 from tracerisk.pipeline.review.git_versions import GitVersion, compared
 from tracerisk.pipeline.workspace.controller import Controller, load_controller

@@ -13,28 +13,15 @@ from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.text.printable import printable_json
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
-from tracerisk.pipeline.pictures.run_section import replay_of
-from tracerisk.pipeline.scenarios.trace_controller import trace_controller
+from tracerisk.report.png.drawn import BOTH_SIZE, drawn, filmed
+from tracerisk.report.png.film import FRAME_S, make_film, make_film_of_both
+from tracerisk.report.png.pictures import LEGEND, legend_data, make_pictures
 
 if TYPE_CHECKING:
-    from tracerisk.pipeline.run.ended_run import Progress
-    from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.report.html.report_input import SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
     from tracerisk.report.png.drawn import FilmFormat
     from tracerisk.trace import Trace
-
-
-def run_again(
-    controller: Controller, settings: Settings, progress: Progress | None = None
-) -> tuple[Trace, RecordedRun | None]:
-    """Run a controller and return its trace and what was recorded; no file is written.
-
-    The same sources and settings make the same run. The recording is `None` where nothing was
-    simulated. Raises as `trace_controller`.
-    """
-    trace = trace_controller(controller, settings, progress=progress)
-    return trace, replay_of(trace)
 
 
 def write_pictures(
@@ -45,9 +32,6 @@ def write_pictures(
     Raises RenderError where nothing can be drawn on this machine, InputError where the folder
     cannot be written, LogError where the recording is not of the trace.
     """
-    from tracerisk.report.png.drawn import drawn
-    from tracerisk.report.png.pictures import LEGEND, legend_data, make_pictures
-
     hardware = load_hardware(settings, trace.robot)
     components = elements_by_component(hardware, trace.elements)
     pictures = make_pictures(trace, components, run)
@@ -77,9 +61,6 @@ def write_films(
 
     Raises as `write_pictures`.
     """
-    from tracerisk.report.png.drawn import filmed
-    from tracerisk.report.png.film import FRAME_S, make_film
-
     if not films:
         return {}
     frames = make_film(trace, run)
@@ -98,9 +79,6 @@ def write_films_of_both(
 
     `renamed` gives the later name of functions by their earlier one.
     """
-    from tracerisk.report.png.drawn import BOTH_SIZE, filmed
-    from tracerisk.report.png.film import FRAME_S, make_film_of_both
-
     before = both.before
     frames = make_film_of_both(before.trace, before.recorded, trace, both.now, renamed=renamed)
     limits = settings.drawing_limits

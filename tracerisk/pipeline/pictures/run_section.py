@@ -11,14 +11,18 @@ from tracerisk.common.hardware.binding import elements_by_component
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, file_text
 from tracerisk.errors import Location, LogError, readable
 from tracerisk.pipeline.freshness.trace_cache import MOST_REPLAY_BYTES, TraceCache
+from tracerisk.pipeline.scenarios.trace_controller import trace_controller
 from tracerisk.pipeline.trace.run_files import ROBOT, RunRequest
-from tracerisk.report.html.run.replay import RecordedRun, make_replay
+from tracerisk.report.html.run.replay import RecordedRun
 from tracerisk.ros.scenario.objects import simulated_scene
 from tracerisk.twin.robots.file import read_dumped_robot
 
 if TYPE_CHECKING:
     from tracerisk.common.hardware.model import Hardware
+    from tracerisk.config import Settings
     from tracerisk.pipeline.check.cached_run import KeptRun
+    from tracerisk.pipeline.run.ended_run import Progress
+    from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.report.html.section import Section
     from tracerisk.trace import Trace
     from tracerisk.twin.faults.fault import Fault
@@ -42,17 +46,17 @@ def run_section(
     components = elements_by_component(hardware, trace.elements)
     if isinstance(run, str):
         return timeline_section(trace, components, no_replay=run, faults=faults)
+    from tracerisk.report.html.run.recorded_replay import make_replay  # needs NumPy
+
     replay = make_replay(run, trace.end.simulated_s)
     return timeline_section(trace, components, replay=replay, faults=faults)
 
 
 def replay_of(trace: Trace) -> RecordedRun | None:
     """Return what can be seen of a run that has just ended; `None` where nothing was simulated."""
-    from tracerisk.twin.recording.packed_run import unpacked_run
-
     if trace.replay is None:
         return None
-    return RecordedRun(*unpacked_run(trace.replay, trace.controller))
+    return _unpacked(trace.replay, trace.controller)
 
 
 def kept_replay(kept: KeptRun) -> RecordedRun | str:
@@ -90,8 +94,6 @@ def packed_recording(path: Path) -> RecordedRun:
 
     Raises LogError for another file, and one that cannot be read.
     """
-    from tracerisk.twin.recording.packed_run import unpacked_run
-
     with readable(path, LogError):
         size = path.stat().st_size
         data = file_bytes(path, MOST_REPLAY_BYTES) if size <= MOST_REPLAY_BYTES else b""
@@ -100,7 +102,13 @@ def packed_recording(path: Path) -> RecordedRun:
             f"has {size} bytes; a replay has some, and at most {MOST_REPLAY_BYTES}",
             Location(str(path)),
         )
-    return RecordedRun(*unpacked_run(data, str(path)))
+    return _unpacked(data, str(path))
+
+
+def _unpacked(data: bytes, name: str) -> RecordedRun:
+    from tracerisk.twin.recording.packed_run import unpacked_run  # needs NumPy
+
+    return RecordedRun(*unpacked_run(data, name))
 
 
 def recorded_run(recording: Path) -> RecordedRun | None:
@@ -118,3 +126,15 @@ def recorded_run(recording: Path) -> RecordedRun | None:
     robot = read_dumped_robot(recording / ROBOT)
     scene = simulated_scene(request.scene, request.scenario)
     return RecordedRun(read_samples(recording), robot, scene, read_declared(recording))
+
+
+def run_again(
+    controller: Controller, settings: Settings, progress: Progress | None = None
+) -> tuple[Trace, RecordedRun | None]:
+    """Run a controller and return its trace and what was recorded; no file is written.
+
+    The same sources and settings make the same run. The recording is `None` where nothing was
+    simulated. Raises as `trace_controller`.
+    """
+    trace = trace_controller(controller, settings, progress=progress)
+    return trace, replay_of(trace)

@@ -11,6 +11,7 @@ from tracerisk.adder.blocks.values import COMPONENT_KINDS
 from tracerisk.adder.lock.lock import ControllerLock, lock_key
 from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.read import read_blocks
+from tracerisk.common.evidence.advice import advice_of
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.verdict import NEVER_RAN, Reason
 from tracerisk.common.worlds.world_run import WorldRun, dependence_line, depending
@@ -237,7 +238,6 @@ def _of_evidence(controller: Controller) -> Iterator[Alert]:
     evidence = evidence_of_last_run(controller)
     if evidence is None:
         return
-    from tracerisk.common.evidence.advice import advice_of
 
     for advice in advice_of(evidence.cells):
         place = advice.location

@@ -16,6 +16,7 @@ from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.common.outcome.kept import kept_changes, kept_outcome, kept_tolerances
 from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.instrument.source.language import is_c
+from tracerisk.instrument.source.used_results import changed_uses
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.model import blocks_of
@@ -319,7 +320,6 @@ def _uncredited(controller: ReviewedController) -> tuple[str, ...]:
         return ()
     if controller.before.sources == controller.after.sources:
         return ()
-    from tracerisk.instrument.source.used_results import changed_uses  # no other verb needs it
 
     return changed_uses(before.sources, after.sources)
 

@@ -19,6 +19,7 @@ from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import workspace_of
+from tracerisk.twin.model_files.model_file import read_model_file
 from tracerisk.twin.model_files.paths import ModelFolder
 from tracerisk.twin.robots.added_gripper import (
     commands_gripper,
@@ -134,8 +135,6 @@ def read_model(
     Raises RobotError when it is malformed, or names a file elsewhere; LimitError when reading it
     takes too long or too much memory.
     """
-    from tracerisk.twin.model_files.model_file import read_model_file
-
     path = Path(name)
     try:
         resolved = path.resolve()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from tracerisk.common.dependencies import require_runs
 from tracerisk.config import Settings
 from tracerisk.errors import ControllerFailedError, InputError, Location, TraceRiskError
+from tracerisk.pipeline.freshness.run_inputs import files_named
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.trace import Trace
 
@@ -79,7 +80,6 @@ def _forbid_changed(
     holds them. Without a sandbox, the controller itself may have written the file.
     """
     from tracerisk.common.sandbox.process import is_contained
-    from tracerisk.pipeline.freshness.run_inputs import files_named
 
     if not is_contained(settings.limits.sandbox):
         return

@@ -1,9 +1,29 @@
-"""NumPy, for samples and large models; where it is not installed, the error names the extra."""
+"""NumPy, for samples and large models, imported when one of its names is first used.
+
+Most models are solved without it. Where it is not installed, the error names the extra.
+"""
+
+from __future__ import annotations
 
 from tracerisk.common.dependencies import require_large
 
-require_large("numpy")
+TYPE_CHECKING = False  # `typing` takes longer to import than a small tree to solve
+if TYPE_CHECKING:
+    import numpy as np
+else:
 
-import numpy as np  # noqa: E402
+    class _NumPy:
+        """The names of NumPy, each of which is kept once it is used."""
+
+        def __getattr__(self, name: str) -> object:
+            require_large("numpy")
+
+            import numpy as np
+
+            value = getattr(np, name)
+            setattr(self, name, value)
+            return value
+
+    np = _NumPy()
 
 __all__ = ["np"]

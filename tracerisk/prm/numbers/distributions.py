@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
 
 from tracerisk.errors import ModelError
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.special import special
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     Samples = NDArray[np.float64]
@@ -70,8 +70,6 @@ class Lognormal:
 
     def at_scores(self, scores: Samples, value: float) -> Samples:
         """Return the values at normal scores, which are 0 at the median."""
-        from tracerisk.prm.numbers.arrays import np
-
         factors: Samples = np.exp(self.sigma * scores)
         return self._median(value) * factors
 
@@ -105,8 +103,6 @@ class Uniform:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
-        from tracerisk.prm.numbers.arrays import np
-
         if self.log:
             low, high = math.log(self.low), math.log(self.high)
             return np.clip(np.exp(low + (high - low) * shares), self.low, self.high)
@@ -194,8 +190,6 @@ class Normal:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares` of the part from zero up."""
-        from tracerisk.prm.numbers.arrays import np
-
         # From the upper end, so that the part above zero keeps its digits.
         above = special().ndtr(self.mean_value / self.deviation)
         samples: Samples = self.mean_value - self.deviation * special().ndtri(

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 from zlib import crc32
 
 from tracerisk.errors import ModelError
+from tracerisk.prm.numbers.arrays import np
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.random import Generator
     from numpy.typing import NDArray
 
@@ -35,8 +35,6 @@ class LatinHypercube:
 
 def generator_of(key: str, seed: int) -> Generator:
     """Return the generator of a deviate's numbers, from the seed and the key alone."""
-    from tracerisk.prm.numbers.arrays import np
-
     text = key.encode()
     return np.random.default_rng([seed, crc32(text), len(text), *text])
 
@@ -48,8 +46,6 @@ def stratified(generator: Generator, size: int) -> Samples:
 
 def within(strata: NDArray[np.int64], generator: Generator) -> Samples:
     """Return a uniform number in each of the strata, which are numbered from 0 on: (n,)."""
-    from tracerisk.prm.numbers.arrays import np
-
     size = len(strata)
     samples: Samples = (strata + generator.random(size)) / size
     # The ends themselves have no quantile.

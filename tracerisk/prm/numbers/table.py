@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.numbers.arrays import np
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 _MOST_SHOWN = 60
@@ -70,8 +70,6 @@ class Table(Generic[Row]):
 
         Raises ModelError when there is none of that name.
         """
-        from tracerisk.prm.numbers.arrays import np
-
         if self.rows and name not in self.columns:
             raise ModelError(f"'{name}' is not a column; {one_of(self.columns, name)}")
         return np.array([getattr(row, name) for row in self.rows], dtype=np.float64)

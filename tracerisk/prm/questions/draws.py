@@ -6,10 +6,11 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.distributions import Distribution, Lognormal
+from tracerisk.prm.numbers.strata import generator_of, stratified, within
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.random import Generator
     from numpy.typing import NDArray
 
@@ -67,8 +68,6 @@ class UncertainInput:
 
     def values(self, uniform: Samples) -> tuple[Samples, int]:
         """Return the values at uniform numbers, and how many were above one and are taken so."""
-        from tracerisk.prm.numbers.arrays import np
-
         quantiles = self.distribution.quantiles(uniform, self.value)
         if not self.is_probability:
             return quantiles, 0
@@ -77,8 +76,6 @@ class UncertainInput:
 
     def levels(self, percentiles: Sequence[float]) -> tuple[float, ...]:
         """Return the percentiles of the distribution."""
-        from tracerisk.prm.numbers.arrays import np
-
         array, _ = self.values(np.array(percentiles) / 100.0)
         return tuple(map(float, array))
 
@@ -109,9 +106,6 @@ class InputDraws:
 
         A block is overwritten by the next one. What is cut is counted.
         """
-        from tracerisk.prm.numbers.arrays import np
-        from tracerisk.prm.numbers.strata import generator_of
-
         laws: dict[object, list[str]] = {}
         for name, uncertain_input in self.inputs.items():
             laws.setdefault(uncertain_input.law, []).append(name)
@@ -138,8 +132,6 @@ class InputDraws:
         self, name: str, row: Samples, place: Places, table: Samples, values: Samples | None
     ) -> None:
         """Write the values at some places of a table; `values` are the law's at every place."""
-        from tracerisk.prm.numbers.arrays import np
-
         each = self.inputs[name]
         if values is None:
             row[:], cut = each.values(table[place])
@@ -154,9 +146,6 @@ class InputDraws:
 
     def whole(self, names: Sequence[str]) -> dict[str, Samples]:
         """Return all values of some inputs."""
-        from tracerisk.prm.numbers.arrays import np
-        from tracerisk.prm.numbers.strata import generator_of, stratified
-
         makers = [generator_of(_key(name), self._seed) for name in names]
         if self.are_many:
             parts = []
@@ -173,9 +162,6 @@ class InputDraws:
 
     def _table(self, number: int, size: int) -> Samples:
         """Return the uniform numbers that a block takes its own from, in order."""
-        from tracerisk.prm.numbers.arrays import np
-        from tracerisk.prm.numbers.strata import generator_of, within
-
         count = size << _finer(size)
         return within(np.arange(count), generator_of(f"block:{number}", self._seed))
 
@@ -191,8 +177,6 @@ def _places(makers: Sequence[Generator], size: int, count: int) -> Places:
     A row for each maker: (k, size). The lower bits of random words are set to a place each, and
     the words sorted, so that the upper ones make the order.
     """
-    from tracerisk.prm.numbers.arrays import np
-
     lower = np.uint64((1 << (count - 1).bit_length()) - 1)
     finer = np.uint64((1 << _finer(size)) - 1)
     words = np.empty((len(makers), size), dtype=np.uint64)
@@ -216,8 +200,6 @@ def in_blocks(
 
     That is the squared correlation, or zero where it may be chance.
     """
-    from tracerisk.prm.numbers.arrays import np
-
     results: list[Samples] = []
     scale = 0.0
     names: tuple[str, ...] = ()

@@ -18,6 +18,7 @@ from tracerisk.prm.hybrid.elements import FateKind
 from tracerisk.prm.hybrid.fates.ends import UNNOTICED, Way, WayShares, way_shares
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve_figures
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.distributions import Beta
 from tracerisk.prm.questions.draws import UncertainInput
 
@@ -128,8 +129,6 @@ class _Move:
     """What moves from kind to kind in each draw, the least that turns means into drawn shares."""
 
     def __init__(self, drawn: _Drawn, values: Mapping[FateKind, Samples]) -> None:
-        from tracerisk.prm.numbers.arrays import np
-
         self._drawn = drawn
         left: Values = 1.0
         gains: dict[FateKind, Values] = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.distributions import Lognormal
 from tracerisk.prm.questions.draws import UncertainInput
 
@@ -41,8 +42,6 @@ class LotDraws:
         """Return the draws with those of the figures of each lot."""
         if not self._members:
             return drawn
-        from tracerisk.prm.numbers.arrays import np
-
         values = dict(drawn)
         for key, members in self._members.items():
             scores = np.log(drawn[key]) / self._widest[key].sigma

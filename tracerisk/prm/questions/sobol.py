@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from tracerisk.prm.numbers.arrays import np
+
 if TYPE_CHECKING:
     from tracerisk.prm.numbers.distributions import Samples
 
@@ -25,8 +27,6 @@ def first_order_shares(inputs: Samples, result: Samples) -> Samples:
     others, J. Phys. Chem. A 114 (2010)).
     A result or an input that does not vary has shares of zero.
     """
-    from tracerisk.prm.numbers.arrays import np
-
     count, width = inputs.shape
     shares = np.zeros(width)
     # Scaled by the largest, for the square of 1e-200 underflows to zero.
@@ -52,8 +52,6 @@ def first_order_shares(inputs: Samples, result: Samples) -> Samples:
 
 def _functions(column: Samples) -> Samples:
     """Return orthonormal functions of an input, each with mean zero: (n, up to 4)."""
-    from tracerisk.prm.numbers.arrays import np
-
     spread = column.max() - column.min()
     if spread == 0.0:
         return np.empty((len(column), 0))

@@ -6,7 +6,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.special import special
+from tracerisk.prm.numbers.strata import LatinHypercube
 
 if TYPE_CHECKING:
     from tracerisk.prm.numbers.distributions import Samples
@@ -29,8 +31,6 @@ def intervals(results: Samples, percentiles: Sequence[float]) -> tuple[Interval,
     Of n independent draws, how many are below the percentile is binomial; `None` where there are
     too few.
     """
-    from tracerisk.prm.numbers.arrays import np
-
     ordered, count = np.sort(results), len(results)
     ranks = np.arange(count)
     rows = []
@@ -73,9 +73,6 @@ def tail_mean(
     square is at most twice that of plain draws (defensive mixture: Hesterberg, Technometrics 37
     (1995)).
     """
-    from tracerisk.prm.numbers.arrays import np
-    from tracerisk.prm.numbers.strata import LatinHypercube
-
     shifted = [(name, by) for name in leading[:_MOST_SHIFTED] for by in _SHIFTS]
     plain = samples - int((1.0 - _PLAIN) * samples)
     ends = [plain + (samples - plain) * i // len(shifted) for i in range(len(shifted) + 1)]

@@ -12,14 +12,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from tracerisk.common.dependencies import require_large
 from tracerisk.errors import ModelError
 from tracerisk.prm.hybrid.fates.resolved import leads_back
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.hybrid.solve import solve_figures
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.distributions import Distribution
 from tracerisk.prm.questions.draws import InputDraws, UncertainInput, in_blocks
+from tracerisk.prm.questions.fate_draws import FateDraws
 from tracerisk.prm.questions.lots import LotDraws
+from tracerisk.prm.questions.sampled_mission import failure_sampler
 from tracerisk.prm.questions.set_values import groups_of, parameters_of
+from tracerisk.prm.questions.sobol import first_order_shares
 from tracerisk.prm.questions.tails import intervals, tail_mean
 
 if TYPE_CHECKING:
@@ -114,8 +119,6 @@ class Uncertainty:
         cls, results: Samples, *, seed: int, point: float, inputs: tuple[InputShare, ...]
     ) -> Uncertainty:
         """Return the spread of a figure's draws, (n,)."""
-        from tracerisk.prm.numbers.arrays import np
-
         # Scaled by the largest, for the square of 1e-200 underflows to zero.
         scale = float(np.abs(results).max()) or 1.0
         count, total = len(results), float(results.sum())
@@ -160,10 +163,6 @@ def propagate(
     Raises ModelError when a name is unknown, no parameter has a distribution, or `samples` is below
     2.
     """
-    from tracerisk.prm.numbers.arrays import np
-    from tracerisk.prm.questions.fate_draws import FateDraws
-    from tracerisk.prm.questions.sampled_mission import failure_sampler
-
     given, groups = {}, groups_of(model)
     for name, distribution in (distributions or {}).items():
         for parameter in groups.get(name) or parameters_of(model, name):
@@ -268,9 +267,7 @@ def spread_of(
     `figure` takes an array of values per input, (n,) each, and returns (n,).
     Raises ModelError when there are no inputs, or `samples` is below 2.
     """
-    from tracerisk.prm.numbers.arrays import np
-    from tracerisk.prm.questions.sobol import first_order_shares
-
+    require_large("numpy")
     if not inputs:
         raise ModelError(
             "no parameter has a distribution; state it in the model, or give an error factor: "
@@ -316,8 +313,6 @@ def spread_of(
 
 
 def _at_most_one(parts: Sequence[Samples], certain: float) -> Samples:
-    from tracerisk.prm.numbers.arrays import np
-
     if len(parts) == 1 and certain == 0.0:
         return parts[0]  # inputs end at one themselves
     total: Samples = np.minimum(np.sum(parts, axis=0) + certain, 1.0)
@@ -326,6 +321,4 @@ def _at_most_one(parts: Sequence[Samples], certain: float) -> Samples:
 
 def percentiles_of(values: Samples) -> tuple[float, ...]:
     """Return the values at `PERCENTILES`."""
-    from tracerisk.prm.numbers.arrays import np
-
     return tuple(float(item) for item in np.percentile(values, PERCENTILES))

@@ -17,6 +17,7 @@ from operator import mul
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from tracerisk.errors import ModelError
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability, log_complement, pair_of, total
 
 if TYPE_CHECKING:
@@ -115,8 +116,6 @@ class SpareGroup(NamedTuple):
 
     def visits(self, unit: Samples, lost: int) -> tuple[list[Samples], Samples]:
         """Return `visit` for many probabilities at once, (n,): survived by count, and failed."""
-        from tracerisk.prm.numbers.arrays import np
-
         count = self.units - self.required - lost + 1
         rates = tuple(self.rates(lost + more) for more in range(count))
         with np.errstate(divide="ignore"):

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.common.text.printable import one_line
 from tracerisk.errors import InputError
-from tracerisk.report.html.run.replay import check_recording, make_replay
+from tracerisk.report.html.run.recorded_replay import make_replay
+from tracerisk.report.html.run.replay import check_recording
 from tracerisk.report.html.run.replay_frames import unpack_frames
 from tracerisk.report.html.run.replay_model import Body
 from tracerisk.report.png.camera import Camera, camera_of

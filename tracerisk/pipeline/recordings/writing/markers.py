@@ -20,7 +20,8 @@ from tracerisk.common.geometry.shapes import Shape
 from tracerisk.pipeline.recordings.recorded_topics import OBJECTS, SCENE, WORLD
 from tracerisk.pipeline.recordings.writing.cdr import Cdr, Stamped
 from tracerisk.pipeline.recordings.writing.packed import Times, put, put_stamps
-from tracerisk.report.html.run.replay import RecordedRun, pose_columns
+from tracerisk.report.html.run.recorded_replay import pose_columns
+from tracerisk.report.html.run.replay import RecordedRun
 from tracerisk.report.html.run.replay_declared import declared_bodies
 from tracerisk.report.html.run.replay_model import FREE_COLUMNS, Body, scene_bodies
 from tracerisk.twin.recording.samples import POSE_EVERY

@@ -21,6 +21,7 @@ from tracerisk.prm.hybrid.hidden.hidden_states import MOST_STATES, hidden_states
 from tracerisk.prm.hybrid.hidden.rest_trees import tree_probability
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.numbers.absorption import absorption
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
 
 if TYPE_CHECKING:
@@ -311,8 +312,6 @@ def _log_complement(p: Values) -> Values:
     """Return ln(1-p), for 1 that of the double below it."""
     if isinstance(p, float):
         return math.log1p(-min(p, _BELOW_ONE))
-    from tracerisk.prm.numbers.arrays import np
-
     return np.log1p(-np.minimum(p, _BELOW_ONE))
 
 
@@ -320,8 +319,6 @@ def _of_log(log: Values) -> tuple[Values, Values]:
     """Return a probability and its complement, of which the logarithm is given."""
     if isinstance(log, float):
         return 0.0 - math.expm1(log), math.exp(log)
-    from tracerisk.prm.numbers.arrays import np
-
     return 0.0 - np.expm1(log), np.exp(log)
 
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import TooLargeError
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
@@ -85,8 +85,6 @@ class FailureChain:
         relative precision over any number of squarings, and nothing else is subtracted (own
         derivation, after W. Grassmann, M. Taksar, D. Heyman, Operations Research 33, 1985).
         """
-        from tracerisk.prm.numbers.arrays import np
-
         doublings = max(math.ceil(math.log2(self._fastest * time_h)), 0)
         short = math.ldexp(time_h, -doublings)
         rates = np.zeros((self.states, self.states))
@@ -139,8 +137,6 @@ class FailureChain:
 
     def _shares_in_arrays(self) -> Iterator[tuple[float, float]]:
         """Yield the same, for larger chains."""
-        from tracerisk.prm.numbers.arrays import np
-
         staying, chances = map(np.array, self._steps())
         sources = np.array([source for source, _, _ in self.transitions], dtype=np.intp)
         targets = np.array([target for _, target, _ in self.transitions], dtype=np.intp)
@@ -156,8 +152,6 @@ class FailureChain:
 
 def _sum_to_one(matrix: Array) -> None:
     """Set the diagonal of a stochastic matrix from the other entries, where it is the greater."""
-    from tracerisk.prm.numbers.arrays import np
-
     staying = matrix.diagonal().copy()
     np.fill_diagonal(matrix, 0.0)
     moving = matrix.sum(axis=1)

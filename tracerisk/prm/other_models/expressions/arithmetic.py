@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import reduce
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.other_models.expressions.node import Expression
 
 TYPE_CHECKING = False
@@ -155,8 +156,6 @@ class Call(Expression):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the function's values."""
-        from tracerisk.prm.numbers.arrays import np
-
         name = _VECTORISED.get(self.function)
         if name is None:
             return Expression.values(self, arguments, mission_time_h, size)

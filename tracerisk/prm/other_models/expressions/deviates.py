@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.special import special
 from tracerisk.prm.other_models.expressions.node import Expression
 
@@ -119,8 +120,6 @@ class LognormalDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-        from tracerisk.prm.numbers.arrays import np
-
         if len(arguments) == 3:
             mean, factor, level = arguments
             for worst in {int(mean.argmin()), int(factor.argmin()), int(level.argmin())}:
@@ -222,8 +221,6 @@ class Histogram(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-        from tracerisk.prm.numbers.arrays import np
-
         bounds = np.array(arguments[: len(self.boundaries)])
         weights = np.array(arguments[len(self.boundaries) :])
         for worst in {int(np.diff(bounds, axis=0).min(0).argmin()), int(weights.min(0).argmin())}:

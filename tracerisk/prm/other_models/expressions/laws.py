@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.other_models.expressions.node import Expression
 from tracerisk.prm.trees import failure_models
@@ -61,8 +62,6 @@ class Exponential(_Law):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the probabilities."""
-        from tracerisk.prm.numbers.arrays import np
-
         rate, time = arguments
         if (np.minimum(rate, time) < 0).any():
             return Expression.values(self, arguments, mission_time_h, size)
@@ -94,8 +93,6 @@ class Glm(_Law):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the unavailabilities."""
-        from tracerisk.prm.numbers.arrays import np
-
         on_demand, rate, repair_rate, time = arguments
         total = rate + repair_rate
         if (np.minimum.reduce([*arguments, 1 - on_demand]) < 0).any() or not total.all():
@@ -128,8 +125,6 @@ class Weibull(_Law):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:
         """Return the probabilities."""
-        from tracerisk.prm.numbers.arrays import np
-
         scale, shape, shift, time = arguments
         if (np.minimum(scale, shape) <= 0).any() or (np.minimum(shift, time) < 0).any():
             return Expression.values(self, arguments, mission_time_h, size)

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tracerisk.errors import ModelError
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
@@ -39,8 +39,6 @@ class Expression:
 
         Raises ModelError when the node has no value for one of the draws.
         """
-        from tracerisk.prm.numbers.arrays import np
-
         columns = [column.tolist() for column in arguments]
         return np.array(
             [
@@ -76,8 +74,6 @@ class Number(Expression):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:  # noqa: ARG002
         """Return the number, `size` times."""
-        from tracerisk.prm.numbers.arrays import np
-
         return np.full(size, float(self.number))
 
 
@@ -99,6 +95,4 @@ class MissionTime(Expression):
 
     def values(self, arguments: Sequence[Array], mission_time_h: float, size: int) -> Array:  # noqa: ARG002
         """Return the mission time, `size` times."""
-        from tracerisk.prm.numbers.arrays import np
-
         return np.full(size, mission_time_h)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Protocol
 
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.other_models.expressions.deviates import Deviate
 from tracerisk.prm.other_models.expressions.evaluation import Names, Walk
 from tracerisk.prm.other_models.expressions.node import Expression
@@ -63,8 +64,6 @@ class Sampling(Walk):
         return value
 
     def _number(self, number: float) -> Array:
-        from tracerisk.prm.numbers.arrays import np
-
         return np.full(self._draws.size, float(number))
 
     def _of(self, node: Expression, arguments: list[Array], opened: Mapping[str, None]) -> Array:

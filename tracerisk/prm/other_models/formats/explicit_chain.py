@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from tracerisk.common.dependencies import require_large
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.other_models.markov import ContinuousChain, MarkovChain
 
 if TYPE_CHECKING:
@@ -95,8 +96,6 @@ class ExplicitChain:
 
         Raises ModelError as `markov_chain` does.
         """
-        from tracerisk.prm.numbers.arrays import np
-
         require_large("scipy")
         from scipy.sparse import csr_array
 

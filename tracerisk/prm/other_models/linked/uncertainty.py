@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.distributions import Distribution
 from tracerisk.prm.other_models.expressions import Number
 from tracerisk.prm.other_models.expressions.deviates import Deviate
 from tracerisk.prm.other_models.linked.elements import ModelParameter
 from tracerisk.prm.other_models.linked.importance import is_probability
 from tracerisk.prm.other_models.linked.model import LinkedModel
+from tracerisk.prm.other_models.linked.sampling import SampledModel
 from tracerisk.prm.questions.draws import UncertainInput
 from tracerisk.prm.questions.uncertainty import SAMPLES, Uncertainty, spread_of
 
@@ -31,8 +33,6 @@ class _OfDeviate:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
-        from tracerisk.prm.numbers.arrays import np
-
         arguments = [
             np.full(len(shares), argument.value((), 0.0)) for argument in self.deviate.arguments
         ]
@@ -87,9 +87,6 @@ def propagate(
     done = 0
 
     def of_draws(drawn: Mapping[str, Samples]) -> Samples:
-        from tracerisk.prm.numbers.arrays import np
-        from tracerisk.prm.other_models.linked.sampling import SampledModel
-
         nonlocal done
         count, parts = len(next(iter(drawn.values()))), []
         for start in range(0, count, step):

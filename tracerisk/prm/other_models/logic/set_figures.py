@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tracerisk.errors import ModelError, one_of
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.strata import LatinHypercube
 from tracerisk.prm.other_models.expressions import (
     Evaluation,
@@ -104,8 +105,6 @@ def propagate(
     Raises ModelError when nothing is uncertain, `samples` is below 2, or a factor of a common
     cause group is drawn: the events of a group follow from the point values of its factors.
     """
-    from tracerisk.prm.numbers.arrays import np
-
     if samples < 2:
         raise ModelError(f"{samples} samples; give at least 2")
     _check_factors(model)
@@ -161,8 +160,6 @@ def propagate(
 
 def _sampled(model: FailureModel, sampling: Sampling, owner: str) -> Array:
     """Return the draws of a failure model; those of one owner are drawn once."""
-    from tracerisk.prm.numbers.arrays import np
-
     if isinstance(model, ShareOf):
         whole = _sampled(model.model, sampling, model.parameter)
         return model.share * np.minimum(whole, 1.0)

@@ -6,6 +6,7 @@ from itertools import accumulate
 from typing import Any
 
 from tracerisk.errors import TooLargeError
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.other_models.markov.steps import Rows, multiplied
 from tracerisk.prm.other_models.markov.uniformisation import (
     dense,
@@ -39,8 +40,6 @@ def visits_within(rows: Rows, start: list[float], steps: int) -> list[float]:
             total = [t + p for t, p in zip(total, now, strict=True)]
         return total
     if len(rows) <= _DENSE and squaring < 50.0 * work:
-        from tracerisk.prm.numbers.arrays import np
-
         visits: list[float] = _doubled(start, dense(rows), np.eye(len(rows)), 1.0, steps).tolist()
         return visits
     if work > _WORK:
@@ -61,8 +60,6 @@ def time_within(rates: Rows, start: list[float], time: float) -> list[float]:
         return [p * time for p in start]
     if stepped(rows, mean):
         return [p * time for p in series(start, rows, 0, _tails(mean))]
-    from tracerisk.prm.numbers.arrays import np
-
     halvings = halvings_of(mean)
     short = time / 2.0**halvings
     first, weights = poisson_weights(mean / 2.0**halvings)
@@ -93,8 +90,6 @@ def _doubled(start: list[float], moved: Any, kept: Any, unit: float, count: int)
 
     moved, kept: (n, n), their rows sum to 1 and to `unit`; each product is divided by its sums.
     """
-    from tracerisk.prm.numbers.arrays import np
-
     now = np.array(start)
     total = np.zeros(len(start))
     while True:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from tracerisk.errors import TooLargeError
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.elimination import Elimination, FilledInError, Label, Pattern
 
 if TYPE_CHECKING:
@@ -136,7 +137,6 @@ def solver_of(
             return Elimination(Pattern(label, kept, kind, _SMALL_PRODUCTS), kept, slack)
         except FilledInError:
             pass  # elimination with arrays is faster
-    from tracerisk.prm.numbers.arrays import np
     from tracerisk.prm.other_models.markov.large.factors import Weights
 
     rows = [
@@ -162,13 +162,9 @@ class _ListSolver:
         self._solver = solver
 
     def left(self, start: Sequence[float]) -> list[float]:
-        from tracerisk.prm.numbers.arrays import np
-
         tolist: list[float] = self._solver.left(np.array(start, dtype=float)).values.tolist()
         return tolist
 
     def right(self, reward: Sequence[float]) -> list[float]:
-        from tracerisk.prm.numbers.arrays import np
-
         tolist: list[float] = self._solver.right(np.array(reward, dtype=float)).values.tolist()
         return tolist

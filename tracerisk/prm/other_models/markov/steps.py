@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from tracerisk.prm.numbers.arrays import np
+
 _RENORMALISED_EVERY = 64
 
 Rows = Sequence[Mapping[int, float]]
@@ -93,7 +95,6 @@ def normalised(row: Sequence[float]) -> list[float]:
 
 def _in_arrays(start: list[float], rows: Rows, steps: int, squaring: int) -> list[float]:
     """Step or square with NumPy, whichever takes fewer operations."""
-    from tracerisk.prm.numbers.arrays import np
     from tracerisk.prm.other_models.markov.large.array_steps import entries_of, power
 
     in_arrays: list[float] = power(np.array(start), entries_of(rows), steps, squaring).tolist()

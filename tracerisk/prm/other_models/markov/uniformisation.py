@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tracerisk.errors import TooLargeError
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.other_models.markov.steps import Rows, multiplied, normalised
 
 _SMALLEST_WEIGHT = 1e-280
@@ -148,8 +149,6 @@ def series(start: list[float], rows: Rows, first: int, weights: Sequence[float])
 
 def dense(rows: Rows) -> Any:
     """Return the matrix of rows."""
-    from tracerisk.prm.numbers.arrays import np
-
     matrix = np.zeros((len(rows), len(rows)))
     for state, row in enumerate(rows):
         for target, p in row.items():
@@ -159,8 +158,6 @@ def dense(rows: Rows) -> Any:
 
 def _squared(start: list[float], rows: Rows, mean: float) -> list[float]:
     """Square the matrix of a short time, each row divided by its sum each time."""
-    from tracerisk.prm.numbers.arrays import np
-
     # Squaring k times leaves a mean of about one for the series.
     halvings = halvings_of(mean)
     one = dense(rows)

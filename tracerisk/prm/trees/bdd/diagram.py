@@ -8,6 +8,7 @@ from itertools import chain
 
 from tracerisk.errors import TooLargeError
 from tracerisk.prm.compiled.library import no_library
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.trees.bdd.kernel import OUT_OF_NODES
 from tracerisk.prm.trees.bdd.logic import LogicGraph
 from tracerisk.prm.trees.bdd.modules import Module
@@ -155,8 +156,6 @@ class Diagram:
 
         p, q: (levels, n) arrays; the results are (n,).
         """
-        from tracerisk.prm.numbers.arrays import np
-
         samples = p.shape[1]
         happens, fails = np.empty(samples), np.empty(samples)
         loops = self.loops

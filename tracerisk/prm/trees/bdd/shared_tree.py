@@ -7,6 +7,7 @@ from itertools import accumulate
 from operator import mul
 
 from tracerisk.errors import ModelError, TooLargeError, one_of
+from tracerisk.prm.numbers.arrays import np
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.trees.bdd.diagram import (
     DEFAULT_LIMITS,
@@ -82,8 +83,6 @@ class SharedTree:
         Returns (n, 2).
         Raises ModelError when an event has no value or one outside [0, 1].
         """
-        from tracerisk.prm.numbers.arrays import np
-
         samples = np.broadcast_shapes((1,), *(np.shape(value) for value in values.values()))
         p: list[Any] = [None] * len(self.graph.arguments)
         q: list[Any] = [None] * len(self.graph.arguments)

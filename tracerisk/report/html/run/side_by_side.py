@@ -14,7 +14,8 @@ from tracerisk.common.hardware.binding import elements_by_component
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import EarlierRun, ReportInput, SideBySide, SourceFile
 from tracerisk.report.html.run.in_step import Difference, InStep, in_step
-from tracerisk.report.html.run.replay import make_replay, replay_data
+from tracerisk.report.html.run.recorded_replay import make_replay
+from tracerisk.report.html.run.replay import replay_data
 from tracerisk.report.html.run.timeline import SPEEDS, timeline_data
 from tracerisk.report.html.section import Data
 from tracerisk.report.html.sources import line_links
