@@ -23,8 +23,10 @@ from tracerisk.pipeline.review.textconv import textconv
 from tracerisk.prm.review.change_records import RunVerdicts
 from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
 from tracerisk.report.diff.markdown import render_diff_markdown
-from tracerisk.report.diff.sentences import first_of, must_do_less, not_assessed, whole_headline
+from tracerisk.report.diff.sentences import not_assessed, whole_headline
 from tracerisk.report.diff.text import render_diff
+from tracerisk.report.diff.titled_lists import must_do_less
+from tracerisk.report.diff.wording import first_of
 
 if TYPE_CHECKING:
     from tracerisk.prm.review.risk_diff import Review, RiskDiff

@@ -36,7 +36,7 @@ from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.review.model_parts import single_points
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
 from tracerisk.report.ci.sarif import Alert, alert_at
-from tracerisk.report.diff.sentences import some
+from tracerisk.report.diff.wording import some
 from tracerisk.trace import Trace
 
 _RULES: dict[FindingKind, str] = {

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from tracerisk.common.text.one_in import one_in
 from tracerisk.prm.review.change_records import NOISE, FunctionFigures
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
-from tracerisk.report.diff import sentences
+from tracerisk.report.diff import sentences, titled_lists, wording
 from tracerisk.report.diff.links import Links, escaped, in_html
 
 TAG = "<!-- tracerisk-diff -->"
@@ -38,10 +38,10 @@ def render_diff_markdown(review: Review, *, link_base: str | None = None) -> str
         return f"{TAG}\n**{headline}** *{escaped(review.statement)}*\n"
     shown = review.controllers[:MOST_CONTROLLERS]
     head = [TAG]
-    verdicts = sentences.verdict_lines(review, only_wrong=True)[:MOST_CONTROLLERS]
-    less = [f"**{links.text(line)}**" for line in sentences.asked_less(shown)]
+    verdicts = titled_lists.verdict_lines(review, only_wrong=True)[:MOST_CONTROLLERS]
+    less = [f"**{links.text(line)}**" for line in titled_lists.asked_less(shown)]
     head += [line for text in less for line in (text, "")]
-    for line in (*sentences.acceptances(shown), *verdicts):
+    for line in (*titled_lists.acceptances(shown), *verdicts):
         head += [links.text(line), ""]
     headline = sentences.headline(review, below_verdicts=bool(verdicts), one_in_n=True)
     head += [f"**{links.text(headline)}**", ""]
@@ -89,15 +89,15 @@ def _fitting(
 
 def _open_lists(diff: RiskDiff) -> Iterator[tuple[str, Sequence[str]]]:
     """Yield what a reviewer must see beside the figures, each list with its title."""
-    yield from sentences.of_missions(diff)
+    yield from titled_lists.of_missions(diff)
     if diff.of_run:
-        yield sentences.OF_RUN, diff.of_run
+        yield titled_lists.OF_RUN, diff.of_run
     if diff.of_evidence:
-        yield sentences.OF_EVIDENCE, diff.of_evidence
+        yield titled_lists.OF_EVIDENCE, diff.of_evidence
     if diff.uncredited:
-        yield sentences.UNCREDITED, diff.uncredited
+        yield titled_lists.UNCREDITED, diff.uncredited
     if diff.hardware:
-        yield sentences.OF_HARDWARE, sentences.of_hardware(diff)
+        yield titled_lists.OF_HARDWARE, titled_lists.of_hardware(diff)
 
 
 def _summary(review: Review, shown: Sequence[RiskDiff], links: Links) -> Iterator[str]:
@@ -107,7 +107,7 @@ def _summary(review: Review, shown: Sequence[RiskDiff], links: Links) -> Iterato
         "undetected": [_of_failure(risk_diff, "undetected") for risk_diff in shown],
         "stopped safely": [_of_failure(risk_diff, "stopped safely") for risk_diff in shown],
         "per cycle": [_cycles(risk_diff) for risk_diff in shown],
-        "run": [sentences.later_run(risk_diff) for risk_diff in shown],
+        "run": [titled_lists.later_run(risk_diff) for risk_diff in shown],
     }
     for head, cells in more.items():
         if any(cells):
@@ -119,36 +119,36 @@ def _summary(review: Review, shown: Sequence[RiskDiff], links: Links) -> Iterato
 
 def _cycles(diff: RiskDiff) -> str:
     """Return the figures of a cycle; nothing where they are those of the mission."""
-    if diff.before is None or diff.after is None or not sentences.has_cycles(diff):
+    if diff.before is None or diff.after is None or not wording.has_cycles(diff):
         return ""
     figures = [mission.cycle_failure_probability for mission in (diff.before, diff.after)]
-    return " → ".join("none" if p is None else sentences.probability(p) for p in figures)
+    return " → ".join("none" if p is None else wording.probability(p) for p in figures)
 
 
 def _of_failure(diff: RiskDiff, name: str) -> str:
     """Return what of a mission's failure is undetected, or stops safely; nothing if not known."""
-    both = sentences.mission_figures(diff).get(name)
+    both = wording.mission_figures(diff).get(name)
     if both is None:
         return ""
-    before, after = (_NOT_KNOWN if it is None else sentences.probability(it) for it in both)
-    ratio = sentences.compared(diff, *both)
+    before, after = (_NOT_KNOWN if it is None else wording.probability(it) for it in both)
+    ratio = wording.compared(diff, *both)
     return f"{before} → {after}" + (f" ({ratio})" if ratio else "")
 
 
 def _figures(diff: RiskDiff, links: Links) -> tuple[str, ...]:
-    old, new = sentences.mission_figures(diff)["mission failure"]
-    name = sentences.name_of(diff)
+    old, new = wording.mission_figures(diff)["mission failure"]
+    name = wording.name_of(diff)
     return (
         escaped(name) if diff.after is None else links.file(name, diff.name),
         _NONE if old is None else _figure(old),
         _NONE if new is None else _figure(new),
-        sentences.compared(diff, old, new),
+        wording.compared(diff, old, new),
     )
 
 
 def _figure(probability: float) -> str:
     often = one_in(probability)
-    return sentences.probability(probability) + (f"<br>{often}" if often else "")
+    return wording.probability(probability) + (f"<br>{often}" if often else "")
 
 
 def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) -> Iterator[str]:
@@ -162,7 +162,7 @@ def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) ->
             ("function", "a visit, before", "after", "visits, before", "after"),
             [
                 (
-                    escaped(sentences.name_of(function)),
+                    escaped(wording.name_of(function)),
                     *_of_function(function.before, function.after),
                 )
                 for function in diff.shown_functions
@@ -171,44 +171,44 @@ def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) ->
         )
     for point in diff.single_points:
         where = f"{point.component} is a single point of failure now, in "
-        yield f"- {escaped(where + sentences.some(point.functions))}"
+        yield f"- {escaped(where + wording.some(point.functions))}"
     for pin in diff.pins:
         place = review.place(pin.location, is_gone=pin.kind == "removed")
-        yield f"- {links.text(f'{sentences.pin(pin)} ({place})')}"
+        yield f"- {links.text(f'{wording.pin(pin)} ({place})')}"
     noise = diff.within_noise if diff.is_comparable else 0
     if noise:
         yield f"- values that changed by less than 1 %, reported as unchanged: {noise}"
     if diff.single_points or diff.pins or noise:
         yield ""
-    yield from _list(sentences.OF_PACE, sentences.of_pace(diff), links)
-    yield from _list(sentences.OF_INPUTS, diff.inputs, links)
+    yield from _list(titled_lists.OF_PACE, titled_lists.of_pace(diff), links)
+    yield from _list(titled_lists.OF_INPUTS, diff.inputs, links)
 
 
 def _changes(review: Review, diff: RiskDiff, links: Links) -> Iterator[str]:
-    small = sentences.small_changes(diff)
+    small = wording.small_changes(diff)
     large = [change for change in diff.changes if change not in small]
     rows = [
         (
-            sentences.difference(change.contribution),
-            escaped(change.summary) + _marked(sentences.marks(change)),
-            escaped(sentences.causes(change)),
-            links.text(sentences.places(review, change)),
+            wording.difference(change.contribution),
+            escaped(change.summary) + _marked(wording.marks(change)),
+            escaped(wording.causes(change)),
+            links.text(wording.places(review, change)),
         )
         for change in large[:MOST_CHANGES]
     ]
     if len(large) > MOST_CHANGES:
         rows.append(("", f"and {len(large) - MOST_CHANGES} more changes", "", ""))
     if small:
-        rows.append(("", sentences.small_line(small, diff), "", ""))
-    if diff.interaction is not None and sentences.has_interaction(diff):
+        rows.append(("", wording.small_line(small, diff), "", ""))
+    if diff.interaction is not None and wording.has_interaction(diff):
         text = "what they do only together, and noise"
-        rows.append((sentences.difference(diff.interaction), text, "", ""))
+        rows.append((wording.difference(diff.interaction), text, "", ""))
     yield from _table(("alone", "change", "cause", "where"), rows, right=(0,))
 
 
 def _list(title: str, entries: Sequence[str], links: Links) -> Iterator[str]:
     if entries:
-        is_gone = title.startswith(sentences.REPAIRED)
+        is_gone = title.startswith(titled_lists.REPAIRED)
         texts = (links.text(entry, is_gone=is_gone) for entry in entries)
         yield from (f"{title}:", "", *(f"- {text}" for text in texts), "")
 
@@ -221,10 +221,10 @@ def _of_function(
     before: FunctionFigures | None, after: FunctionFigures | None
 ) -> tuple[str, str, str, str]:
     return (
-        _NONE if before is None else sentences.probability(before.top_event),
-        _NONE if after is None else sentences.probability(after.top_event),
-        _NONE if before is None else sentences.count(before.expected_visits),
-        _NONE if after is None else sentences.count(after.expected_visits),
+        _NONE if before is None else wording.probability(before.top_event),
+        _NONE if after is None else wording.probability(after.top_event),
+        _NONE if before is None else wording.count(before.expected_visits),
+        _NONE if after is None else wording.count(after.expected_visits),
     )
 
 

@@ -2,61 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from functools import partial
 
 from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.common.text.one_in import one_in
-from tracerisk.common.verdict import UNKNOWN_VERDICT, Verdict, verdict_line
-from tracerisk.errors import Location
 from tracerisk.instrument.source.language import is_c
 from tracerisk.prm.hybrid.assessment import MissionFigures
 from tracerisk.prm.review.change_records import (
     NOISE,
     CauseShare,
-    FunctionChange,
-    Mark,
-    PinChange,
-    RiskChange,
     RunVerdicts,
     is_noise,
 )
 from tracerisk.prm.review.risk_diff import Review, RiskDiff, ratio_of
-
-OF_RUN = "What the run showed that it did not before"
-OF_EVIDENCE = "What failures on the twin do now that they did not before"
-OF_OUTCOME = "What changed in what the mission does"
-MOST_OF_KIND = 6
-"""How many sentences on the outcome of one kind are shown; --json has all."""
-ASKED_LESS = "What `success` no longer asks"
-ASKED_NEWLY = "What `success` newly asks"
-NOT_ASKED = "What the mission newly moves and `success` does not name"
-UNCREDITED = "No evidence: checks of results are not credited"
-OF_VISITS = "Functions that run more or less often"
-OF_PACE = "What takes another time"
-OF_HARDWARE = "What changed in the hardware description"
-BROKE, REPAIRED = "What broke", "What was repaired"
-OF_INPUTS = "What the runs behind the blocks depended on"
+from tracerisk.report.diff.titled_lists import asked_less
+from tracerisk.report.diff.wording import (
+    count,
+    difference,
+    first_of,
+    probability,
+    ratio,
+    some,
+)
 
 _ANOTHER_WAY = "goes another way, same result"
-
-_MARKS: dict[Mark, str] = {
-    "new_state": "new state",
-    "lost_state": "lost state",
-    "new_next": "new next",
-    "lost_redundancy": "lost redundancy",
-    "single_point_of_failure": "single point of failure",
-}
-
-_CAUSES = {
-    "pin": "set by hand",
-    "edit": "edited by hand",
-    "code": "code",
-    "hardware": "hardware",
-    "settings": "settings",
-    "files": "files of the run",
-    "evidence": "evidence",
-}
 
 
 def headline(review: Review, *, below_verdicts: bool = False, one_in_n: bool = False) -> str:
@@ -90,167 +59,6 @@ def headline(review: Review, *, below_verdicts: bool = False, one_in_n: bool = F
 def whole_headline(review: Review) -> str:
     """Return the headline, behind which controllers must do less."""
     return " ".join((*(f"{line}." for line in asked_less(review.controllers)), headline(review)))
-
-
-def verdict_lines(review: Review, *, only_wrong: bool = False) -> list[str]:
-    """Return the verdicts of the later runs with those of the earlier, a line a controller.
-
-    If asked, only of runs that went wrong, lost their verdict, or left out what they did before.
-    """
-    lines = []
-    for diff in review.controllers:
-        if only_wrong and not _is_wrong(diff):
-            continue
-        name = "" if len(review.controllers) == 1 else f"{diff.name}: "
-        if diff.verdicts is None:
-            lines += [f"{name}no verdict: C and C++ are not run"] if is_c(diff.name) else []
-            continue
-        if not diff.verdicts.in_after:
-            lines.append(f"{name}no risk blocks; before: {verdict_line(diff.verdicts.before)}")
-            continue
-        before = f"; before: {_short(diff.verdicts.before)}" if diff.verdicts.in_before else ""
-        stale = " (of its last run: stale)" if diff.stale else ""
-        lines.append(f"{name}{verdict_line(diff.verdicts.after)}{stale}{before}")
-    return lines
-
-
-def _is_wrong(diff: RiskDiff) -> bool:
-    verdicts = diff.verdicts
-    if verdicts is None or not verdicts.in_after:
-        return False
-    is_whole = verdicts.after is not None and not verdicts.after.is_bad
-    return not is_whole or verdicts.does_less
-
-
-def later_run(diff: RiskDiff) -> str:
-    """Return the verdict of the later run in a few words; empty where there is none."""
-    verdicts = diff.verdicts
-    if verdicts is None or not verdicts.in_after:
-        return ""
-    return _short(verdicts.after) + (", stale" if diff.stale else "")
-
-
-def _short(verdict: Verdict | None) -> str:
-    if verdict is None:
-        return UNKNOWN_VERDICT
-    return f"{verdict.kind}, {verdict.coverage.ran} of {verdict.coverage.all}"
-
-
-def acceptances(diffs: Sequence[RiskDiff]) -> list[str]:
-    """Return what a change accepts of its own runs and what happened there, a line each."""
-    lines = []
-    for diff in diffs:
-        if diff.verdicts is None or diff.verdicts.after is None:
-            continue
-        name = "" if len(diffs) == 1 else f"{diff.name}: "
-        for acceptance in diff.verdicts.new_acceptances:
-            accepted = [
-                str(reason)
-                for reason in diff.verdicts.after.reasons
-                if reason.accepted and reason.key == acceptance.key
-            ]
-            what = f"what happened: {some(accepted)}" if accepted else "it did not occur"
-            lines.append(f"{name}newly accepted: {acceptance}; {what}")
-    return lines
-
-
-def asked_less(diffs: Sequence[RiskDiff]) -> list[str]:
-    """Return of which controllers `success` asks less, a line each: this stands before all else."""
-    return [f"{diff.name} {must_do_less(diff)}" for diff in diffs if diff.asked_less]
-
-
-def must_do_less(diff: RiskDiff) -> str:
-    """Return that `success` asks less, and the first that it does not ask any more."""
-    return f"must do less: `success` no longer asks {first_of(diff.asked_less)}"
-
-
-def first_of(lines: Sequence[str]) -> str:
-    """Return the first of some sentences, and how many more there are."""
-    return lines[0] + (f" (and {len(lines) - 1} more)" if len(lines) > 1 else "")
-
-
-def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
-    """Return what the later run brought about otherwise, and what broke and was repaired.
-
-    Each comes with its title, before any figure is shown.
-    """
-    pairs = [
-        (ASKED_LESS, list(_at_most(diff.asked_less if len(diff.asked_less) > 1 else ()))),
-        (ASKED_NEWLY, list(_at_most(diff.asked_newly))),
-    ]
-    if diff.outcome is not None:
-        kinds = (diff.outcome.result, diff.outcome.lost, diff.outcome.added)
-        pairs.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
-        pairs.append((NOT_ASKED, list(_at_most(diff.not_asked))))
-        if diff.is_other_mission:
-            pairs.append((OF_VISITS, list(_at_most(tuple(_visits(diff))))))
-    if diff.verdicts is not None:
-        broke = list(map(str, diff.verdicts.broke))
-        # The one that broke stands in the line of the verdict.
-        is_told = len(broke) == 1 and _is_wrong(diff) and _is_said(diff.verdicts.after, broke[0])
-        pairs += [
-            (BROKE, [] if is_told else broke),
-            (REPAIRED, [str(reason) for reason in diff.verdicts.repaired]),
-        ]
-    return [(title, lines) for title, lines in pairs if lines]
-
-
-def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
-    """Return what else differs, below the figures, with the title of each list."""
-    single = [f"{point.component}, in {some(point.functions)}" for point in diff.single_points]
-    pairs = [
-        ("Single points of failure that were none", single),
-        (OF_HARDWARE, list(of_hardware(diff))),
-        ("Values set by hand", pins(review, diff)),
-        (OF_PACE, list(of_pace(diff))),
-        (OF_RUN, list(diff.of_run)),
-        (OF_EVIDENCE, list(diff.of_evidence)),
-        (UNCREDITED, list(_at_most(diff.uncredited))),
-        (OF_INPUTS, list(_inputs(diff))),
-    ]
-    return [(title, lines) for title, lines in pairs if lines]
-
-
-def _inputs(diff: RiskDiff) -> Iterator[str]:
-    """Yield which other inputs of the run changed: not the controller, nor what is listed above."""
-    for line in diff.inputs:
-        file = line.removesuffix(" has changed")
-        is_told = any(f"({file}:" in told for told in diff.hardware)
-        if line == file or not (file == diff.name or is_told):
-            yield line
-
-
-def _is_said(verdict: Verdict | None, reason: str) -> bool:
-    return verdict is not None and reason in verdict_line(verdict)
-
-
-def _visits(diff: RiskDiff) -> Iterator[str]:
-    """Yield which functions another mission visits more or less often, those alike in one line."""
-    alike: dict[tuple[str, str], list[str]] = {}
-    for function in diff.functions:
-        old, new = function.before, function.after
-        if old is None or new is None or is_noise(old.expected_visits, new.expected_visits):
-            continue
-        counts = count(new.expected_visits), count(old.expected_visits)
-        alike.setdefault(counts, []).append(function.name)
-    for (now, was), names in alike.items():
-        yield f"{', '.join(names)}: {now} visit{'s' * (now != '1')}, before: {was}"
-
-
-def of_hardware(diff: RiskDiff) -> tuple[str, ...]:
-    """Return what changed in the hardware description, with old and new values and sources."""
-    return _at_most(diff.hardware)
-
-
-def of_pace(diff: RiskDiff) -> tuple[str, ...]:
-    """Return which rests and ways of the later run take another time."""
-    return () if diff.outcome is None else _at_most(diff.outcome.pace)
-
-
-def _at_most(lines: tuple[str, ...]) -> tuple[str, ...]:
-    if len(lines) <= MOST_OF_KIND:
-        return lines
-    return (*lines[:MOST_OF_KIND], f"and {len(lines) - MOST_OF_KIND} more; --json lists them")
 
 
 def _other_mission(diff: RiskDiff) -> str:
@@ -463,39 +271,6 @@ def _per_cycle(diff: RiskDiff) -> str:
     return f"; the first cycle alone: {ratio(*cycles)}, for {why}"
 
 
-def mission_figures(diff: RiskDiff) -> dict[str, tuple[float | None, float | None]]:
-    """Return the figures of the mission before and after, by name; `None` for what is not known.
-
-    What nobody notices, and what stops safely, only where a version knows it. Blocks that are
-    stale and as they were say nothing of the later version.
-    """
-    kinds = {
-        "mission failure": "failure_probability",
-        "undetected": "undetected_probability",
-        "stopped safely": "stopped_safely_probability",
-    }
-    figures: dict[str, tuple[float | None, float | None]] = {}
-    for name, kind in kinds.items():
-        before, after = (
-            None if version is None else getattr(version, kind)
-            for version in (diff.before, diff.after)
-        )
-        if name == "mission failure" or before is not None or after is not None:
-            figures[name] = before, None if diff.stale and diff.is_unchanged else after
-    return figures
-
-
-def has_cycles(diff: RiskDiff) -> bool:
-    """Return whether a version has cycles, whose figure is another one than the mission's."""
-    missions = [mission for mission in (diff.before, diff.after) if mission is not None]
-    return any(
-        mission.cycle_failure_probability is not None
-        and probability(mission.failure_probability)
-        != probability(mission.cycle_failure_probability)
-        for mission in missions
-    )
-
-
 def _structural(diff: RiskDiff) -> str:
     """Return what a reviewer must see although the figure stays."""
     reported = []
@@ -506,139 +281,3 @@ def _structural(diff: RiskDiff) -> str:
         verb = "are single points" if len(old) > 1 else "is a single point"
         reported.append(f"{', '.join(old)} {verb} of failure now")
     return " and ".join(reported)
-
-
-def probability(value: float) -> str:
-    """Return a probability as every table shows it."""
-    return f"{value:.3e}"
-
-
-def small_changes(diff: RiskDiff) -> list[RiskChange]:
-    """Return the changes that a reviewer need not see: below the noise of the mission's figure.
-
-    What a user set or edited, and what stands out whatever the figure does, is none of them.
-    """
-    figures = [
-        mission_figures.failure_probability
-        for mission_figures in (diff.before, diff.after)
-        if mission_figures is not None
-    ]
-    return [
-        change
-        for change in diff.changes
-        if change.contribution is not None
-        and abs(change.contribution) < NOISE * max(figures, default=0.0)
-        and not change.marks
-        and change.kind != "failures"
-        and not {"pin", "edit"} & set(change.causes)
-    ]
-
-
-def has_interaction(diff: RiskDiff) -> bool:
-    """Return whether changes do together what none does alone, more than noise."""
-    figures = [
-        mission_figures.failure_probability
-        for mission_figures in (diff.before, diff.after)
-        if mission_figures is not None
-    ]
-    return abs(diff.interaction or 0.0) >= NOISE * max(figures, default=0.0) > 0.0
-
-
-def small_line(small: Sequence[RiskChange], diff: RiskDiff) -> str:
-    """Return the one line that stands for small changes."""
-    more = "and " if len(small) < len(diff.changes) else ""
-    count = f"{len(small)} more" if more else f"{len(small)} change{'s' * (len(small) > 1)}"
-    each = ", each" if len(small) > 1 else ""
-    return f"{more}{count}{each} below {100.0 * NOISE:g} % of mission failure; --json lists them"
-
-
-def difference(value: float | None) -> str:
-    """Return how much a figure changes, with its sign."""
-    return "only with others" if value is None else f"{value:+.2e}"
-
-
-def ratio(before: float, after: float) -> str:
-    """Return `x2.00`; `unchanged` within the noise, `from 0` where there was none."""
-    if is_noise(before, after):
-        return "unchanged"
-    value = ratio_of(before, after)
-    return "from 0" if value is None else f"x{value:.3g}"
-
-
-def compared(diff: RiskDiff, before: float | None, after: float | None) -> str:
-    """Return how two figures of a controller compare, or that they do not: the same everywhere.
-
-    Empty where a version has no figure.
-    """
-    if diff.stale and before is not None:
-        return "not assessed"
-    if before is None or after is None:
-        return ""
-    return ratio(before, after) if diff.is_comparable else "not comparable"
-
-
-def count(value: float) -> str:
-    """Return an expected number of visits or cycles."""
-    return f"{value:.4g}"
-
-
-def causes(change: RiskChange) -> str:
-    """Return the causes of a change in words."""
-    return ", ".join(_CAUSES[cause] for cause in change.causes)
-
-
-def marks(change: RiskChange) -> str:
-    """Return what stands out of a change in words."""
-    return ", ".join(_MARKS[mark] for mark in change.marks)
-
-
-def places(review: Review, change: RiskChange) -> str:
-    """Return where the fields of a change stand, at most three of them."""
-    fields = sorted(change.fields, key=lambda field: (field.is_gone, *_in_file(field.location)))
-    places = [review.place(field.location, is_gone=field.is_gone) for field in fields]
-    return some([place for place in places if place])
-
-
-def _in_file(place: Location | None) -> tuple[str, int]:
-    return ("", 0) if place is None else (place.file, place.line or 0)
-
-
-def some(names: Sequence[str], most: int = 3) -> str:
-    """Return the first of the names, and how many more there are."""
-    shown = ", ".join(names[:most])
-    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
-
-
-def name_of(changed: RiskDiff | FunctionChange) -> str:
-    """Return the name of a controller or function, with the one that it had."""
-    return changed.name if changed.was is None else f"{changed.name} (was {changed.was})"
-
-
-def pins(review: Review, diff: RiskDiff) -> list[str]:
-    """Return what became of each value that a user set, and where that is."""
-    return [
-        f"{pin(pin_change)} "
-        f"({review.place(pin_change.location, is_gone=pin_change.kind == 'removed')})"
-        for pin_change in diff.pins
-    ]
-
-
-def pin(change: PinChange) -> str:
-    """Return what became of a value that a user set."""
-    match change.kind:
-        case "new":
-            text = f"new: {change.path} := {change.after}"
-        case "removed":
-            return f"no longer: {change.path} := {change.before}"
-        case "changed":
-            text = f"changed: {change.path} := {change.before} -> {change.after}"
-        case "drifted":
-            text = f"as before: {change.path} := {change.after}, computed {change.computed_before}"
-            return f"{text} -> {change.computed_after}{_reason(change)}"
-    if change.computed_after is not None:
-        text += f" (computed {change.computed_after})"
-    return text + _reason(change)
-
-
-def _reason(change: PinChange) -> str:
-    return f"; {change.reason}" if change.reason else "; without a reason"

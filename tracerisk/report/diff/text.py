@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from tracerisk.prm.review.change_records import FunctionChange, RiskChange, is_noise
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
-from tracerisk.report.diff import sentences
+from tracerisk.report.diff import sentences, titled_lists, wording
 from tracerisk.report.tables import filled
 
 _FIGURES = (10, 10, 9)  # the widths of before, after and ratio
@@ -21,9 +21,9 @@ def render_diff(review: Review, *, width: int = 80) -> str:
     room = max(width, 60)
     lines = []
     for line in (
-        *sentences.asked_less(review.controllers),
-        *sentences.acceptances(review.controllers),
-        *sentences.verdict_lines(review),
+        *titled_lists.asked_less(review.controllers),
+        *titled_lists.acceptances(review.controllers),
+        *titled_lists.verdict_lines(review),
     ):
         lines += _wrapped(line, room, hanging=2)
     lines += [*_wrapped(sentences.headline(review, below_verdicts=True), room), ""]
@@ -40,25 +40,25 @@ def render_diff(review: Review, *, width: int = 80) -> str:
 
 
 def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
-    for title, entries in sentences.of_missions(diff):
+    for title, entries in titled_lists.of_missions(diff):
         yield from _list(title, entries, room)
     yield from _missions(diff, room)
     if diff.changes and diff.is_comparable:
         yield "  What changed, by what each alone does to mission failure"
-        small = sentences.small_changes(diff)
+        small = wording.small_changes(diff)
         for change in diff.changes:
             if change not in small:
                 yield from _change(review, change, room)
         if small:
-            text = " " * (_ALONE + 4) + sentences.small_line(small, diff)
+            text = " " * (_ALONE + 4) + wording.small_line(small, diff)
             yield from _wrapped(text, room, hanging=_ALONE + 4)
-        if diff.interaction is not None and sentences.has_interaction(diff):
-            rest = sentences.difference(diff.interaction)
+        if diff.interaction is not None and wording.has_interaction(diff):
+            rest = wording.difference(diff.interaction)
             yield f"  {rest:>{_ALONE}}  what they do only together, and noise"
         yield ""
     if diff.shown_functions:
         yield from _functions(diff, room)
-    for title, entries in sentences.of_parts(review, diff):
+    for title, entries in titled_lists.of_parts(review, diff):
         yield from _list(title, entries, room)
     if diff.within_noise and diff.is_comparable:
         values = "value changes" if diff.within_noise == 1 else "values change"
@@ -69,27 +69,27 @@ def _controller(review: Review, diff: RiskDiff, room: int) -> Iterator[str]:
 def _missions(diff: RiskDiff, room: int) -> Iterator[str]:
     missions = diff.before, diff.after
     cycle = [None if mission is None else mission.cycle_failure_probability for mission in missions]
-    figures = {f"  {name}": both for name, both in sentences.mission_figures(diff).items()}
-    if sentences.has_cycles(diff):
+    figures = {f"  {name}": both for name, both in wording.mission_figures(diff).items()}
+    if wording.has_cycles(diff):
         figures["  per cycle"] = (cycle[0], cycle[1])
     rows = [
-        (label, (*map(_cell, both), sentences.compared(diff, *both)))
+        (label, (*map(_cell, both), wording.compared(diff, *both)))
         for label, both in figures.items()
     ]
     widths = (*_FIGURES[:2], max(_FIGURES[2], *(len(cells[2]) for _, cells in rows)))
-    yield from _row(sentences.name_of(diff), ("before", "after", "ratio"), room, widths)
+    yield from _row(wording.name_of(diff), ("before", "after", "ratio"), room, widths)
     for label, cells in rows:
         yield from _row(label, cells, room, widths)
     yield ""
 
 
 def _change(review: Review, change: RiskChange, room: int) -> Iterator[str]:
-    lead = f"  {sentences.difference(change.contribution):>{_ALONE}}  "
+    lead = f"  {wording.difference(change.contribution):>{_ALONE}}  "
     if change.contribution is None:
         lead = f"  {'?':>{_ALONE}}  "
     hanging = _ALONE + 4
     yield from _wrapped(lead + change.summary, room, hanging=hanging)
-    why = [sentences.marks(change), sentences.causes(change), sentences.places(review, change)]
+    why = [wording.marks(change), wording.causes(change), wording.places(review, change)]
     text = "; ".join(part for part in why if part)
     yield from _wrapped(" " * hanging + text, room, hanging=hanging)
 
@@ -112,7 +112,7 @@ def _functions(diff: RiskDiff, room: int) -> Iterator[str]:
 def _name(function: FunctionChange) -> str:
     if function.was is None and function.status in ("added", "removed"):
         return f"{function.name} ({function.status})"
-    return sentences.name_of(function)
+    return wording.name_of(function)
 
 
 def _visits(function: FunctionChange) -> str:
@@ -124,17 +124,17 @@ def _visits(function: FunctionChange) -> str:
     ]
     if len(visits) == 2 and is_noise(*visits):
         visits = visits[1:]
-    text = " -> ".join(map(sentences.count, visits))
+    text = " -> ".join(map(wording.count, visits))
     return f"{text} visit" if text == "1" else f"{text} visits"
 
 
 def _cells(before: float | None, after: float | None) -> tuple[str, str, str]:
-    ratio = "" if before is None or after is None else sentences.ratio(before, after)
+    ratio = "" if before is None or after is None else wording.ratio(before, after)
     return _cell(before), _cell(after), ratio
 
 
 def _cell(figure: float | None) -> str:
-    return "-" if figure is None else sentences.probability(figure)
+    return "-" if figure is None else wording.probability(figure)
 
 
 def _row(

@@ -9,7 +9,7 @@ from markupsafe import Markup
 from tracerisk.prm.hybrid.assessment import MissionFigures
 from tracerisk.prm.review.change_records import FunctionFigures
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
-from tracerisk.report.diff import sentences
+from tracerisk.report.diff import sentences, titled_lists, wording
 from tracerisk.report.html.page import asset, rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Data, Section
@@ -79,17 +79,17 @@ def _controller(review: Review, index: int, diff: RiskDiff) -> _Controller:
         tables.append(_changes(name, review, diff))
     if diff.shown_functions:
         tables.append(_functions(name, diff))
-    lists = [*sentences.of_missions(diff), *sentences.of_parts(review, diff)]
+    lists = [*titled_lists.of_missions(diff), *titled_lists.of_parts(review, diff)]
     note = ""
     if diff.within_noise and diff.is_comparable:
         note = f"Values that changed by less than 1 %, reported as unchanged: {diff.within_noise}."
-    return _Controller(sentences.name_of(diff), tuple(tables), tuple(lists), note)
+    return _Controller(wording.name_of(diff), tuple(tables), tuple(lists), note)
 
 
 def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
     old, new = diff.before, diff.after
     kinds: dict[str, str] = {}
-    if sentences.has_cycles(diff):
+    if wording.has_cycles(diff):
         kinds["failure per cycle"] = "cycle_failure_probability"
         kinds["expected cycles"] = "expected_cycles"
     rows = [
@@ -99,13 +99,13 @@ def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
                 _figure_of(mission, figure)
                 for mission, figure in zip((old, new), both, strict=True)
             ),
-            sentences.compared(diff, *both),
+            wording.compared(diff, *both),
         )
-        for name, both in sentences.mission_figures(diff).items()
+        for name, both in wording.mission_figures(diff).items()
     ]
     for label, kind in kinds.items():
         figures = (None if figure is None else getattr(figure, kind) for figure in (old, new))
-        ratio = sentences.compared(diff, *figures)
+        ratio = wording.compared(diff, *figures)
         rows.append(row_of(label, _figure(old, kind), _figure(new, kind), ratio))
     columns = (Column("figure"), *numbers(review.before, review.after, "ratio"))
     return Table(f"{name}-mission", "The mission", columns, tuple(rows))
@@ -114,17 +114,17 @@ def _missions(name: str, review: Review, diff: RiskDiff) -> Table:
 def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
     rows = [
         row_of(
-            Cell(change.summary, note=sentences.marks(change)),
-            sentences.difference(change.contribution),
-            sentences.causes(change),
-            sentences.places(review, change),
+            Cell(change.summary, note=wording.marks(change)),
+            wording.difference(change.contribution),
+            wording.causes(change),
+            wording.places(review, change),
             component=change.component,
         )
         for change in diff.changes
     ]
-    if diff.interaction is not None and sentences.has_interaction(diff):
+    if diff.interaction is not None and wording.has_interaction(diff):
         text = "what they do only together, and noise"
-        rows.append(row_of(text, sentences.difference(diff.interaction), "", ""))
+        rows.append(row_of(text, wording.difference(diff.interaction), "", ""))
     columns = (
         Column("change"),
         Column("alone", "what only it does to mission failure", is_number=True),
@@ -136,7 +136,7 @@ def _changes(name: str, review: Review, diff: RiskDiff) -> Table:
 def _functions(name: str, diff: RiskDiff) -> Table:
     rows = tuple(
         row_of(
-            Cell(sentences.name_of(function), note=function.status),
+            Cell(wording.name_of(function), note=function.status),
             *_of_function(function.before),
             *_of_function(function.after),
             function=function.name,
@@ -156,17 +156,17 @@ def _functions(name: str, diff: RiskDiff) -> Table:
 def _figure_of(mission: MissionFigures | None, figure: float | None) -> str:
     if figure is None:
         return _NONE if mission is None else _NOT_KNOWN
-    return sentences.probability(figure)
+    return wording.probability(figure)
 
 
 def _figure(mission: MissionFigures | None, kind: str) -> str:
     value = None if mission is None else getattr(mission, kind)
     if value is None:
         return _NONE
-    return sentences.count(value) if kind == "expected_cycles" else sentences.probability(value)
+    return wording.count(value) if kind == "expected_cycles" else wording.probability(value)
 
 
 def _of_function(function: FunctionFigures | None) -> tuple[str, str]:
     if function is None:
         return _NONE, _NONE
-    return sentences.probability(function.top_event), sentences.count(function.expected_visits)
+    return wording.probability(function.top_event), wording.count(function.expected_visits)

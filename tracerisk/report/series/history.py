@@ -10,7 +10,8 @@ from xml.sax.saxutils import escape
 from tracerisk.common.text.paper import PAPER, Paper
 from tracerisk.common.verdict import Verdict, kind_of
 from tracerisk.prm.review.risk_diff import WORKING_TREE
-from tracerisk.report.diff.sentences import compared, sentence
+from tracerisk.report.diff.sentences import sentence
+from tracerisk.report.diff.wording import compared
 from tracerisk.report.series.sweep import SweepPoint, plot_svg
 from tracerisk.report.tables import render_parts, table_of
 

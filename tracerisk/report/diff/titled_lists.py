@@ -1,0 +1,216 @@
+"""What changed in runs, missions and inputs: lists, each with its title."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from tracerisk.common.verdict import UNKNOWN_VERDICT, Verdict, verdict_line
+from tracerisk.instrument.source.language import is_c
+from tracerisk.prm.review.change_records import (
+    is_noise,
+)
+from tracerisk.prm.review.risk_diff import Review, RiskDiff
+from tracerisk.report.diff.wording import (
+    count,
+    first_of,
+    pins,
+    some,
+)
+
+OF_RUN = "What the run showed that it did not before"
+
+
+OF_EVIDENCE = "What failures on the twin do now that they did not before"
+
+
+OF_OUTCOME = "What changed in what the mission does"
+
+
+MOST_OF_KIND = 6
+"""How many sentences on the outcome of one kind are shown; --json has all."""
+
+
+ASKED_LESS = "What `success` no longer asks"
+
+
+ASKED_NEWLY = "What `success` newly asks"
+
+
+NOT_ASKED = "What the mission newly moves and `success` does not name"
+
+
+UNCREDITED = "No evidence: checks of results are not credited"
+
+
+OF_VISITS = "Functions that run more or less often"
+
+
+OF_PACE = "What takes another time"
+
+
+OF_HARDWARE = "What changed in the hardware description"
+
+
+BROKE = "What broke"
+
+
+REPAIRED = "What was repaired"
+
+
+OF_INPUTS = "What the runs behind the blocks depended on"
+
+
+def verdict_lines(review: Review, *, only_wrong: bool = False) -> list[str]:
+    """Return the verdicts of the later runs with those of the earlier, a line a controller.
+
+    If asked, only of runs that went wrong, lost their verdict, or left out what they did before.
+    """
+    lines = []
+    for diff in review.controllers:
+        if only_wrong and not _is_wrong(diff):
+            continue
+        name = "" if len(review.controllers) == 1 else f"{diff.name}: "
+        if diff.verdicts is None:
+            lines += [f"{name}no verdict: C and C++ are not run"] if is_c(diff.name) else []
+            continue
+        if not diff.verdicts.in_after:
+            lines.append(f"{name}no risk blocks; before: {verdict_line(diff.verdicts.before)}")
+            continue
+        before = f"; before: {_short(diff.verdicts.before)}" if diff.verdicts.in_before else ""
+        stale = " (of its last run: stale)" if diff.stale else ""
+        lines.append(f"{name}{verdict_line(diff.verdicts.after)}{stale}{before}")
+    return lines
+
+
+def _is_wrong(diff: RiskDiff) -> bool:
+    verdicts = diff.verdicts
+    if verdicts is None or not verdicts.in_after:
+        return False
+    is_whole = verdicts.after is not None and not verdicts.after.is_bad
+    return not is_whole or verdicts.does_less
+
+
+def later_run(diff: RiskDiff) -> str:
+    """Return the verdict of the later run in a few words; empty where there is none."""
+    verdicts = diff.verdicts
+    if verdicts is None or not verdicts.in_after:
+        return ""
+    return _short(verdicts.after) + (", stale" if diff.stale else "")
+
+
+def _short(verdict: Verdict | None) -> str:
+    if verdict is None:
+        return UNKNOWN_VERDICT
+    return f"{verdict.kind}, {verdict.coverage.ran} of {verdict.coverage.all}"
+
+
+def acceptances(diffs: Sequence[RiskDiff]) -> list[str]:
+    """Return what a change accepts of its own runs and what happened there, a line each."""
+    lines = []
+    for diff in diffs:
+        if diff.verdicts is None or diff.verdicts.after is None:
+            continue
+        name = "" if len(diffs) == 1 else f"{diff.name}: "
+        for acceptance in diff.verdicts.new_acceptances:
+            accepted = [
+                str(reason)
+                for reason in diff.verdicts.after.reasons
+                if reason.accepted and reason.key == acceptance.key
+            ]
+            what = f"what happened: {some(accepted)}" if accepted else "it did not occur"
+            lines.append(f"{name}newly accepted: {acceptance}; {what}")
+    return lines
+
+
+def asked_less(diffs: Sequence[RiskDiff]) -> list[str]:
+    """Return of which controllers `success` asks less, a line each: this stands before all else."""
+    return [f"{diff.name} {must_do_less(diff)}" for diff in diffs if diff.asked_less]
+
+
+def must_do_less(diff: RiskDiff) -> str:
+    """Return that `success` asks less, and the first that it does not ask any more."""
+    return f"must do less: `success` no longer asks {first_of(diff.asked_less)}"
+
+
+def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return what the later run brought about otherwise, and what broke and was repaired.
+
+    Each comes with its title, before any figure is shown.
+    """
+    pairs = [
+        (ASKED_LESS, list(_at_most(diff.asked_less if len(diff.asked_less) > 1 else ()))),
+        (ASKED_NEWLY, list(_at_most(diff.asked_newly))),
+    ]
+    if diff.outcome is not None:
+        kinds = (diff.outcome.result, diff.outcome.lost, diff.outcome.added)
+        pairs.append((OF_OUTCOME, [line for kind in kinds for line in _at_most(kind)]))
+        pairs.append((NOT_ASKED, list(_at_most(diff.not_asked))))
+        if diff.is_other_mission:
+            pairs.append((OF_VISITS, list(_at_most(tuple(_visits(diff))))))
+    if diff.verdicts is not None:
+        broke = list(map(str, diff.verdicts.broke))
+        # The one that broke stands in the line of the verdict.
+        is_told = len(broke) == 1 and _is_wrong(diff) and _is_said(diff.verdicts.after, broke[0])
+        pairs += [
+            (BROKE, [] if is_told else broke),
+            (REPAIRED, [str(reason) for reason in diff.verdicts.repaired]),
+        ]
+    return [(title, lines) for title, lines in pairs if lines]
+
+
+def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return what else differs, below the figures, with the title of each list."""
+    single = [f"{point.component}, in {some(point.functions)}" for point in diff.single_points]
+    pairs = [
+        ("Single points of failure that were none", single),
+        (OF_HARDWARE, list(of_hardware(diff))),
+        ("Values set by hand", pins(review, diff)),
+        (OF_PACE, list(of_pace(diff))),
+        (OF_RUN, list(diff.of_run)),
+        (OF_EVIDENCE, list(diff.of_evidence)),
+        (UNCREDITED, list(_at_most(diff.uncredited))),
+        (OF_INPUTS, list(_inputs(diff))),
+    ]
+    return [(title, lines) for title, lines in pairs if lines]
+
+
+def _inputs(diff: RiskDiff) -> Iterator[str]:
+    """Yield which other inputs of the run changed: not the controller, nor what is listed above."""
+    for line in diff.inputs:
+        file = line.removesuffix(" has changed")
+        is_told = any(f"({file}:" in told for told in diff.hardware)
+        if line == file or not (file == diff.name or is_told):
+            yield line
+
+
+def _is_said(verdict: Verdict | None, reason: str) -> bool:
+    return verdict is not None and reason in verdict_line(verdict)
+
+
+def _visits(diff: RiskDiff) -> Iterator[str]:
+    """Yield which functions another mission visits more or less often, those alike in one line."""
+    alike: dict[tuple[str, str], list[str]] = {}
+    for function in diff.functions:
+        old, new = function.before, function.after
+        if old is None or new is None or is_noise(old.expected_visits, new.expected_visits):
+            continue
+        counts = count(new.expected_visits), count(old.expected_visits)
+        alike.setdefault(counts, []).append(function.name)
+    for (now, was), names in alike.items():
+        yield f"{', '.join(names)}: {now} visit{'s' * (now != '1')}, before: {was}"
+
+
+def of_hardware(diff: RiskDiff) -> tuple[str, ...]:
+    """Return what changed in the hardware description, with old and new values and sources."""
+    return _at_most(diff.hardware)
+
+
+def of_pace(diff: RiskDiff) -> tuple[str, ...]:
+    """Return which rests and ways of the later run take another time."""
+    return () if diff.outcome is None else _at_most(diff.outcome.pace)
+
+
+def _at_most(lines: tuple[str, ...]) -> tuple[str, ...]:
+    if len(lines) <= MOST_OF_KIND:
+        return lines
+    return (*lines[:MOST_OF_KIND], f"and {len(lines) - MOST_OF_KIND} more; --json lists them")
