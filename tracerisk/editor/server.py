@@ -21,7 +21,7 @@ from tracerisk.common.version import __version__
 from tracerisk.editor.commands import register_commands
 from tracerisk.editor.completion import Offer, offers
 from tracerisk.editor.described_files import kind_of, yaml_offers
-from tracerisk.editor.diagnostics import advice_diagnostic, error_diagnostic, finding_diagnostic
+from tracerisk.editor.diagnostics import diagnostics_of
 from tracerisk.editor.fixes import REFRESH, fixes
 from tracerisk.editor.folding import foldings
 from tracerisk.editor.hover import component_at, component_markdown, function_at, function_markdown
@@ -181,32 +181,6 @@ class RiskServer:
         finally:
             shown.end(token, lsp.WorkDoneProgressEnd())
             del shown.tokens[token]
-
-
-def diagnostics_of(session: Session) -> dict[Path, list[lsp.Diagnostic]]:
-    """Return the diagnostics of each file, without duplicates."""
-    of_files: dict[Path, dict[tuple[int, str], lsp.Diagnostic]] = {}
-
-    def put(path: Path, one: lsp.Diagnostic) -> None:
-        of_files.setdefault(path.resolve(), {})[one.range.start.line, one.message] = one
-
-    for analysis in session.analyses.values():
-        for finding in analysis.findings:
-            path = Path(finding.location.file)
-            put(path, finding_diagnostic(finding, analysis.path, session.lines_of(path)))
-        for advice in analysis.advice:
-            path = Path(advice.location.file)
-            put(path, advice_diagnostic(advice, session.lines_of(path)))
-        if analysis.error is not None:
-            place = analysis.error.location
-            path = analysis.path if place is None else Path(place.file)
-            put(path, error_diagnostic(analysis.error, session.lines_of(path)))
-    for document in session.documents.values():
-        if document.path is None or not session.is_known(document):
-            continue
-        for problem in session.outline(document).problems:
-            put(document.path, error_diagnostic(problem, document.lines))
-    return {path: [fields[key] for key in sorted(fields)] for path, fields in of_files.items()}
 
 
 def language_server() -> RiskServer:

@@ -30,14 +30,23 @@ from tracerisk.common.outcome.result_changes import (
     object_changes,
     position_words,
 )
-from tracerisk.common.outcome.tolerances import OPENING, ROUNDING, TOLERANCES, Tolerances
+from tracerisk.common.outcome.step_words import (
+    _IN_A_ROW,
+    after_rest,
+    grip,
+    is_other_time,
+    new_rests,
+    number_of_rests,
+    oftener,
+    rests_before,
+    whole_steps,
+)
+from tracerisk.common.outcome.tolerances import ROUNDING, TOLERANCES, Tolerances
 from tracerisk.common.outcome.ways import ways_apart
 
 _ENDS = 5.0
 """How many times the tolerances the last rest may differ: an arm has arrived a little before."""
 _WAY = 2.5  # how far a way may pass beside another, by the distance of its corners' lines from it
-_PACE_S, _PACE_RATIO = 0.34, 1.1  # a time is another one that differs by more of both
-_IN_A_ROW = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +135,7 @@ class _Comparison:
     def __init__(self, old: Outcome, new: Outcome, tolerances: Tolerances) -> None:
         self._old, self._new, self._tolerances = old, new, tolerances
         # Of a long run the first steps alone are kept, as many as there was room for.
-        most = min(_whole_steps(old), _whole_steps(new))
+        most = min(whole_steps(old), whole_steps(new))
         self._before, self._after = old.steps[:most], new.steps[:most]
         if not old.left_out and not new.left_out:
             self._before, self._after = old.steps, new.steps
@@ -187,7 +196,7 @@ class _Comparison:
         others = [step for step in come if isinstance(step, Rest)]
         lost += self._moved_rests(rests, others)
         lost += self._lost_rests(rests[len(others) :])
-        added += _new_rests(others[len(rests) :])
+        added += new_rests(others[len(rests) :])
         lost += self._grip_changes(gone, come, added)
 
     def _moved_rests(self, rests: Sequence[Rest], others: Sequence[Rest]) -> Iterator[str]:
@@ -288,10 +297,9 @@ class _Comparison:
             if place is None or counts[0][step.interface] != counts[1][step.interface]:
                 continue
             kept_new.add(place)
-            now, was = _number_of_rests(self._after, place), _number_of_rests(self._before, i)
+            now, was = number_of_rests(self._after, place), number_of_rests(self._before, i)
             yield (
-                f"{step.interface} {VERBS[step.kind]} {_after_rest(now)}, before: "
-                f"{_after_rest(was)}"
+                f"{step.interface} {VERBS[step.kind]} {after_rest(now)}, before: {after_rest(was)}"
                 if now != was
                 else f"{step.interface} {VERBS[step.kind]} at another point after rest {now}"
             )
@@ -304,7 +312,7 @@ class _Comparison:
         if not (self._old.corner_m and self._new.corner_m):
             return ways
         twin = {self._before[i].order: self._after[j].order for i, j in self._pairs}
-        before, after = _rests_before(self._old), _rests_before(self._new)
+        before, after = rests_before(self._old), rests_before(self._new)
         for i, j in self._pairs:
             old, new = self._before[i], self._after[j]
             if not isinstance(old, Rest) or not isinstance(new, Rest):
@@ -331,13 +339,13 @@ class _Comparison:
             if not isinstance(old, Rest) or not isinstance(new, Rest):
                 continue
             is_alike = self._tolerances.is_same_posture(old, new)
-            if is_alike and left_alike and _is_other_time(old.took_s, new.took_s):
+            if is_alike and left_alike and is_other_time(old.took_s, new.took_s):
                 lines.append(
                     f"the way to {self._rest_name(old)} takes {new.took_s:.1f} s, before: "
                     f"{old.took_s:.1f} s"
                 )
             is_last = place + 1 == len(pairs)
-            if is_alike and not is_last and _is_other_time(old.held_s, new.held_s):
+            if is_alike and not is_last and is_other_time(old.held_s, new.held_s):
                 lines.append(
                     f"the arm stays {new.held_s:.1f} s in {self._rest_name(old)}, before: "
                     f"{old.held_s:.1f} s"
@@ -369,73 +377,14 @@ class _Comparison:
             before = [use for use in old if use.gripper == gripper]
             after = [use for use in new if use.gripper == gripper]
             for was, now in zip(before, after, strict=False):
-                yield f"{gripper} {_grip(now)}, before: {_grip(was)}"
+                yield f"{gripper} {grip(now)}, before: {grip(was)}"
             for was in before[len(after) :]:
-                less = _oftener(was, self._old, self._new, "less")
-                yield less or f"{gripper} no longer {_grip(was)}"
+                less = oftener(was, self._old, self._new, "less")
+                yield less or f"{gripper} no longer {grip(was)}"
             for now in after[len(before) :]:
-                more = _oftener(now, self._new, self._old, "more")
-                added.append(more or f"{gripper} newly {_grip(now)}")
+                more = oftener(now, self._new, self._old, "more")
+                added.append(more or f"{gripper} newly {grip(now)}")
 
     def _number(self, rest: Rest) -> int:
         rests = [result for result in self._old.rests if result.arm == rest.arm]
         return 1 + sum(result.order < rest.order for result in rests)
-
-
-def _oftener(use: GripperUse, here: Outcome, other: Outcome, word: str) -> str:
-    """Return that a run has a use of a gripper more often than another, which has it as well.
-
-    And where the arm rested then, if there is one arm. Empty where the other never has it.
-    """
-    what = use.gripper, _grip(use)
-    if all((known.gripper, _grip(known)) != what for known in other.grips):
-        return ""
-    rests = [rest for rest in here.rests if rest.order < use.order]
-    place = f", at {position_words(rests[-1].tool_m)}" if rests and len(here.arms) == 1 else ""
-    return f"{use.gripper} {_grip(use)} one time {word}{place}"
-
-
-def _grip(use: GripperUse) -> str:
-    if use.holds:
-        return f"grips {use.holds}"
-    if use.opened >= 1.0 - OPENING:
-        return "opens"
-    if use.opened <= OPENING:
-        return "closes on nothing"
-    return f"goes to {100.0 * use.opened:.0f} % of its opening"
-
-
-def _whole_steps(outcome: Outcome) -> int:
-    """Return how many steps are kept one after the other: behind those left out are last rests."""
-    return len(outcome.steps) - (len(outcome.arms) if outcome.left_out else 0)
-
-
-def _rests_before(outcome: Outcome) -> dict[int, Rest | None]:
-    """Return the rest of the same arm before each rest, by the order of this."""
-    rests: dict[int, Rest | None] = {}
-    last: dict[int, Rest] = {}
-    for rest in outcome.rests:
-        rests[rest.order] = last.get(rest.arm)
-        last[rest.arm] = rest
-    return rests
-
-
-def _new_rests(rests: Sequence[Rest]) -> Iterator[str]:
-    """Yield rests in a row that are new, many of them in one sentence."""
-    places = [position_words(rest.tool_m) for rest in rests]
-    if len(places) < _IN_A_ROW:
-        yield from (f"a rest at {place} is new" for place in places)
-        return
-    yield f"{len(places)} rests in a row are new, from {places[0]} to {places[-1]}"
-
-
-def _number_of_rests(steps: Sequence[Step], place: int) -> int:
-    return sum(1 for step in steps[:place] if isinstance(step, Rest))
-
-
-def _after_rest(number: int) -> str:
-    return f"after rest {number}" if number else "before the first rest"
-
-
-def _is_other_time(one: float, other: float) -> bool:
-    return abs(one - other) > _PACE_S and max(one, other) > _PACE_RATIO * min(one, other)

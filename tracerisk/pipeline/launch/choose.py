@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from tracerisk.common.limits import Limits
 from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location, one_of
+from tracerisk.pipeline.launch.candidate import Candidate
 from tracerisk.pipeline.launch.find import LaunchFile, find_launch_files, ros_of
 from tracerisk.pipeline.launch.parameter_files import (
     NO_PARAMETERS_GIVEN,
@@ -24,17 +25,13 @@ from tracerisk.pipeline.launch.readme_arguments import ReadmeArguments
 from tracerisk.pipeline.launch_files.parameter_text import ParameterTextError, read_text
 from tracerisk.pipeline.launch_files.process import read_launch
 from tracerisk.pipeline.launch_files.records import (
-    EVERY_NODE,
-    LaunchParameter,
     LaunchReading,
     LaunchSetup,
     RobotSource,
-    StartedNode,
 )
 from tracerisk.pipeline.launch_files.roslaunch_xml import read_roslaunch
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.workspace import Workspace, workspace_of
-from tracerisk.ros.graph import graph_names
 
 _MOST_READ = {1: 40, 2: 10}  # launch files of ROS 2 cost a process each
 _MOST_INCLUDERS = {1: 40, 2: 4}
@@ -62,92 +59,6 @@ class LaunchChoice:
 
 NOTHING_CHOSEN = LaunchChoice()
 """Nothing of a launch file."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Candidate:
-    file: LaunchFile
-    """The launch file."""
-    reading: LaunchReading
-    """All that the launch file starts."""
-    node: StartedNode
-    """The node of the file that is the controller."""
-    started: int
-    """How many times the file starts the controller."""
-    nodes: tuple[str, ...]
-    """The names that the controller's node may have."""
-
-    @property
-    def parameters(self) -> tuple[LaunchParameter, ...]:
-        """What the node finds of parameters: its own, and those of the server of ROS 1."""
-        return (*self.reading.parameters, *self.node.parameters)
-
-    @property
-    def own(self) -> dict[str, Any]:
-        """The parameters that are meant for the node, by the names it may ask for."""
-        if self.file.ros == 2:
-            return {
-                parameter.name: parameter.value
-                for parameter in self.parameters
-                if self._is_for(parameter)
-            }
-        owner = f"{self.node.namespace}/{self.node.name}/"
-        space = f"{self.node.namespace}/"
-        table: dict[str, Any] = {}
-        for parameter in self.parameters:
-            table[parameter.name] = parameter.value
-            if parameter.name.startswith(owner):
-                table[f"~{parameter.name.removeprefix(owner)}"] = parameter.value
-            elif parameter.name.startswith(space):
-                table[parameter.name.removeprefix(space)] = parameter.value
-        return table
-
-    @property
-    def private(self) -> tuple[LaunchParameter, ...]:
-        """The parameters that are the node's alone."""
-        if self.file.ros == 2:
-            return tuple(parameter for parameter in self.parameters if self._is_for(parameter))
-        owner = f"{self.node.namespace}/{self.node.name}/"
-        return tuple(parameter for parameter in self.parameters if parameter.name.startswith(owner))
-
-    def _is_for(self, parameter: LaunchParameter) -> bool:
-        """Return whether a parameter is the node's, which may be any whose name is not known."""
-        whom = parameter.node
-        if whom in (None, EVERY_NODE) or not self.nodes:
-            return True
-        assert whom is not None
-        return whom.rpartition("/")[2] in (*self.nodes, "*", "**")
-
-    def gives(self, asked: frozenset[str]) -> int:
-        """Return how many of the parameters asked for it gives, whole namespaces too."""
-        own = self.own
-        mark = "." if self.file.ros == 2 else graph_names.SEP
-        return sum(
-            1
-            for name in asked
-            if name in own or any(given.startswith(f"{name}{mark}") for given in own)
-        )
-
-    def fits(self, given: GivenParameters) -> tuple[int, int]:
-        """Return how well it goes with what the controller's own arguments give.
-
-        That is how many of their files, or files beside these, it reads, and how many of their
-        values it gives too.
-        """
-        own = self.own
-        values = sum(1 for one in given.parameters if own.get(one.name) == one.value)
-        return given.beside(self.reading), values
-
-    def same_as(self, other: _Candidate, asked: Asked) -> bool:
-        """Return whether the node is given the same by another file."""
-        return self._given(asked) == other._given(asked)
-
-    def _given(self, asked: Asked) -> tuple[Any, ...]:
-        words = asked.names | asked.literals
-        is_ros2 = self.file.ros == 2
-        own = {k: v for k, v in self.own.items() if is_ros2 or k.startswith("~") or k in words}
-        node = self.node
-        return own, node.arguments, node.remaps, node.namespace, node.ros_arguments
 
 
 def choose_launch(controller: Controller, settings: Settings) -> LaunchChoice:
@@ -264,7 +175,7 @@ class _Search:
             setup, () if setup is None else setup.notes, robots, shown([path], self.root)[0]
         )
 
-    def candidates(self, files: Sequence[LaunchFile]) -> list[_Candidate]:
+    def candidates(self, files: Sequence[LaunchFile]) -> list[Candidate]:
         """Return of each file the node that is the program; what cannot be read is noted."""
         result = []
         files = [self.readmes.given(file) for file in files]
@@ -276,7 +187,7 @@ class _Search:
                 if (node := self.program.started_as(started_node)) is not None
             ]
             made = [
-                _Candidate(
+                Candidate(
                     file,
                     reading,
                     node,
@@ -292,7 +203,7 @@ class _Search:
                 self.problems.extend(reading.problems)
         return result
 
-    def best(self, candidates: Sequence[_Candidate]) -> _Candidate | None:
+    def best(self, candidates: Sequence[Candidate]) -> Candidate | None:
         """Return the candidate that fits the given parameters best.
 
         Among equal ones it is the one that gives most of the parameters asked for, then the first.
@@ -330,7 +241,7 @@ def read_launch_files(
 
 
 def _setup(
-    best: _Candidate, candidates: Sequence[_Candidate], asked: Asked, root: Path
+    best: Candidate, candidates: Sequence[Candidate], asked: Asked, root: Path
 ) -> LaunchSetup | None:
     """Return what a candidate gives, None where that is nothing but a name."""
     node = best.node
@@ -359,8 +270,8 @@ def _setup(
 
 def _notes(
     setup: LaunchSetup,
-    best: _Candidate,
-    candidates: Sequence[_Candidate],
+    best: Candidate,
+    candidates: Sequence[Candidate],
     asked: Asked,
     root: Path,
 ) -> list[str]:
@@ -392,7 +303,7 @@ def _notes(
     return lines
 
 
-def _left_out(best: _Candidate, asked: Asked) -> list[tuple[str, str]]:
+def _left_out(best: Candidate, asked: Asked) -> list[tuple[str, str]]:
     """Return the parameters that were not evaluated and that the source may ask for."""
     words = asked.names | asked.literals
     reasons = dict([*best.node.left_out, *best.reading.left_out])

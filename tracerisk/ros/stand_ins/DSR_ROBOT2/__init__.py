@@ -15,8 +15,10 @@ from dsr_msgs2.srv import *
 from tracerisk.ros.imports.exported import exported as _exported
 
 from ._box import DR_BASE, DR_COND_NONE, DR_TC_USER_MAX, DR_TC_USER_MIN, DR_TOOL, DR_WORLD, g_node
+from ._force import *
 from ._motions import *
 from ._states import *
+from ._tools import *
 
 DR_SOL_MIN, DR_SOL_MAX = 0, 7
 DR_MV_RA_NONE = DR_MV_COMMAND_NORM = 0

@@ -1,11 +1,11 @@
-"""What the controller reports and keeps: positions, modes, pins, tools, forces, programs."""
+"""What the controller reports and keeps: positions, modes, pins, programs."""
 
 from __future__ import annotations
 
 import time as _time
 from typing import Any
 
-from DR_common2 import get_normal_pos, get_posj, get_posx, posj, posx
+from DR_common2 import get_posj, get_posx, posj, posx
 
 from tracerisk.ros.imports.exported import defined as _defined
 
@@ -16,16 +16,13 @@ from ._box import (
     DR_TC_USER_MAX,
     asked,
     done,
-    duration,
     frame,
     numbers,
     rates,
     whole,
-    wrong_type,
     wrong_value,
 )
 
-DR_FC_MOD_ABS, DR_FC_MOD_REL = 0, 1
 DR_AVOID, DR_TASK_STOP, DR_VAR_VEL = 0, 1, 2
 ON, OFF = 1, 0
 _PINS, _TOOL_PINS = 16, 6
@@ -311,145 +308,6 @@ def set_analog_output(ch: int, val: float) -> int:
     return done("SetCtrlBoxAnalogOutput", name, channel=channel, value=float(val))
 
 
-# Tools
-
-
-def set_tcp(name: str) -> int:
-    """Use a tool centre point that is registered."""
-    return done("SetCurrentTcp", "tcp/set_current_tcp", name=_named(name))
-
-
-def get_tcp() -> str:
-    """Return the name of the tool centre point."""
-    return str(asked("GetCurrentTcp", "tcp/get_current_tcp").info)
-
-
-def add_tcp(name: str, pos: Any) -> int:
-    """Register a tool centre point."""
-    made = numbers(get_posx(pos))
-    return done("ConfigCreateTcp", "tcp/config_create_tcp", name=_named(name), pos=made)
-
-
-def del_tcp(name: str) -> int:
-    """Take away a tool centre point."""
-    return done("ConfigDeleteTcp", "tcp/config_delete_tcp", name=_named(name))
-
-
-def set_tool(name: str) -> int:
-    """Use the mass of a tool that is registered."""
-    return done("SetCurrentTool", "tool/set_current_tool", name=_named(name))
-
-
-def get_tool() -> str:
-    """Return the name of the tool."""
-    return str(asked("GetCurrentTool", "tool/get_current_tool").info)
-
-
-def add_tool(name: str, weight: float, cog: Any, inertia: Any) -> int:
-    """Register a tool: its mass [kg], centre of mass [mm] and inertia [kg m^2]."""
-    fields = {"weight": float(weight), "cog": numbers(cog), "inertia": numbers(inertia)}
-    return done("ConfigCreateTool", "tool/config_create_tool", name=_named(name), **fields)
-
-
-def del_tool(name: str) -> int:
-    """Take away a tool."""
-    return done("ConfigDeleteTool", "tool/config_delete_tool", name=_named(name))
-
-
-def set_tool_shape(name: str) -> int:
-    """Use the shape of a tool that is registered."""
-    return done("SetToolShape", "tool/set_tool_shape", name=_named(name))
-
-
-def _named(name: Any) -> str:
-    if type(name) is not str:
-        raise wrong_type("name")
-    return name
-
-
-# Forces
-
-
-def task_compliance_ctrl(stx: Any = None, time: Any = 0) -> int:
-    """Begin to give way to forces."""
-    stiffness = [3000, 3000, 3000, 200, 200, 200] if stx is None else stx
-    fields = {"stx": numbers(stiffness), "ref": DEFAULTS.coord, "time": _ramp(time)}
-    return done("TaskComplianceCtrl", "force/task_compliance_ctrl", **fields)
-
-
-def release_compliance_ctrl() -> int:
-    """End giving way to forces."""
-    return done("ReleaseComplianceCtrl", "force/release_compliance_ctrl")
-
-
-def set_stiffnessx(stx: Any = None, time: Any = 0) -> int:
-    """Set how much the tool gives way."""
-    stiffness = [500, 500, 500, 100, 100, 100] if stx is None else stx
-    fields = {"stx": numbers(stiffness), "ref": DEFAULTS.coord, "time": _ramp(time)}
-    return done("SetStiffnessx", "force/set_stiffnessx", **fields)
-
-
-def set_desired_force(
-    fd: Any = (0,) * 6, dir: Any = (0,) * 6, time: Any = 0, mod: int = DR_FC_MOD_ABS
-) -> int:
-    """Begin to press with a force [N, N m] along the axes that `dir` names."""
-    if len(fd) != 6:
-        raise wrong_type("fd")
-    if len(dir) != 6:
-        raise wrong_type("dir")
-    return done(
-        "SetDesiredForce",
-        "force/set_desired_force",
-        fd=numbers(fd),
-        dir=[int(item) for item in dir],
-        ref=DEFAULTS.coord,
-        time=_ramp(time),
-        mod=whole(mod, "mod"),
-    )
-
-
-def release_force(time: Any = 0) -> int:
-    """End pressing."""
-    return done("ReleaseForce", "force/release_force", time=_ramp(time))
-
-
-def _ramp(time: Any) -> float:
-    return -1.0 if time == -1 else min(duration(time, "time"), 1.0)
-
-
-def _within(axis: int, min: Any, max: Any, ref: Any) -> dict[str, Any]:
-    if DR_COND_NONE not in (min, max) and min > max:
-        raise wrong_value(f"min({min}), max({max})")
-    if min == max == DR_COND_NONE:
-        raise wrong_value(f"min({min}), max({max})")
-    return {"axis": whole(axis, "axis"), "min": float(min), "max": float(max), "ref": frame(ref)}
-
-
-def check_force_condition(
-    axis: int, min: Any = DR_COND_NONE, max: Any = DR_COND_NONE, ref: Any = None
-) -> int:
-    """Return 0 where the force along an axis is within limits [N], else -1."""
-    within = _within(axis, min, max, ref)
-    return done("CheckForceCondition", "force/check_force_condition", **within)
-
-
-def check_position_condition(
-    axis: int,
-    min: Any = DR_COND_NONE,
-    max: Any = DR_COND_NONE,
-    ref: Any = None,
-    mod: int = 0,
-    pos: Any = None,
-) -> int:
-    """Return 0 where the tool is within limits along an axis [mm], else -1."""
-    within = _within(axis, min, max, ref)
-    if mod == 1 and pos is None:
-        raise wrong_value("need to pos")
-    origin = [0.0] * 6 if pos is None else numbers(get_normal_pos(pos, def_type=posx))
-    name = "force/check_position_condition"
-    return done("CheckPositionCondition", name, mode=whole(mod, "mod", 0, 1), pos=origin, **within)
-
-
 # Programs
 
 
@@ -480,6 +338,6 @@ def get_drl_state() -> int:
 
 __all__ = _defined(
     globals(),
-    *("DR_FC_MOD_ABS", "DR_FC_MOD_REL", "DR_AVOID", "DR_TASK_STOP", "DR_VAR_VEL", "ON", "OFF"),
+    *("DR_AVOID", "DR_TASK_STOP", "DR_VAR_VEL", "ON", "OFF"),
     "set_singular_handling",
 )
