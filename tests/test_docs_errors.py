@@ -12,7 +12,7 @@ from typing import get_args
 import pytest
 
 from tracerisk import errors
-from tracerisk.common.sandbox.kernel_features import Support
+from tracerisk.common.sandbox.kernel.features import Support
 from tracerisk.errors import ExitCode, TraceRiskError
 from tracerisk.pipeline.check.finding import FindingKind
 from tracerisk.trace import GOOD_ENDS, EndCause, RunEnd

@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.common.limits import DEFAULT_LIMITS, Limit, Sandbox
-from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.common.sandbox.kernel.features import support
 from tracerisk.common.sandbox.limited_process import OwnTime, run_limited
 from tracerisk.config import Settings
 from tracerisk.errors import ExitCode, LimitError, Location
@@ -32,7 +32,7 @@ PLACE = Location("arm.xacro")
 # A keeper with a process, which forks one that leads its own group; both leave one behind.
 FAMILY = """\
 import os, signal, sys
-from tracerisk.common.sandbox.kernel_features import adopt_orphans
+from tracerisk.common.sandbox.kernel.features import adopt_orphans
 
 def hold(name, size):
     global held

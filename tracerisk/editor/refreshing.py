@@ -18,7 +18,7 @@ _START = """\
 import signal, sys
 from tracerisk.cli import main
 if sys.platform == "linux":
-    from tracerisk.common.sandbox.kernel_features import die_with_parent
+    from tracerisk.common.sandbox.kernel.features import die_with_parent
     die_with_parent(signal.SIGTERM)
 sys.exit(main())
 """

@@ -12,7 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from tracerisk.common.sandbox.kernel_features import end_group, enter_group, group_folder, new_group
+from tracerisk.common.sandbox.kernel.control_groups import (
+    end_group,
+    enter_group,
+    group_folder,
+    new_group,
+)
 
 UNIFIED = [Path("/sys/fs/cgroup"), Path("/sys/fs/cgroup/unified")]
 MEMORY = 800_000_000

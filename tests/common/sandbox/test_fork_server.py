@@ -17,7 +17,7 @@ from tracerisk.common import trace_json
 from tracerisk.common.limits import Sandbox
 from tracerisk.common.sandbox import fork_server, process
 from tracerisk.common.sandbox.fork_server import Forked
-from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.common.sandbox.kernel.features import support
 from tracerisk.config import Settings
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="needs Linux")

@@ -6,7 +6,7 @@ import pytest
 
 from tests.forked import in_child
 from tracerisk.common.sandbox import held_files
-from tracerisk.common.sandbox.kernel_features import restrict, support
+from tracerisk.common.sandbox.kernel.features import restrict, support
 
 pytestmark = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.api import trace_controller
-from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.common.sandbox.kernel.features import support
 from tracerisk.config import Settings
 from tracerisk.pipeline.workspace.controller import load_controller
 

@@ -10,7 +10,7 @@ import pytest
 
 from tracerisk.api import trace_controller
 from tracerisk.common.limits import DEFAULT_LIMITS, Sandbox
-from tracerisk.common.sandbox.kernel_features import Support, support
+from tracerisk.common.sandbox.kernel.features import Support, support
 from tracerisk.common.sandbox.process import SandboxWarning, is_contained, start
 from tracerisk.config import ProjectSettings, Settings
 from tracerisk.errors import RobotError, SandboxError

@@ -8,7 +8,7 @@ import pytest
 
 from tests.slow import slow_but
 from tracerisk.api import trace_controller
-from tracerisk.common.sandbox.kernel_features import offers_own_network, support
+from tracerisk.common.sandbox.kernel.features import offers_own_network, support
 from tracerisk.config import Settings
 from tracerisk.pipeline.workspace.controller import load_controller
 

@@ -7,8 +7,9 @@ import socket
 import pytest
 
 from tests.forked import in_child
-from tracerisk.common.sandbox import kernel_features, loopback
-from tracerisk.common.sandbox.kernel_features import offers_own_network, support
+from tracerisk.common.sandbox import loopback
+from tracerisk.common.sandbox.kernel import features
+from tracerisk.common.sandbox.kernel.features import offers_own_network, support
 
 pytestmark = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")
 
@@ -18,8 +19,8 @@ def told(*, own_network: bool) -> dict[str, bool]:
 
     def contained() -> dict[str, bool]:
         loopback.has_own_network.cache_clear()
-        has_left = own_network and kernel_features.leave_network()
-        kernel_features.restrict(["/usr", "/etc/hosts"], [], [], own_network=has_left)
+        has_left = own_network and features.leave_network()
+        features.restrict(["/usr", "/etc/hosts"], [], [], own_network=has_left)
         sock, other = socket.socket(), socket.socket(type=socket.SOCK_DGRAM)
         server = other
         if has_left:

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from tracerisk.common.sandbox.kernel_features import descendants, stat_fields
+from tracerisk.common.sandbox.kernel.features import descendants, stat_fields
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the table of Linux")
 TREE = """

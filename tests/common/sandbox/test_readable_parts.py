@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.common.sandbox import process
-from tracerisk.common.sandbox.process import readable_parts
+from tracerisk.common.sandbox.readable_parts import readable_parts
 
 
 def may_read(parts: dict[str, bool], path: Path) -> bool:

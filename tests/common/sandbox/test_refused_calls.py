@@ -25,8 +25,8 @@ from pathlib import Path
 import pytest
 
 from tests.forked import in_child
-from tracerisk.common.sandbox import kernel_features
-from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.common.sandbox.kernel import features
+from tracerisk.common.sandbox.kernel.features import support
 
 pytestmark = pytest.mark.skipif(
     bool(support().missing) or platform.machine() != "x86_64", reason="needs the sandbox on x86-64"
@@ -333,12 +333,12 @@ def made(world: World, code: str, user: int, *, own_network: bool = False) -> st
             # As after `exec`: else /proc/self belongs to root.
             ctypes.CDLL(None).prctl(4, 1, 0, 0, 0)
         os.setpgid(0, 0)
-        if own_network and not kernel_features.leave_network():
+        if own_network and not features.leave_network():
             raise RuntimeError("the kernel allows no network of its own")
         space = attacker(world, parent)
         for kind, most in ((resource.RLIMIT_AS, 1 << 36), (resource.RLIMIT_NOFILE, 512)):
             resource.setrlimit(kind, (most, most))
-        kernel_features.restrict(
+        features.restrict(
             ["/usr", str(world.victim)],
             [],
             [str(world.own)],
@@ -464,7 +464,7 @@ def offers_own_network(user: int) -> bool:
             os.setresgid(user, user, user)
             os.setresuid(user, user, user)
             ctypes.CDLL(None).prctl(4, 1, 0, 0, 0)
-        os._exit(not kernel_features.leave_network())
+        os._exit(not features.leave_network())
     return os.waitpid(child, 0)[1] == 0
 
 
@@ -504,7 +504,7 @@ def test_a_contained_process_has_no_capability_and_gains_none(world, user):
                 if user != os.geteuid():
                     os.setresgid(user, user, user)
                     os.setresuid(user, user, user)
-                kernel_features.restrict(["/usr"], [], [])
+                features.restrict(["/usr"], [], [])
                 os.write(writing, status.read().encode())
         finally:
             os._exit(0)
@@ -548,7 +548,7 @@ def test_root_opens_its_own_below_a_folder_of_another_user(mode):
 
 def test_the_attacks_work_where_nothing_contains_them(world, user, monkeypatch):
     """Without the sandbox some of each kind get through, so that the tests above can fail."""
-    monkeypatch.setattr(kernel_features, "restrict", lambda *_, **__: None)
+    monkeypatch.setattr(features, "restrict", lambda *_, **__: None)
     before = world.state()
     for name, code in {
         "flags": FILES["flags of a readable file"],

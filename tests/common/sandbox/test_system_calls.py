@@ -15,10 +15,10 @@ from pathlib import Path
 import pytest
 
 from tests.slow import slow_but
-from tracerisk.common.sandbox import kernel_features
 from tracerisk.common.sandbox.allowed_calls import ALLOWED, ANSWERED, CHECKED
-from tracerisk.common.sandbox.kernel_features import support
-from tracerisk.common.sandbox.system_calls import checks, program
+from tracerisk.common.sandbox.kernel import features
+from tracerisk.common.sandbox.kernel.features import support
+from tracerisk.common.sandbox.kernel.system_calls import checks, program
 
 PAGE = Path(__file__).parents[3] / "docs" / "sandbox.md"
 HEADERS = (
@@ -218,7 +218,7 @@ def tried(numbers: list[int], user: int) -> dict[int, int]:
             libc = ctypes.CDLL(None, use_errno=True)
             libc.syscall.restype = ctypes.c_long
             given = [ctypes.c_ulong(HARMLESS) for _ in range(6)]
-            kernel_features.restrict(["/usr"], [], [])
+            features.restrict(["/usr"], [], [])
             found = {}
             for number in numbers:
                 ctypes.set_errno(0)
@@ -278,7 +278,7 @@ def test_a_call_of_32_bits_ends_the_process():
         with mmap.mmap(-1, 4096, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC) as page:
             page.write(I386_GETPID)
             call = ctypes.CFUNCTYPE(ctypes.c_int)(ctypes.addressof(ctypes.c_char.from_buffer(page)))
-            kernel_features.restrict(["/usr"], [], [])
+            features.restrict(["/usr"], [], [])
             call()
             os._exit(0)
     assert os.WTERMSIG(os.waitpid(child, 0)[1]) == signal.SIGSYS

@@ -98,13 +98,9 @@ READERS_OF_OURS = {
     *("pipeline/start/schemas.py", "prm/formats/json_parts.py", "ros/messages/interface_texts.py"),
     *("twin/robots/index.py", "report/png/drawn.py", "pipeline/run/child.py"),
     # Files of /proc and /sys, and of a campaign that is under way.
-    *("common/sandbox/kernel_features.py", "ros/live/process_tree.py"),
-    *("common/sandbox/fork_server.py", "common/sandbox/limited_process.py", "ros/live/session.py"),
-    *(
-        "common/sandbox/start.py",
-        "pipeline/run/branching/watch.py",
-        "pipeline/evidence/cell_runs.py",
-    ),
+    *("common/sandbox/kernel/features.py", "common/sandbox/kernel/control_groups.py"),
+    *("common/sandbox/fork_server.py", "common/sandbox/limited_process.py"),
+    *("ros/live/process_tree.py", "pipeline/evidence/cell_runs.py"),
     "common/text/bounded.py",
 }
 

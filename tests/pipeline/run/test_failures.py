@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.slow import slow_but
-from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.common.sandbox.kernel.features import support
 
 HELD = "1 act (line 9, 1 visit): panda_joint1"
 """What the trace so far tells of the quick controller, once it has moved."""

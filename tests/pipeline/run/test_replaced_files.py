@@ -8,7 +8,7 @@ import pytest
 
 from tests.conftest import quick_controller
 from tracerisk.api import load_controller, trace_controller
-from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.common.sandbox.kernel.features import support
 from tracerisk.errors import InputError
 from tracerisk.pipeline.run.ended_run import ProcessEnd, _replaced_file
 

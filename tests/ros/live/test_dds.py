@@ -94,7 +94,7 @@ print(json.dumps(others))
 HEARD = """
 import fcntl, json, os, socket, struct, sys, threading
 from pathlib import Path
-from tracerisk.common.sandbox.kernel_features import leave_network
+from tracerisk.common.sandbox.kernel.features import leave_network
 if not leave_network():
     print("not allowed"); sys.exit()
 try:

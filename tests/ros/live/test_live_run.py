@@ -36,7 +36,7 @@ CONNECTION_REFUSED = 111
 
 def _has_a_network_of_its_own() -> bool:
     code = (
-        "from tracerisk.common.sandbox.kernel_features import leave_network; print(leave_network())"
+        "from tracerisk.common.sandbox.kernel.features import leave_network; print(leave_network())"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return done.stdout.strip() == "True"

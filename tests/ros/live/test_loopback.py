@@ -12,7 +12,7 @@ from tracerisk.ros.live.loopback import loopback_environment
 
 ALONE = """
 import socket, sys
-from tracerisk.common.sandbox.kernel_features import leave_network
+from tracerisk.common.sandbox.kernel.features import leave_network
 from tracerisk.ros.live.loopback import interfaces
 if not leave_network():
     print("not allowed"); sys.exit()

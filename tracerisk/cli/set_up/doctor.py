@@ -14,7 +14,8 @@ from tracerisk import api
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import print_json, show, terminal_width
 from tracerisk.common.dependencies import install_command, missing_extras, needed, version_of
-from tracerisk.common.sandbox.kernel_features import group_folder, offers_own_network, support
+from tracerisk.common.sandbox.kernel.control_groups import group_folder
+from tracerisk.common.sandbox.kernel.features import offers_own_network, support
 from tracerisk.common.version import __version__
 from tracerisk.config import Settings
 from tracerisk.errors import DependencyError, ExitCode, LimitError, TraceRiskError

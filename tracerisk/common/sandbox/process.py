@@ -15,15 +15,21 @@ import sys
 import sysconfig
 import tempfile
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache, partial
 from importlib.util import cache_from_source
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.limits import Sandbox, is_secret
+from tracerisk.common.limits import Sandbox
 from tracerisk.common.sandbox.fork_server import OF_LIBRARIES, forked, is_ready
-from tracerisk.common.sandbox.kernel_features import support
+from tracerisk.common.sandbox.kernel.features import support
+from tracerisk.common.sandbox.readable_parts import (
+    _INSTALLED,
+    _SOURCE_ENDINGS,
+    _SYSTEM,
+    readable_parts,
+)
 from tracerisk.common.sandbox.ros_prefix import without_ros
 from tracerisk.errors import SandboxError
 
@@ -31,33 +37,14 @@ _PACKAGE = Path(__file__).resolve().parents[2]
 _START = Path(__file__).with_name("start.py")
 _GRACE_S = 5.0
 
-_SYSTEM = (
-    *("/bin", "/lib", "/lib32", "/lib64", "/libx32", "/sbin", "/usr", "/opt/ros", "/nix/store"),
-    *("/etc/alternatives", "/etc/fonts", "/etc/group", "/etc/hosts", "/etc/ld.so.cache"),
-    *(
-        "/etc/ld.so.conf",
-        "/etc/ld.so.conf.d",
-        "/etc/localtime",
-        "/etc/locale.alias",
-        "/etc/magic",
-        "/etc/mime.types",
-    ),
-    *("/etc/nsswitch.conf", "/etc/os-release", "/etc/passwd", "/etc/protocols", "/etc/services"),
-    *("/etc/timezone", "/dev/full", "/dev/random", "/dev/urandom", "/dev/zero"),
-    *("/proc/cpuinfo", "/proc/filesystems", "/proc/meminfo", "/proc/stat", "/proc/version"),
-    *("/sys/devices/system/cpu", "/sys/devices/system/node"),
-)
 _PASSED = frozenset(
     {
         *("HOME", "LANG", "LANGUAGE", "LD_LIBRARY_PATH", "LOGNAME", "PATH", "SHELL", "TERM"),
         *("TMPDIR", "TZ", "USER", "VIRTUAL_ENV", "COLUMNS", "LINES"),
     }
 )
-_SOURCE_ENDINGS = (".py", ".yaml", ".yml", ".json", ".toml", ".urdf", ".xacro", ".srdf", ".xml")
 _OF_HOST = ("ROS_", "AMENT_", "CATKIN_", "CMAKE_PREFIX_PATH", "COLCON_", "RMW_")
 _LIBRARIES = "LD_LIBRARY_PATH"
-_DEEPEST = 100  # levels of folders that are looked through for keys; below them nothing is read
-_INSTALLED = ("site-packages", "dist-packages")
 
 
 OF_FORKED = {
@@ -278,98 +265,6 @@ def _interpreter() -> list[Path]:
 
 def _is_no_source(path: str) -> bool:
     return not path.endswith(_SOURCE_ENDINGS)
-
-
-def readable_parts(installed: Iterable[Path], given: Iterable[Path]) -> dict[str, bool]:
-    """Return what is readable of the system, of what is installed and of places that are given.
-
-    For each path it says whether it may be read with all that is below it, or only listed.
-    """
-    parts = dict.fromkeys(_SYSTEM, True)
-    for places, is_installed in ((installed, True), (given, False)):
-        # What lies below a place that is read already needs no look.
-        for place in sorted(_resolved(places), key=lambda path: len(path.parts)):
-            if str(place) in parts or any(parts.get(str(path)) for path in place.parents):
-                continue
-            for path, is_whole in _within(place, is_installed=is_installed):
-                parts[path] = is_whole or parts.get(path, False)
-    return parts
-
-
-def _resolved(places: Iterable[Path]) -> Iterator[Path]:
-    for place in places:
-        with contextlib.suppress(OSError, RuntimeError):
-            yield place.resolve()
-
-
-def _within(path: Path, *, is_installed: bool) -> list[tuple[str, bool]]:
-    """Return what of a place is readable: itself, or its parts where it holds what is not.
-
-    With each path stands whether it may be read, or only listed. What is installed is looked
-    through at its top alone.
-    """
-    try:
-        if not path.is_dir():
-            return [(str(path), True)]
-        homes = _homes(os.environ.get("HOME"))
-        if any(path in home.parents for home in homes):
-            return []
-        if path in homes:
-            # The folder of everything is not a folder of sources, though sources may lie in it.
-            inside = (item for item in sorted(path.iterdir()) if not item.is_symlink())
-            parts = [item for item in inside if item.is_file() and item.suffix in _SOURCE_ENDINGS]
-            return [(str(path), False), *((str(part), True) for part in parts)]
-        return _parts_of(str(path), 1, is_installed=is_installed)
-    except (OSError, RuntimeError):
-        return []
-
-
-def _parts_of(folder: str, level: int, *, is_installed: bool) -> list[tuple[str, bool]]:
-    """Return a folder where nothing in it is secret; else its parts. `level` is how deep it lies.
-
-    A link that stands among them is no part: what it leads to may lie anywhere.
-    """
-    parts: list[tuple[str, bool]] = []
-    is_whole = True
-    with os.scandir(folder) as entries:
-        ordered = sorted(entries, key=lambda entry: entry.name)
-    for entry in ordered:
-        if is_secret(entry.name):
-            is_whole = False
-        elif entry.is_symlink():
-            continue
-        elif not entry.is_dir() or is_installed:
-            parts.append((entry.path, True))
-        else:
-            inner = _inner_parts(entry, level + 1)
-            is_whole = is_whole and inner == [(entry.path, True)]
-            parts += inner
-    return [(folder, True)] if is_whole else [(folder, False), *parts]
-
-
-def _inner_parts(folder: os.DirEntry[str], level: int) -> list[tuple[str, bool]]:
-    try:
-        # The certificates among what is installed are those of authorities.
-        is_installed = folder.name in _INSTALLED
-        return _parts_of(folder.path, level, is_installed=is_installed) if level <= _DEEPEST else []
-    except OSError:
-        return []  # who may not list it may not read it
-
-
-@lru_cache(maxsize=2)
-def _homes(_: str | None) -> tuple[Path, ...]:
-    """Return the home folders of this user: what HOME says, and what the system knows."""
-    return tuple(Path(name).expanduser().resolve() for name in ("~", _home_on_record()))
-
-
-def _home_on_record() -> str:
-    """Return the home folder of this user that the system knows, whatever HOME says."""
-    import pwd
-
-    try:
-        return pwd.getpwuid(os.getuid()).pw_dir
-    except KeyError:
-        return "/"
 
 
 @lru_cache(maxsize=1)

@@ -26,8 +26,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from tracerisk.common.sandbox import held_files
-from tracerisk.common.sandbox import kernel_features as kernel
-from tracerisk.common.sandbox.fork_server import serve
+from tracerisk.common.sandbox.fork_serving import serve
+from tracerisk.common.sandbox.kernel import control_groups
+from tracerisk.common.sandbox.kernel import features as kernel
 
 _ROUNDS = 200
 
@@ -110,12 +111,12 @@ def _stay_behind(plan: dict[str, Any]) -> None:
     memory_bytes = plan.get("memory_bytes")
     group = None
     if is_contained and memory_bytes is not None:
-        group = kernel.new_group(kernel.group_folder(), memory_bytes)
+        group = control_groups.new_group(control_groups.group_folder(), memory_bytes)
 
     def stop(*_: object) -> NoReturn:
-        kernel.end_group(group)
+        control_groups.end_group(group)
         _end_descendants(me, all_at_once=keeps_in)
-        kernel.end_group(group)
+        control_groups.end_group(group)
         os._exit(128 + signal.SIGTERM)
 
     if os.getppid() != parent:
@@ -123,7 +124,7 @@ def _stay_behind(plan: dict[str, Any]) -> None:
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
     child = os.fork()
     if child == 0:
-        kernel.enter_group(group)
+        control_groups.enter_group(group)
         kernel.die_with_parent(signal.SIGKILL)
         if os.getppid() != me:
             os._exit(1)
@@ -134,9 +135,9 @@ def _stay_behind(plan: dict[str, Any]) -> None:
     _close_all()
     status = _end_of(child)
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
-    kernel.end_group(group)
+    control_groups.end_group(group)
     _end_descendants(me, all_at_once=keeps_in)
-    kernel.end_group(group)
+    control_groups.end_group(group)
     _end_as(status)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import socket
 from collections.abc import Mapping
 
-from tracerisk.common.sandbox.kernel_features import leave_network
+from tracerisk.common.sandbox.kernel.features import leave_network
 
 _LOOPBACK = "127.0.0.1"
 REACHES_OTHERS = (

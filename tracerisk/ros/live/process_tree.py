@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from tracerisk.common.sandbox.kernel_features import descendants, stat_fields
+from tracerisk.common.sandbox.kernel.features import descendants, stat_fields
 from tracerisk.ros.live.real_ros import end_process
 
 _LOOK_S = 0.02

@@ -20,7 +20,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.sandbox.kernel_features import stat_fields
+from tracerisk.common.sandbox.kernel.features import stat_fields
 from tracerisk.errors import DependencyError, LimitError
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.loopback import command_environment, loopback_environment

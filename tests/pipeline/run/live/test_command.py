@@ -15,7 +15,7 @@ from tracerisk.ros.live.loopback import command_environment
 HERE = {"PATH": os.defpath}
 TREE = """
 import os, subprocess, sys, time
-from tracerisk.common.sandbox.kernel_features import adopt_orphans
+from tracerisk.common.sandbox.kernel.features import adopt_orphans
 from tracerisk.ros.live.process_tree import ProcessTree
 
 adopt_orphans()

@@ -134,8 +134,11 @@ def write_recording(folder: Path, trace: Trace, path: Path, *, rate_hz: float = 
     events = folder / EVENTS
     recording = read_recording(events) if events.is_file() else Recording()
     beside = event_messages(trace, (*recording.commands, *recording.refused))
+    shown_run = None
     if run is not None:
-        times = _grid(run.samples, rate_hz).firsts * run.samples.header.step_ns
+        grid = _grid(run.samples, rate_hz)
+        shown_run = run, grid
+        times = grid.firsts * run.samples.header.step_ns
         shown = [*marker_messages(run, times), *force_messages(run.samples, trace)]
         beside = [
             Stamped(0, TF_STATIC, fixed_frames(run.robot, run.samples)),
@@ -146,7 +149,7 @@ def write_recording(folder: Path, trace: Trace, path: Path, *, rate_hz: float = 
     try:
         try:
             with part.open("xb") as stream:
-                _write(stream, run, rate_hz, beside, trace)
+                _write(stream, shown_run, beside, trace)
             part.replace(path)
         finally:
             part.unlink(missing_ok=True)
@@ -180,8 +183,7 @@ def check_rate(rate_hz: float) -> None:
 
 def _write(
     stream: IO[bytes],
-    run: RecordedRun | None,
-    rate_hz: float,
+    shown_run: tuple[RecordedRun, _Grid] | None,
     beside: Sequence[Stamped],
     trace: Trace,
 ) -> None:
@@ -202,8 +204,8 @@ def _write(
     }
     others = [Message(time_ns, channels[topic], data) for time_ns, topic, data in beside]
     series = None
-    if run is not None:
-        series, rest = _series(run, _grid(run.samples, rate_hz), channels)
+    if shown_run is not None:
+        series, rest = _series(*shown_run, channels)
         others = sorted([*rest, *others], key=lambda other: other.time_ns)
     writer.messages(series, others)
     end_ns = round((trace.end.simulated_s or 0.0) * _SECOND_NS)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from tracerisk.common.sandbox.kernel_features import stat_fields
+from tracerisk.common.sandbox.kernel.features import stat_fields
 from tracerisk.common.sandbox.limited_process import POLL_S, OwnTime
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings

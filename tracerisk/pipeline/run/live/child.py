@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
-from tracerisk.common.sandbox import kernel_features as kernel
+from tracerisk.common.sandbox.kernel import features as kernel
 from tracerisk.common.sandbox.limited_process import mark_start
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, file_text
 from tracerisk.errors import Location, SandboxError, TraceRiskError
