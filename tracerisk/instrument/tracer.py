@@ -17,10 +17,10 @@ from typing import Any, Literal
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location
-from tracerisk.instrument.code_positions import qualified_name, source_position
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.marks.call_log import CallLog, Place, Site, place_of
 from tracerisk.instrument.marks.caught_exceptions import STAND_INS, CaughtFailure, caught_failure
+from tracerisk.instrument.python_frames import UNNAMED, enclosing_function, running_frame, site_of
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.state_instances import StateEntries
@@ -32,8 +32,6 @@ RootKind = Literal["main", "thread", "callback", "done_callback", "timer", "serv
 
 # Bound here: the run may show controllers a `sys._getframe` that hides the tracer's own frames.
 _getframe = sys._getframe
-_COMPREHENSIONS = frozenset({"<listcomp>", "<setcomp>", "<dictcomp>", "<genexpr>"})
-_UNNAMED = _COMPREHENSIONS | {"<lambda>"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,16 +272,16 @@ class Tracer:
         if frame is None:
             ref, site = FunctionRef(self._main_file, MODULE), (1, 0)
             return (Frame(ref, 1, base.activation, site, base.kind),)
-        ref = FunctionRef(self._files[frame.f_code.co_filename], _enclosing_function(frame))
+        ref = FunctionRef(self._files[frame.f_code.co_filename], enclosing_function(frame))
         line = self._ran.get(ref, frame.f_code.co_firstlineno)
-        return (Frame(ref, line, base.activation, _site(frame), base.kind),)
+        return (Frame(ref, line, base.activation, site_of(frame), base.kind),)
 
     def where(self) -> Location | None:
         """Return where the innermost controller code stands, `None` where none runs."""
         frame = self._innermost_controller_frame()
         if frame is None:
             return None
-        line, column = _site(frame)
+        line, column = site_of(frame)
         return Location(self._files[frame.f_code.co_filename], line, column or None)
 
     def is_controllers(self, frame: FrameType | None) -> bool:
@@ -328,12 +326,12 @@ class Tracer:
         entries = StateEntries()
         candidate: FrameType | None = _getframe(1)
         for position, (_, record, activation, _, made_at) in enumerate(links):
-            frame, called = _find(candidate, record.code)
+            frame, called = running_frame(candidate, record.code)
             through = tuple(self._lambdas(candidate, frame))
             if made_at:
                 through += (place_of(made_at),)
             if frame is not None:
-                site = _site(called or frame)
+                site = site_of(called or frame)
                 entries.passed(candidate, frame, record.ref.name)
                 candidate = frame.f_back
             else:
@@ -358,43 +356,10 @@ class Tracer:
         while candidate is not None and candidate is not until:
             file = self._files.get(candidate.f_code.co_filename)
             if file is not None:
-                if candidate.f_code.co_name not in _UNNAMED:
+                if candidate.f_code.co_name not in UNNAMED:
                     return
-                yield file, _site(candidate)
+                yield file, site_of(candidate)
             candidate = candidate.f_back
-
-
-def _find(candidate: FrameType | None, code: CodeType) -> tuple[FrameType | None, FrameType | None]:
-    """Find the innermost frame that runs `code`, and the comprehension it runs, if any.
-
-    Up to Python 3.11 a comprehension is a frame of its own; it is part of its function.
-    """
-    inner: FrameType | None = None
-    while candidate is not None and candidate.f_code is not code:
-        inner, candidate = candidate, candidate.f_back
-    if (
-        candidate is not None
-        and inner is not None
-        and inner.f_code.co_name in _COMPREHENSIONS
-        and inner.f_code.co_filename == code.co_filename
-    ):
-        return candidate, inner
-    return candidate, None
-
-
-def _site(frame: FrameType) -> Site:
-    line, column = source_position(frame.f_code, frame.f_lasti)
-    return (
-        line or frame.f_lineno or frame.f_code.co_firstlineno,
-        0 if column is None else column + 1,
-    )
-
-
-def _enclosing_function(frame: FrameType) -> QualifiedName:
-    parts = qualified_name(frame.f_code, frame.f_globals).split(".<locals>.")
-    while parts and parts[-1].startswith("<"):
-        parts.pop()
-    return QualifiedName(".<locals>.".join(parts)) if parts else MODULE
 
 
 def _bare_root() -> RootKind:
