@@ -5,7 +5,7 @@ site-packages of its environment. Nothing is written.
 
     python benchmarks/lossless.py [DIR...] [--jobs N]
 
-For each file of C and C++, and each of Python that `ast.parse` accepts: the annotated source has
+For each file of C and C++, and each of Python, 2 or 3, that can be read: the annotated source has
 the same syntax tree, every block reads back as it was meant, a second insertion changes nothing,
 and removal gives back every byte. A refusal is an error that says why; wrong is whatever else
 differs. Of C and C++ functions whose names a block cannot hold (`operator!=`) and those that begin
@@ -46,6 +46,7 @@ from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.function_definitions import MODULE, definitions
 from tracerisk.instrument.source.language import is_c, is_c_like
+from tracerisk.instrument.source.python_source import parsed as parsed_python
 
 QUICK_SOURCES = {
     "plain.py": "def one():\n    return 1\n\n\nclass Two:\n    def three(self): return 3\n"
@@ -84,8 +85,10 @@ def check(path: Path) -> Outcome:
         source = path.read_bytes()
         if is_c(path.name):
             return check_c(path, source)
-        tree = ast.parse(source)
-    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        tree = parsed_python(source)
+    except (OSError, MemoryError):
+        return Outcome(path, "no Python")
+    if tree is None:
         return Outcome(path, "no Python")
     count = 0
     try:
@@ -171,7 +174,8 @@ def _block(name: QualifiedName) -> RiskBlock:
 
 
 def _same_tree(tree: ast.AST, after: bytes) -> bool:
-    return ast.dump(tree) == ast.dump(ast.parse(after))
+    tree_after = parsed_python(after)
+    return tree_after is not None and ast.dump(tree) == ast.dump(tree_after)
 
 
 def files_below(folders: list[Path]) -> list[Path]:

@@ -270,6 +270,17 @@ def test_a_tree_that_would_take_too_long_as_python_says_how_to_compile_the_loops
     )
 
 
+def test_a_controller_of_python_2_says_which_extra_reads_it(example, light):
+    example.write("cell.py", "def f():\n    # | RiskAnnotation\n    print 1\n")
+    outcome = light("strip", "cell.py")
+    assert outcome.code == 2
+    assert outcome.err.strip() == (
+        "tracerisk: reading a source of Python 2 needs fissix; install it: "
+        "pip install 'tracerisk[python2]'"
+        " [dependency]"
+    )
+
+
 def test_a_description_in_sysml_says_which_extra_reads_it(example, light):
     example.write("cell.sysml", "package Cell {}\n")
     outcome = light("hardware", "show", "cell.sysml")

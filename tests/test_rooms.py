@@ -98,7 +98,9 @@ SUB_ROOMS = {
         *("ci", "explain", "hardware_table", "functions_table", "run_figures", "assumed"),
         *("instances", "fmea", "worlds", "series", "diff", "tables"),
     ),
-    "instrument": (REST, "native", "marks", "source", "hidden_frames", "code_positions"),
+    "instrument": (
+        *(REST, "native", "python_2", "marks", "source", "hidden_frames", "code_positions"),
+    ),
     "prm": (
         *("notebook", "other_models", "formats", "review", "drawing", "questions", "hybrid"),
         *("trees", "numbers", "compiled", "display"),

@@ -63,7 +63,7 @@ EndCause = Literal[
     "deadlock",  # a wait that nothing can end, which the real library would hang on
     "wall_limit",
     "memory_limit",
-    "not_importable",  # a module it imports is missing, or is not Python 3
+    "not_importable",  # a module it imports is missing, or is no Python
 ]
 UNUSED = "unused"
 """The kind of a finding on what of a scenario nobody made use of; `object` is an entry that nobody

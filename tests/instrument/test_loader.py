@@ -53,8 +53,10 @@ def test_exit_passes_through_and_all_is_put_back(tmp_path: Path) -> None:
 
 def test_nothing_runs_of_a_source_that_is_not_python(tmp_path: Path) -> None:
     path = tmp_path / "c.py"
-    path.write_text("open('ran', 'w')\nprint 'x'\n")
-    with pytest.raises(SourceError, match=r"c.py:2:1: this is Python 2"):
+    path.write_text("open('ran', 'w')\nprint 'x'\nprint(1, file=x)\n")
+    with pytest.raises(
+        SourceError, match=r"c.py:2:1: this is Python 2.* at line 3: Python 2 cannot"
+    ):
         run_controller(path, Tracer(), root=tmp_path)
     with pytest.raises(InputError, match="No such file"):
         run_controller(tmp_path / "none.py", Tracer())

@@ -15,6 +15,7 @@ MODULES: Mapping[str, str] = {
     "daqp": "daqp",
     "dm-control": "dm_control.mujoco",
     "etils": "etils.epath",
+    "fissix": "fissix",
     "greenlet": "greenlet",
     "jinja2": "jinja2",
     "lark": "lark",
@@ -45,11 +46,12 @@ MODULES: Mapping[str, str] = {
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {
     "sim": (
-        *("daqp", "dm-control", "etils", "greenlet", "lark", "libcst", "mcap", "mink", "mujoco"),
-        *("numpy", "pillow", "pymoveit2", "rosbags", "scipy", "six", "xacrodoc"),
+        *("daqp", "dm-control", "etils", "fissix", "greenlet", "lark", "libcst", "mcap", "mink"),
+        *("mujoco", "numpy", "pillow", "pymoveit2", "rosbags", "scipy", "six", "xacrodoc"),
     ),
     "large": ("numpy", "scipy"),
     "sysml": ("lark",),
+    "python2": ("fissix",),
     "cpp": ("tree-sitter", "tree-sitter-c", "tree-sitter-cpp"),
     "lsp": ("lsprotocol", "pygls"),
     "film": ("av",),
@@ -67,16 +69,18 @@ _SIGN = {
     "sim": "mujoco",
     "large": "scipy",
     "sysml": "lark",
+    "python2": "fissix",
     "cpp": "tree-sitter-cpp",
     "lsp": "pygls",
     "film": "av",
     "dds": "cyclonedds",
 }
-"""What shows that an extra is installed; `sim` brings all of `large` and `sysml`."""
+"""What shows that an extra is installed; `sim` brings all of `large`, `python2` and `sysml`."""
 _WHAT = {
     "sim": "the simulator",
     "large": "NumPy and SciPy",
     "sysml": "lark",
+    "python2": "fissix",
     "cpp": "tree-sitter",
     "lsp": "pygls",
     "film": "av",

@@ -18,6 +18,7 @@ from types import CodeType, ModuleType
 
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.loader import ON_DISK, compile_file
+from tracerisk.instrument.python_2.loader import ConvertingLoader
 from tracerisk.instrument.tracer import Tracer
 
 _INSTALLED = frozenset({"site-packages", "dist-packages"})
@@ -91,6 +92,7 @@ class ControllerFinder(MetaPathFinder):
         if not self.is_own(Path(spec.origin)):
             # Return it here: the other finder for this name serves only its interfaces and would
             # not look in this folder.
+            spec.loader = ConvertingLoader(fullname, spec.origin)
             return spec if top in self._packages else None
         return spec_from_file_location(
             fullname,

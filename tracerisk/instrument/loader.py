@@ -35,7 +35,7 @@ def compile_file(
 
     Raises:
         InputError: there is no such file, or it cannot be read.
-        SourceError: it is not Python 3.
+        SourceError: it is not Python.
         UnsafeRewriteError: it cannot be instrumented safely.
     """
     try:

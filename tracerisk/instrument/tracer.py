@@ -20,6 +20,7 @@ from tracerisk.errors import Location
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.marks.call_log import CallLog, Place, Site, place_of
 from tracerisk.instrument.marks.caught_exceptions import STAND_INS, CaughtFailure, caught_failure
+from tracerisk.instrument.python_2.loader import serve_names
 from tracerisk.instrument.python_frames import UNNAMED, enclosing_function, running_frame, site_of
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.python_source import FunctionSite
@@ -207,6 +208,7 @@ class Tracer:
         self, code: CodeType, namespace: dict[str, Any], file: str, *, is_library: bool = False
     ) -> None:
         """Execute module-level code as the function `<module>` of `file`."""
+        serve_names(code, namespace)
         record = _Record(FunctionRef(file, MODULE), 1, code)
         self.add_file(code.co_filename, file, is_library=is_library)
         self.first_run(record)

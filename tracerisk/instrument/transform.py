@@ -22,6 +22,8 @@ from tracerisk.instrument.code_positions import compile_with_positions
 from tracerisk.instrument.marks.calls import COMPILING_DECORATORS, mark_calls
 from tracerisk.instrument.marks.caught_exceptions import CAUGHT, mark_handlers
 from tracerisk.instrument.marks.endless_loops import MARKER, begin_of_code, mark_endless_loops
+from tracerisk.instrument.python_2.meaning import give_meaning
+from tracerisk.instrument.source.python_2_text import UNPACKED
 from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource, parse_source
 
 TRACER_MODULE = "__tracerisk__"
@@ -50,7 +52,7 @@ def instrument_source(source: bytes, file: str) -> InstrumentedSource:
     """Insert a tracing decorator closest to each `def`, and the import that it needs.
 
     Raises:
-        SourceError: the source is not Python 3, with line, column and reason.
+        SourceError: the source is not Python, with line, column and reason.
         UnsafeRewriteError: libcst cannot read what Python can.
     """
     parsed = parse_source(source, file)
@@ -81,8 +83,10 @@ def compile_instrumented(instrumented: InstrumentedSource, filename: str) -> Cod
     _take_positions(tree, original, instrumented.file)
     mark_endless_loops(tree, TRACER_MODULE, instrumented.file)
     mark_handlers(tree, TRACER_MODULE)
-    inserted = frozenset({DECORATOR, MARKER, CAUGHT})
+    inserted = frozenset({DECORATOR, MARKER, CAUGHT, UNPACKED})
     mark_calls(tree, TRACER_MODULE, instrumented.file, inserted)
+    if parsed.is_python_2:
+        give_meaning(tree)
     return compile_with_positions(tree, filename)
 
 

@@ -267,13 +267,9 @@ def _defines_functions(code: object) -> bool:
 @pytest.mark.parametrize(
     ("source", "where", "what"),
     [
-        (b"x = 1\nprint 'moving'\n", "c.py:2", "Python 2"),
-        (b"try:\n  pass\nexcept ValueError, e:\n  pass\n", "c.py:3", "2to3"),
-        (b"raise ValueError, 'x'\n", "c.py:1", "Python 2"),
-        (b"mode = 0755\n", "c.py:1", "modernize"),
-        (b"if a <> b: pass\n", "c.py:1", "Python 2"),
-        (b"exec 'x'\n", "c.py:1", "Python 2"),
-        (b"if 1:\n        x = 1\n\ty = 2\n", "c.py:3", "Python 2"),
+        (b"print 'x'\nlambda (a), b: 1\n", "c.py:1", "at line 2: Lambda expression"),
+        (b"print 'x'\nprint(1, file=y)\n", "c.py:1", "Python 2 cannot read it either"),
+        (b"print 'x'\nz = f'{1}'\n", "c.py:1", "not valid Python: Missing parentheses"),
         (b"def f(:\n  pass\n", "c.py:1:7", "not valid Python: invalid syntax in `def f(:`"),
         (b"x = 1\n  y = 2\n", "c.py:2", "unexpected indent"),
         (b"return 3\n", "c.py:1:1", "'return' outside function"),
@@ -288,7 +284,7 @@ def _defines_functions(code: object) -> bool:
         ),
     ],
 )
-def test_what_is_not_python_3_is_refused_with_place_and_reason(
+def test_what_is_no_python_is_refused_with_place_and_reason(
     source: bytes, where: str, what: str
 ) -> None:
     with pytest.raises(SourceError) as caught:

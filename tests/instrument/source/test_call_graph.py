@@ -178,7 +178,7 @@ def test_graphs_of_several_files_join() -> None:
 
 def test_a_source_that_is_not_python_is_refused() -> None:
     with pytest.raises(SourceError, match=r"c.py:1"):
-        graph_of("print 'x'")
+        graph_of("print 'x' if")
 
 
 def test_calls_into_imported_files_are_followed() -> None:

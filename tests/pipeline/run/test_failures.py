@@ -332,7 +332,10 @@ def test_a_failed_run_is_reported_as_json_too(example, quick):
 
 REFUSED = {
     "a syntax error": ("def f(:\n    pass\n", "controller.py:1:7: not valid Python"),
-    "Python 2": ("import rospy\nprint 'hi'\n", "controller.py:2:1: this is Python 2"),
+    "Python 2": (
+        "import rospy\nprint 'hi'\nprint(1, file=x)\n",
+        "controller.py:2:1: this is Python 2",
+    ),
     "an encoding that Python does not know": (
         "# -*- coding: klingon -*-\n",
         "controller.py:1: unknown encoding: klingon",

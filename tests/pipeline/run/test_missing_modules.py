@@ -1,10 +1,9 @@
-"""Modules that are not there: all at once, each with what to do; one hint for Python 2."""
+"""Modules that are not there: all at once, each with what to do."""
 
 import csv
 
 import pytest
 
-from tracerisk.instrument.source.python_2 import python_2_hint
 from tracerisk.ros.imports.vendor_libraries import distributions
 
 HERE = "the environment in which tracerisk runs"
@@ -59,23 +58,9 @@ def test_the_name_of_the_distribution_need_not_be_the_modules(reported):
     assert "`pip install scikit-image`" in reported("import skimage")
 
 
-def test_python_2_has_one_hint(reported):
-    line = reported(
-        "import thread",
-        "import Queue",
-        "import nothing_else",
-        "def ask():\n    return raw_input('go? ')",
-        "def each(table):\n    return table.iteritems()",
-    )
-    assert line.startswith(
-        "tracerisk: c.py:1: c.py is Python 2: `import thread` (line 1), `import Queue` (line 2), "
-        "`raw_input` (line 5), `.iteritems()` (line 7); convert it first, e.g. with `2to3 -w c.py`"
-    )
-    assert "install" not in line
-
-
-def test_a_module_of_its_own_that_is_python_2_goes_before_what_is_missing(reported):
-    line = reported("import ikpy", "from turns import turn", turns="def turn():\n    print 'x'\n")
+def test_a_module_of_its_own_that_is_no_python_goes_before_what_is_missing(reported):
+    turns = "def turn():\n    print 'x'\n    print(1, file=x)\n"
+    line = reported("import ikpy", "from turns import turn", turns=turns)
     assert "turns.py:2:5: this is Python 2: `print 'x'`" in line
     assert "install" not in line
 
@@ -85,25 +70,10 @@ def test_a_module_of_the_package_index_has_one_command(reported):
     assert f"`pip install kinpy` in {HERE}" in line
 
 
-def test_a_name_of_python_2_that_is_met_late_has_the_same_hint(reported):
-    line = reported("for n in xrange(3):\n    pass")
-    assert "c.py is Python 2: `xrange` (line 1); convert it first" in line
-
-
-@pytest.mark.parametrize(
-    "source",
-    [
-        "try:\n    import Queue\nexcept ImportError:\n    import queue as Queue\n",
-        "try:\n    input = raw_input\nexcept NameError:\n    pass\n",
-        "import sys\nif sys.version_info[0] < 3:\n    import thread\nelse:\n    import _thread\n",
-        "from six.moves import xrange\nxrange(3)\n",
-        "def long(arm):\n    return arm\nlong(1)\n",
-        "print 'x'\n",
-        "\x00",
-    ],
-)
-def test_a_source_for_both_pythons_is_not_python_2(source):
-    assert python_2_hint(source.encode(), "c.py") is None
+def test_what_the_library_of_python_2_has_is_not_missing(reported):
+    line = reported("import Queue, thread, cPickle", "import kinpy", "print xrange(2)")
+    assert "c.py:" in line
+    assert "No module named 'kinpy': " in line
 
 
 def test_six_is_there(example, quick):

@@ -116,8 +116,8 @@ def test_a_node_within_a_package_runs_as_its_module(example, quick):
     assert [f["ref"]["name"] for f in outcome.json["trace"]["functions"]] == ["act"]
 
 
-def test_a_module_that_is_python_2_is_named_with_its_line(example, quick):
-    example.write("beside.py", "x = 1\nprint 'x'\n")
+def test_a_module_that_is_no_python_is_named_with_its_line(example, quick):
+    example.write("beside.py", "x = 1\nprint 'x'\nprint(x, file=y)\n")
     example.write("c.py", f"import beside\n{quick()}")
     outcome = example.run("trace", "c.py")
     assert outcome.code == 2

@@ -61,23 +61,48 @@ def test_what_python_never_had_is_not_there(example):
     assert "module 'collections' has no attribute 'Whole'" in ran.json["verdict_line"]
 
 
-def test_a_library_of_the_workspace_for_python_2_leaves_the_stand_in_in_place(example):
-    """RethinkRobotics/baxter_interface has never been released for Python 3."""
+def baxter(example, limb: str):
+    """A run of a controller whose workspace has a library of the maker's name."""
     for package in ("demo", "baxter_interface"):
         example.write(f"src/{package}/package.xml", f"<package><name>{package}</name></package>")
     library = "src/baxter_interface/src/baxter_interface"
     example.write(f"{library}/__init__.py", "from .limb import Limb\n")
-    example.write(f"{library}/limb.py", "try:\n    pass\nexcept OSError, e:\n    print e\n")
+    example.write(f"{library}/limb.py", limb)
     example.write(
         "src/demo/reach.py",
         "import rospy\nimport baxter_interface\n\n"
         "rospy.init_node('reach')\nlimb = baxter_interface.Limb('left')\n"
         "limb.move_to_joint_positions({'left_w1': 0.3})\n",
     )
-    ran = example.run("trace", "src/demo/reach.py", "--robot", "baxter", "--json")
+    return example.run("trace", "src/demo/reach.py", "--robot", "baxter", "--json")
+
+
+def test_a_library_of_the_workspace_for_python_2_runs_itself(example):
+    """RethinkRobotics/baxter_interface has never been released for Python 3."""
+    ran = baxter(
+        example,
+        "import rospy\n"
+        "from baxter_core_msgs.msg import JointCommand\n\n"
+        "class Limb(object):\n"
+        "    def __init__(self, side):\n"
+        "        topic = '/robot/limb/%s/joint_command' % side\n"
+        "\tself.pub = rospy.Publisher(topic, JointCommand, queue_size=10 / 3)\n"
+        "    def move_to_joint_positions(self, goal):\n"
+        "        print 'own source',\n"
+        "        for n in xrange(200):\n"
+        "            self.pub.publish(JointCommand.POSITION_MODE, goal.values(), goal.keys())\n"
+        "            rospy.sleep(0.01)\n",
+    )
+    assert ran.code == 0, ran.err
+    assert "own source" in ran.err
+    assert ran.json["trace"]["commands"]
+
+
+def test_a_library_of_the_workspace_that_is_no_python_leaves_the_stand_in_in_place(example):
+    ran = baxter(example, "try:\n    pass\nexcept OSError, e\n    print e\n")
     assert ran.json["verdict"]["kind"] == "complete", ran.err
     noted = [each["message"] for each in ran.json["trace"]["findings"]]
-    assert any("baxter_interface of the workspace is for Python 2" in each for each in noted)
+    assert any("baxter_interface of the workspace is no Python" in each for each in noted)
 
 
 def test_a_part_of_a_makers_library_without_the_part_that_uses_it_is_the_stand_in(example):

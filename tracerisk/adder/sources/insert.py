@@ -180,7 +180,7 @@ def _sites(
     if any(name != MODULE for name, _ in needed):
         from tracerisk.adder.sources.positions import function_sites
 
-        row = function_sites(source)
+        row = function_sites(source if parsed.converted is None else parsed.converted.encode())
         sites.update(_own_sites(parsed) if row is None else row)
     sites[MODULE, module_line(parsed)] = _module_site(parsed)
     for (function, line), site in list(sites.items()):

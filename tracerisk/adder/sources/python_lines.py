@@ -51,6 +51,8 @@ class PythonSource(NamedTuple):
     """The encoding of the file, such as `utf-8`."""
     tree: ast.Module
     """The syntax tree, which nobody may change."""
+    converted: str | None = None
+    """Of a source of Python 2, its conversion, which the tree is of: line for line; else `None`."""
 
     def text(self, number: int) -> str:
         """Return line `number` as text, without its line end.
@@ -82,15 +84,39 @@ def parse_python(source: bytes, file: str) -> PythonSource:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             tree = ast.parse(source, file)
-        encoding = _encoding_of(source)
+        encoding, converted = _encoding_of(source), None
     except SyntaxError as error:
         _forbid_conflict_markers(source, file)
-        raise SourceError(
-            f"cannot be read as Python: {error.msg}", Location(file, error.lineno, error.offset)
-        ) from error
+        python_2 = _python_2(source, file)
+        if python_2 is None:
+            raise SourceError(
+                f"cannot be read as Python: {error.msg}",
+                Location(file, error.lineno, error.offset),
+            ) from error
+        encoding, converted, tree = python_2
     except (ValueError, RecursionError, MemoryError) as error:
         raise SourceError(f"cannot be read as Python: {error}", Location(file)) from error
-    return PythonSource(file, tuple(source.splitlines(keepends=True)), encoding, tree)
+    lines = tuple(source.splitlines(keepends=True))
+    return PythonSource(file, lines, encoding, tree, converted)
+
+
+def _python_2(source: bytes, file: str) -> tuple[str, str, ast.Module] | None:
+    """Return encoding, conversion and tree of a source of Python 2; `None` where it is none.
+
+    Where its names alone show Python 2, blocks need no conversion: Python 3 sees its functions too.
+
+    Raises:
+        SourceError: it cannot be converted, with the place and the reason.
+    """
+    from tracerisk.instrument.source.python_source import parse_source
+
+    try:
+        read = parse_source(source, file)
+    except SourceError as error:
+        if error.location is not None and "Python 2" in error.message:
+            raise
+        return None
+    return _encoding_of(source), read.text, read.tree
 
 
 def _encoding_of(source: bytes) -> str:
@@ -139,10 +165,13 @@ def _tokens_from(source: PythonSource, start: int) -> Iterator[TokenInfo]:
     from tokenize import generate_tokens
 
     numbers = iter(range(start, len(source.lines) + 1))
+    converted = None if source.converted is None else source.converted.split("\n")
 
     def readline() -> str:
         number = next(numbers, None)
-        return "" if number is None else source.text(number) + "\n"
+        if number is None:
+            return ""
+        return (source.text(number) if converted is None else converted[number - 1]) + "\n"
 
     return generate_tokens(readline)
 

@@ -79,7 +79,7 @@ def marked_calls(tree: ast.Module) -> Iterator[MarkedCall]:
 
 def mark_calls(tree: ast.Module, module: str, file: str, inserted: frozenset[str]) -> None:
     """Insert the marks, imported from `module`; calls by the names `inserted` get none."""
-    lazy = {node.name for node in ast.walk(tree) if isinstance(node, _FUNCTIONS) and _is_lazy(node)}
+    lazy = {node.name for node in ast.walk(tree) if isinstance(node, _FUNCTIONS) and is_lazy(node)}
     used = {}
     for call in list(marked_calls(tree)):
         name = last_name(call.node.func)
@@ -160,7 +160,7 @@ def _is_compiled(node: ast.AST) -> bool:
     )
 
 
-def _is_lazy(function: Function) -> bool:
+def is_lazy(function: Function) -> bool:
     """Return whether a function's body begins later than its call."""
     if isinstance(function, ast.AsyncFunctionDef):
         return True

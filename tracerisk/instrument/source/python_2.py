@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import ast
-
-from tracerisk.instrument.source.python_source import parsed
+import re
 
 MODULES = frozenset(
     {
@@ -23,32 +22,62 @@ NAMES = frozenset(
 METHODS = frozenset({"has_key", "iteritems", "iterkeys", "itervalues"})
 """Methods of dictionaries that only Python 2 has."""
 _VERSIONS = frozenset({"PY2", "PY3", "TYPE_CHECKING", "python_version", "version", "version_info"})
-_MOST = 4
 
 
-def python_2_hint(source: bytes, file: str) -> str | None:
-    """Return one hint for all that Python 3 lacks of what a source uses, `None` for nothing.
+_INTERPRETER = re.compile(r"#!.*\bpython2")
+_WORDS = re.compile(rf"^#!.*python2|\b({'|'.join(sorted(MODULES | NAMES | METHODS))})\b")
 
-    A module imported where the failure is caught, or a name that the source gives itself, counts
-    for nothing: such a source serves both.
+
+def may_be_python_2(text: str) -> bool:
+    """Return whether a source has any word that could be a sign: this is asked of each source."""
+    return _WORDS.search(text) is not None
+
+
+def shows_python_2(tree: ast.AST, text: str) -> bool:
+    """Return whether a source uses something that Python 3 lacks.
+
+    The interpreter that its first line names shows it too. A module imported where the failure is
+    caught, or a name that the source gives itself, counts for nothing: such a source serves both.
     """
-    tree = parsed(source)
-    if tree is None:
-        return None
     given = _given(tree)
-    numbers: dict[str, int] = {}
-    for node, is_guarded in walk_with_guards(tree):
-        for sign in () if is_guarded else _signs(node, given):
-            numbers.setdefault(sign, getattr(node, "lineno", 1))
-    if not numbers:
-        return None
-    shown = sorted(numbers, key=lambda sign: (numbers[sign], sign))
-    text = ", ".join(f"`{sign}` (line {numbers[sign]})" for sign in shown[:_MOST])
-    more = f" and {len(shown) - _MOST} more" if len(shown) > _MOST else ""
-    return (
-        f"{file} is Python 2: {text}{more}; convert it first, e.g. with `2to3 -w {file}` or "
-        f"`python-modernize -w {file}`"
+    return _INTERPRETER.match(text) is not None or any(
+        _is_sign(node, given) for node, is_guarded in walk_with_guards(tree) if not is_guarded
     )
+
+
+def is_only_python_3(tree: ast.AST) -> bool:
+    """Return whether a tree has syntax that Python 2 has not, or imports ROS 2."""
+    return any(map(_is_only_of_python_3, ast.walk(tree)))
+
+
+def _is_only_of_python_3(node: ast.AST) -> bool:
+    if isinstance(node, ast.arguments):
+        given = [*node.posonlyargs, *node.args, *filter(None, (node.vararg, node.kwarg))]
+        annotated = [
+            arg for arg in given if arg.annotation and not isinstance(arg.annotation, ast.Tuple)
+        ]
+        return bool(node.posonlyargs or node.kwonlyargs or annotated)
+    if isinstance(node, ast.FunctionDef):
+        return node.returns is not None
+    if isinstance(node, ast.ClassDef):
+        return bool(node.keywords)
+    if isinstance(node, ast.Raise):
+        return node.cause is not None
+    if isinstance(node, ast.Starred):
+        return isinstance(node.ctx, ast.Store)
+    if isinstance(node, ast.Call):
+        return isinstance(node.func, ast.Name) and node.func.id == "super" and not node.args
+    if isinstance(node, ast.Import):
+        return any(alias.name.partition(".")[0] == "rclpy" for alias in node.names)
+    if isinstance(node, ast.ImportFrom):
+        return (node.module or "").partition(".")[0] == "rclpy"
+    return isinstance(node, _ONLY_OF_PYTHON_3)
+
+
+_ONLY_OF_PYTHON_3 = (
+    *(ast.JoinedStr, ast.AnnAssign, ast.AsyncFunctionDef, ast.Await, ast.Nonlocal, ast.YieldFrom),
+    *(ast.NamedExpr, ast.MatMult, ast.Match),
+)
 
 
 def walk_with_guards(tree: ast.AST) -> list[tuple[ast.AST, bool]]:
@@ -102,14 +131,13 @@ def _given(tree: ast.AST) -> set[str]:
     return names
 
 
-def _signs(node: ast.AST, given: set[str]) -> list[str]:
+def _is_sign(node: ast.AST, given: set[str]) -> bool:
     if isinstance(node, ast.Import):
-        return [f"import {a.name}" for a in node.names if a.name.partition(".")[0] in MODULES]
+        return any(alias.name.partition(".")[0] in MODULES for alias in node.names)
     if isinstance(node, ast.ImportFrom):
-        top = (node.module or "").partition(".")[0]
-        return [f"import {top}"] if not node.level and top in MODULES else []
+        return not node.level and (node.module or "").partition(".")[0] in MODULES
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
-        return [node.id] if node.id in NAMES and node.id not in given else []
+        return node.id in NAMES and node.id not in given
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
-        return [f".{node.func.attr}()"] if node.func.attr in METHODS else []
-    return []
+        return node.func.attr in METHODS
+    return False

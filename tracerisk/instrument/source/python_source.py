@@ -1,18 +1,25 @@
-"""Read a Python source file: its encoding, its syntax tree, and why it is not Python 3."""
+"""Read a Python source file: its encoding, its syntax tree, and why it cannot be read.
+
+A source of Python 2 is read too: by its conversion to Python 3 in memory.
+"""
 
 from __future__ import annotations
 
 import ast
+import contextlib
 import io
 import re
 import sys
 import tokenize
 import warnings
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from tracerisk.common.function_ref import FunctionRef
-from tracerisk.errors import Location, SourceError
+from tracerisk.errors import DependencyError, Location, SourceError
 from tracerisk.instrument.source.function_definitions import definitions
+from tracerisk.instrument.source.python_2 import is_only_python_3, may_be_python_2, shows_python_2
+from tracerisk.instrument.source.python_2_text import NotConvertibleError, converted
 
 _PYTHON_2_REASONS = (
     "Missing parentheses in call to 'print'",
@@ -50,39 +57,103 @@ class FunctionSite:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ParsedSource:
-    """A source file that Python 3 compiles."""
+    """A source file that Python 3 compiles, as it is or converted."""
 
     file: str
     """The path from the controller's root."""
     text: str
-    """The decoded source without its byte order mark, line ends unchanged."""
+    """The decoded source without its byte order mark, line ends unchanged; of a source of Python 2,
+    its conversion to the syntax of Python 3, in which each line stands for the same line."""
     tree: ast.Module
     """The syntax tree of the text."""
     functions: tuple[FunctionSite, ...]
     """Every `def` and `async def` in the order of the file; no two share a line, so the n-th that
     another parser meets is the n-th here."""
+    is_python_2: bool = False
+    """Whether the source is Python 2: the tree has to run with the meaning that it has there."""
 
 
 def parse_source(source: bytes, file: str) -> ParsedSource:
     """Decode (PEP 263) and parse a source file; `file` is what errors call it.
 
     Raises:
-        SourceError: the bytes are not in the encoding they claim, or not Python 3.
+        SourceError: the bytes are not in the encoding they claim, or neither Python 3 nor
+            convertible from Python 2.
     """
     text = _decode(source, file)
     try:
+        read = read_python(text, file)
+        # Some errors (`return` outside a function) show only when the symbols are resolved.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            tree = ast.parse(text, file)
-            # Some errors (`return` outside a function) show only when the symbols are resolved.
-            compile(tree, file, "exec", dont_inherit=True)
+            compile(read.tree, file, "exec", dont_inherit=True)
     except SyntaxError as error:
         raise _source_error(error, text, file) from error
     except ValueError as error:
         raise SourceError(f"this is not a Python source: {error}", Location(file)) from error
     except RecursionError as error:
         raise SourceError("the source nests too deeply to be parsed", Location(file)) from error
-    return ParsedSource(file, text, tree, _functions(tree, file))
+    return ParsedSource(file, read.text, read.tree, _functions(read.tree, file), read.is_python_2)
+
+
+class ReadPython(NamedTuple):
+    """A source as Python 3 reads it."""
+
+    text: str
+    """The source, or its conversion from Python 2."""
+    tree: ast.Module
+    """The syntax tree of the text."""
+    is_python_2: bool
+    """Whether the text was converted."""
+
+
+def read_python(text: str, file: str = "<unknown>") -> ReadPython:
+    """Read a decoded source; `file` is what errors call it.
+
+    It is Python 2 if Python 3 cannot parse it but can parse its conversion, or if it uses names or
+    states an interpreter that only Python 2 has, and Python 2 can read it.
+
+    Raises:
+        SyntaxError: it is neither; for what seems to be Python 2, the cause is the
+            NotConvertibleError that says why it cannot be converted.
+        ValueError, RecursionError: as `ast.parse`.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            tree = ast.parse(text, file)
+        except SyntaxError as error:
+            try:
+                read = _read_python_2(text, file)
+            except NotConvertibleError as reason:
+                raise error from reason
+            except DependencyError:
+                if _seems_python_2(error, _shown_line(error, text)):
+                    raise
+                raise error from None
+            if is_only_python_3(read.tree):
+                raise
+            return read
+        if may_be_python_2(text) and shows_python_2(tree, text) and not is_only_python_3(tree):
+            with contextlib.suppress(NotConvertibleError):
+                return _read_python_2(text, file)
+    return ReadPython(text, tree, is_python_2=False)
+
+
+def _read_python_2(text: str, file: str) -> ReadPython:
+    plain = converted(text)
+    try:
+        return ReadPython(plain, ast.parse(plain, file), is_python_2=True)
+    except SyntaxError as error:
+        raise NotConvertibleError(f"{error.msg} in the conversion", error.lineno) from None
+
+
+def is_python_2(source: bytes) -> bool:
+    """Return whether a source can be read, and is read as Python 2."""
+    try:
+        return read_python(decoded(source)).is_python_2
+    except (SyntaxError, ValueError, RecursionError):
+        return False
 
 
 def _functions(tree: ast.Module, file: str) -> tuple[FunctionSite, ...]:
@@ -117,11 +188,7 @@ def _decode(source: bytes, file: str) -> str:
 
 
 def _source_error(error: SyntaxError, text: str, file: str) -> SourceError:
-    lines = text.splitlines()
-    shown = error.text
-    if shown is None and error.lineno is not None and 0 < error.lineno <= len(lines):
-        shown = lines[error.lineno - 1]
-    shown = (shown or "").strip()
+    shown = _shown_line(error, text)
     message = f"not valid Python: {error.msg}" + (f" in `{shown}`" if shown else "")
     if "f-string" in (error.msg or "") and sys.version_info < (3, 12):
         version = f"{sys.version_info[0]}.{sys.version_info[1]}"
@@ -129,15 +196,26 @@ def _source_error(error: SyntaxError, text: str, file: str) -> SourceError:
             f"; Python 3.12 accepts it if nothing else is wrong, but this is {version}: install "
             "tracerisk under Python 3.12"
         )
-    if _is_python_2(error, shown):
+    reason = error.__cause__
+    if isinstance(reason, NotConvertibleError) and _seems_python_2(error, shown):
+        where = f" at line {reason.line}" if reason.line else ""
         message = (
-            f"this is Python 2: `{shown}` is not valid in Python 3 ({error.msg}); convert the file "
-            "first, e.g. with `2to3 -w` or `python-modernize -w`"
+            f"this is Python 2: `{shown}` is not valid in Python 3 ({error.msg}), and the file "
+            f"cannot be converted in memory{where}: {reason.reason}; mend that, or convert the "
+            "file first, e.g. with `2to3 -w` or `python-modernize -w`"
         )
     return SourceError(message, Location(file, error.lineno, error.offset or None))
 
 
-def _is_python_2(error: SyntaxError, shown: str) -> bool:
+def _shown_line(error: SyntaxError, text: str) -> str:
+    lines = text.splitlines()
+    shown = error.text
+    if shown is None and error.lineno is not None and 0 < error.lineno <= len(lines):
+        shown = lines[error.lineno - 1]
+    return (shown or "").strip()
+
+
+def _seems_python_2(error: SyntaxError, shown: str) -> bool:
     if any(error.msg.startswith(reason) for reason in _PYTHON_2_REASONS):
         return True
     if isinstance(error, TabError):
@@ -146,10 +224,11 @@ def _is_python_2(error: SyntaxError, shown: str) -> bool:
 
 
 def parsed(source: bytes | str) -> ast.Module | None:
-    """Return the tree of a source, which nobody may change; `None` where it cannot be parsed."""
+    """Return the tree of a source, a new one each time; `None` where it cannot be parsed."""
     try:
-        return ast.parse(source)
-    except (SyntaxError, ValueError, RecursionError):
+        text = source if isinstance(source, str) else _decode(source, "")
+        return read_python(text).tree
+    except (SourceError, SyntaxError, ValueError, RecursionError):
         return None
 
 

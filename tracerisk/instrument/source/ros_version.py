@@ -85,7 +85,7 @@ def _imported(path: Path) -> Iterator[str]:
 
 
 def _imported_by_lines(text: str) -> Iterator[str]:
-    # A source that Python 3 cannot parse still says what it imports.
+    # A source that cannot be parsed still says what it imports.
     for line in text.splitlines():
         match = _IMPORT.match(line)
         if match is not None:

@@ -14,6 +14,7 @@ from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
 from tracerisk.instrument.source.literals.called_functions import source_tree
+from tracerisk.instrument.source.python_source import parsed
 
 _SERVICES = "srv"
 
@@ -39,8 +40,10 @@ def service_type(name: str, waited_at: Location | None) -> str:
     if waited_at is None:
         return ""
     try:
-        tree = ast.parse(file_bytes(Path(waited_at.file)))
-    except (OSError, SyntaxError, ValueError):
+        tree = parsed(file_bytes(Path(waited_at.file)))
+    except OSError:
+        return ""
+    if tree is None:
         return ""
     waited = {
         ast.dump(call.args[0])

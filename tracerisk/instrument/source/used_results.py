@@ -5,12 +5,14 @@ from __future__ import annotations
 import ast
 from collections.abc import Mapping
 
+from tracerisk.instrument.source.python_source import parsed
+
 
 def changed_uses(before: Mapping[str, bytes], after: Mapping[str, bytes]) -> tuple[str, ...]:
     """Return of which calls in files of both versions more or fewer results are used.
 
     Names are left out whose result is used in all calls of both versions. Nothing is returned of a
-    source that is not of Python 3.
+    source that cannot be read.
     """
     texts = []
     for file in sorted(before.keys() & after.keys()):
@@ -28,9 +30,8 @@ def changed_uses(before: Mapping[str, bytes], after: Mapping[str, bytes]) -> tup
 
 def _calls(source: bytes) -> dict[str, list[int]]:
     """Return what is called, with a line for each call that uses the result, and 0 for others."""
-    try:
-        tree = ast.parse(source)
-    except (SyntaxError, ValueError, RecursionError):
+    tree = parsed(source)
+    if tree is None:
         return {}
     dropped = {id(_called(node.value)) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     lines: dict[str, list[int]] = {}

@@ -13,6 +13,7 @@ from typing import Any
 from tracerisk.common.campaign import DEFAULT_CAMPAIGN, CampaignOptions
 from tracerisk.common.text.read_back import read_back
 from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.instrument.source.python_source import is_python_2
 from tracerisk.pipeline.evidence.cell_runs import Nominal, nominal_mission
 from tracerisk.pipeline.evidence.journal import journal, journaled
 from tracerisk.pipeline.evidence.workers import Workers
@@ -101,7 +102,14 @@ def plan_mutation(
     changes = [change for file in sorted(sources) for change in _of_file(nominal, file)]
     chosen = drawn(changes, sources, most=most, seed=nominal.settings.seed)
     if not chosen:
-        raise InputError("the functions that ran have no place that could be changed")
+        converted = [file for file in sorted(sources) if is_python_2(sources[file])]
+        hint = ""
+        if converted:
+            hint = (
+                f": {', '.join(converted)} is Python 2, of which no part is changed for a trial; "
+                f"convert it first, e.g. with `2to3 -w {' '.join(converted)}`"
+            )
+        raise InputError(f"the functions that ran have no place that could be changed{hint}")
     inputs = run_inputs(nominal.controller, nominal.trace, nominal.settings, given=dict(given))
     parts = [inputs.fingerprint, nominal.digest]
     parts += [f"{file} {hashlib.sha256(sources[file]).hexdigest()}" for file in sorted(sources)]

@@ -29,7 +29,14 @@ class SourceTree:
         Raises SourceError where it is not Python, UnsafeRewriteError where libcst cannot read it.
         """
         self.source, self.file = source, file
-        text = parse_source(source, file).text
+        read = parse_source(source, file)
+        if read.is_python_2:
+            raise UnsafeRewriteError(
+                "is Python 2, of which no part is changed for a trial; convert it first, e.g. with "
+                f"`2to3 -w {file}`",
+                Location(file),
+            )
+        text = read.text
         try:
             wrapper = MetadataWrapper(cst.parse_module(text), unsafe_skip_copy=True)
             spans = wrapper.resolve(ByteSpanPositionProvider)

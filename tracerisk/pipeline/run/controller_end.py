@@ -18,7 +18,6 @@ from typing import NoReturn
 from tracerisk.common.text.printable import cut, printable
 from tracerisk.errors import Location, SourceError, UnsafeRewriteError
 from tracerisk.instrument.recorder import Recorder
-from tracerisk.instrument.source.python_2 import METHODS, NAMES
 from tracerisk.pipeline.run.missing_modules import MissingModules
 from tracerisk.pipeline.run.unmet_needs import JudgedEnd
 from tracerisk.pipeline.trace.run_files import NEEDS, OBJECTS, SCENARIO
@@ -148,10 +147,6 @@ class ControllerEnd:
             place = self._place_of(error)
             self._report("not_importable", self._not_there(error, place), place)
             return
-        hint = self._python_2(error)
-        if hint is not None:
-            self._report("not_importable", hint, self._place_of(error))
-            return
         if isinstance(error, SyntaxError) and self._is_controllers(error.filename or ""):
             place = Location(self._below_root(error.filename or ""), error.lineno, error.offset)
             self._report("not_importable", f"not valid Python: {error.msg}", place)
@@ -179,12 +174,6 @@ class ControllerEnd:
             return str(error)
         self.on_missing(self.missing.replaceable(name), place)
         return self.missing.sentence(name)
-
-    def _python_2(self, error: BaseException) -> str | None:
-        """Return the hint where a name is missing that only Python 2 has."""
-        if self.missing is None or not isinstance(error, NameError | AttributeError):
-            return None
-        return self.missing.python_2() if error.name in NAMES | METHODS else None
 
     def _exited_at_once(self, code: int, frame: FrameType | None) -> None:
         while frame is not None and not self._is_controllers(frame.f_code.co_filename):

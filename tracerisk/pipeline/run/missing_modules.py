@@ -9,8 +9,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from tracerisk.errors import SourceError, TraceRiskError
-from tracerisk.instrument.source.python_2 import python_2_hint, walk_with_guards
-from tracerisk.instrument.source.python_source import parse_source, parsed
+from tracerisk.instrument.python_2.library import RENAMED
+from tracerisk.instrument.source.python_2 import walk_with_guards
+from tracerisk.instrument.source.python_source import is_python_2, parse_source, parsed
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.ros.imports.vendor_libraries import may_stand_in, remedy
@@ -32,13 +33,13 @@ class MissingModules:
     def sentence(self, failed: str) -> str:
         """Return what to say where the import of `failed` did: of all that would, with remedies.
 
-        Python 2 has one hint of its own, and so has a module of its own that is not Python 3:
-        whoever installs the others gets no further.
+        A module of its own that cannot be read goes first: whoever installs the others gets no
+        further.
         """
         files = self._files()
         for path in files:
             shown = self._shown(path)
-            hint = python_2_hint(source_bytes(path), shown) or _unreadable(path, shown)
+            hint = _unreadable(path, shown)
             if hint is not None:
                 return hint
         return _sentence(self._missing(failed, files), self.provided)
@@ -49,8 +50,6 @@ class MissingModules:
         Each comes with what to do about it. A library that moves the robot, or is of ROS, has
         effects that no placeholder has.
         """
-        if self.python_2() is not None:
-            return {}
         files = self._files()
         names = self._missing(failed, files)
         imported = [name.split(".") for name in self._imported(files)]
@@ -59,11 +58,6 @@ class MissingModules:
         if not all(may_stand_in(name, self.provided) for name in names) or interfaces & {*names}:
             return {}
         return {name: _remedy_words(name, self.provided) for name in names}
-
-    def python_2(self) -> str | None:
-        """Return the hint where the script or one of its own modules is Python 2."""
-        hints = (python_2_hint(source_bytes(path), self._shown(path)) for path in self._files())
-        return next((hint for hint in hints if hint is not None), None)
 
     def _missing(self, failed: str, files: Iterable[Path]) -> list[str]:
         """Return the top modules that are missing, the one whose import failed first."""
@@ -89,11 +83,14 @@ class MissingModules:
             tree = parsed(source_bytes(path))
             if tree is None:
                 continue
+            served = RENAMED if is_python_2(source_bytes(path)) else ()
             for node, is_guarded in walk_with_guards(tree):
+                names: list[str] = []
                 if isinstance(node, ast.Import) and not is_guarded:
-                    yield from (alias.name for alias in node.names)
+                    names = [alias.name for alias in node.names]
                 elif isinstance(node, ast.ImportFrom) and not is_guarded and not node.level:
-                    yield node.module or ""
+                    names = [node.module or ""]
+                yield from (name for name in names if name not in served)
 
 
 def _unreadable(path: Path, shown: str) -> str | None:

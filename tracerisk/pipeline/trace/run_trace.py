@@ -21,6 +21,7 @@ from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.source.call_graph import CallGraph, call_graph
 from tracerisk.instrument.source.function_definitions import MODULE
 from tracerisk.instrument.source.motion_reach import motion_reaching, uncovered
+from tracerisk.instrument.source.python_source import is_python_2
 from tracerisk.pipeline.trace.compiled.coverage import c_coverage
 from tracerisk.pipeline.trace.compiled.includes import included_files
 from tracerisk.pipeline.trace.contacts import collisions, with_contacts
@@ -269,6 +270,21 @@ def _started_by(recording: Recording) -> list[str]:
     return lines
 
 
+def _converted(controller: Controller, recording: Recording) -> list[str]:
+    """Return which files were converted from Python 2, and in what their run differs from it."""
+    if not controller.is_python:
+        return []
+    files = _files(controller, recording)
+    names = [file for file in files if is_python_2(controller.source_of(file))]
+    if not names:
+        return []
+    return [
+        f"source: {', '.join(names)} {'is' if len(names) == 1 else 'are'} Python 2, converted in "
+        "memory for the run and unchanged but for blocks; byte strings are texts there, and "
+        "dictionaries keep their order"
+    ]
+
+
 def _assumptions(ran: Ran) -> tuple[str, ...]:
     robot, settings, recording, end = ran.robot, ran.settings, ran.recording, ran.end
     lines = []
@@ -282,6 +298,7 @@ def _assumptions(ran: Ran) -> tuple[str, ...]:
     if distro is not None:
         lines.append(distro["line"])
     lines += _started_by(recording)
+    lines += _converted(ran.controller, recording)
     if robot.approximate:
         lines.append(f"robot: the figures of {robot.name} are approximate: some are assumed")
     lines += [f"robot: {sentence}" for sentence in robot.assumed_figures]

@@ -86,7 +86,8 @@ def _imported(
 ) -> Iterator[Path]:
     for level, parts in imports:
         above = tuple(file.parents)[:level]
-        yield from module_files(parts, above[-1:] if level else bases)
+        # Last, what stands beside it: there Python 2 looks, without a dot.
+        yield from module_files(parts, above[-1:] if level else (*bases, file.parent))
 
 
 def names_in(folder: str) -> frozenset[str]:

@@ -114,7 +114,7 @@ class Project:
         return self._settings.controllers
 
     def tree(self, source: bytes) -> ast.Module | None:
-        """Return the tree of a source, which nobody may change; `None` where it is no Python 3."""
+        """Return the tree of a source, which nobody may change; `None` where it cannot be read."""
         if source not in self._trees:
             from tracerisk.instrument.source.python_source import parsed
 
@@ -122,7 +122,7 @@ class Project:
         return self._trees[source]
 
     def imports(self, source: bytes) -> tuple[tuple[int, tuple[str, ...]], ...]:
-        """Return what a source imports, as `imports_in`; nothing where it is no Python 3."""
+        """Return what a source imports, as `imports_in`; nothing where it cannot be read."""
         if source not in self._imports:
             from tracerisk.instrument.source.dotted_names import imports_in
 

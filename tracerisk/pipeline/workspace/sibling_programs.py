@@ -15,7 +15,7 @@ _NO_PROGRAMS = frozenset({"setup.py", "conftest.py", "__init__.py"})
 def sibling_programs(controller: Controller) -> tuple[Controller, ...]:
     """Return the other Python files in the folder of a controller, sorted by their names.
 
-    What is not Python 3, a launch file or a file of tests is none of them.
+    What cannot be read, a launch file or a file of tests is none of them.
     """
     script = controller.path.resolve()
     root = controller.root.resolve()

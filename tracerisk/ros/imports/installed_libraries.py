@@ -13,11 +13,12 @@ from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from importlib.abc import MetaPathFinder
-from importlib.machinery import EXTENSION_SUFFIXES, FileFinder, ModuleSpec, SourceFileLoader
+from importlib.machinery import EXTENSION_SUFFIXES, FileFinder, ModuleSpec
 from pathlib import Path
 from types import ModuleType
 from typing import NoReturn
 
+from tracerisk.instrument.python_2.loader import ConvertingLoader
 from tracerisk.ros.imports.vendor_libraries import is_installed
 
 _GENERATED = frozenset({"msg", "srv", "action"})
@@ -100,7 +101,7 @@ class InstalledLibraries(MetaPathFinder):
         return tops
 
 
-class _SourceLoader(SourceFileLoader):
+class _SourceLoader(ConvertingLoader):
     """Runs a source as it is, whatever is compiled of it beside it."""
 
     def path_stats(self, path: str) -> NoReturn:

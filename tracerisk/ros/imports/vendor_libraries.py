@@ -142,8 +142,8 @@ class GivingWay:
 
     names: frozenset[str]
     """The top names of those that do."""
-    python_2: Mapping[str, Path]
-    """The folders of the workspace's copies that only Python 2 can run, by their top names."""
+    unreadable: Mapping[str, Path]
+    """The folders of the workspace's copies that cannot be read as Python, by their top names."""
 
 
 def giving_way(packages: Mapping[str, Path]) -> GivingWay:
@@ -152,20 +152,20 @@ def giving_way(packages: Mapping[str, Path]) -> GivingWay:
     `packages` maps its Python packages to the folders that hold them.
     """
     copies = VENDOR_LIBRARIES & packages.keys()
-    python_2 = {
+    unreadable = {
         name: packages[name] / name
         for name in packages
-        if name in copies and _is_of_python_2(packages[name] / name)
+        if name in copies and _is_unreadable(packages[name] / name)
     }
     without_their_users = {
         name
         for name, user in _TOGETHER.items()
         if name in copies and user not in copies and not is_installed(user)
     }
-    return GivingWay(VENDOR_LIBRARIES - python_2.keys() - without_their_users, python_2)
+    return GivingWay(VENDOR_LIBRARIES - unreadable.keys() - without_their_users, unreadable)
 
 
-def _is_of_python_2(package: Path) -> bool:
+def _is_unreadable(package: Path) -> bool:
     return any(parsed(file_bytes(file)) is None for file in sorted(package.glob("*.py")))
 
 

@@ -115,7 +115,7 @@ class NamesAsked:
 def names_asked(tree: ast.Module | None) -> NamesAsked:
     """Return what a source names as joints (in lists, or by their look) and as frames.
 
-    A source that is no Python 3, and has no tree, names nothing.
+    A source that cannot be read, and has no tree, names nothing.
     """
     if tree is None:
         return NamesAsked((), ())

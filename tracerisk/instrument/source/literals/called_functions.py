@@ -12,6 +12,7 @@ from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import imported_names
 from tracerisk.instrument.source.literals.named_literals import with_named_literals
 from tracerisk.instrument.source.literals.package_settings import package_settings
+from tracerisk.instrument.source.python_source import parsed
 
 
 def source_tree(place: Location | None) -> ast.Module | None:
@@ -29,12 +30,12 @@ def source_tree(place: Location | None) -> ast.Module | None:
 def _parsed(file: str, changed_ns: int, size: int) -> ast.Module | None:
     """Return the tree of a source as it is; `changed_ns` and `size` are keys of the cache."""
     del changed_ns, size
+    path = Path(file)
     try:
-        path = Path(file)
-        settings = partial(package_settings, path)
-        return with_named_literals(ast.parse(file_bytes(path)), settings)
-    except (OSError, SyntaxError, ValueError, RecursionError):
+        tree = parsed(file_bytes(path))
+    except OSError:
         return None
+    return None if tree is None else with_named_literals(tree, partial(package_settings, path))
 
 
 def calls_at(tree: ast.AST, line: int | None) -> Iterator[ast.Call]:

@@ -59,8 +59,8 @@ def build_imports(
     script, root = Path(request.controller), project.root
     workspace, recorder = graph.workspace, world.recorder
     ways = giving_way(workspace.python_packages)
-    for name, folder in ways.python_2.items():
-        words = f"{name} of the workspace is for Python 2; tracerisk's stand-in for it runs instead"
+    for name, folder in ways.unreadable.items():
+        words = f"{name} of the workspace is no Python; tracerisk's stand-in for it runs instead"
         recorder.finding("removed_name", words, Location(str(folder)), object_name=name)
     stand_ins = StandInFinder(graph.interfaces, ways.names)
     kinds = stand_ins.provides.items()

@@ -1,0 +1,42 @@
+"""Load a module that is not traced, and convert it where it is Python 2."""
+
+from __future__ import annotations
+
+from importlib.machinery import SourceFileLoader
+from types import CodeType, ModuleType
+from typing import Any
+
+from tracerisk.instrument.hidden_frames import hide
+from tracerisk.instrument.python_2.meaning import give_meaning, is_of_python_2
+from tracerisk.instrument.source.python_source import decoded, is_python_2, read_python
+
+
+class ConvertingLoader(SourceFileLoader):
+    """Loads a source of either Python."""
+
+    def source_to_code(  # type: ignore[override]
+        self, data: Any, path: Any, *, _optimization: int = -1
+    ) -> CodeType:
+        """Return the code of a source."""
+        source = bytes(data)
+        if not is_python_2(source):
+            return super().source_to_code(data, path)
+        tree = read_python(decoded(source)).tree
+        give_meaning(tree)
+        return compile(tree, path, "exec", dont_inherit=True)
+
+    @hide
+    def exec_module(self, module: ModuleType) -> None:
+        """Execute the code of a module in its namespace."""
+        code = self.get_code(module.__name__)
+        assert code is not None
+        serve_names(code, module.__dict__)
+        exec(code, module.__dict__)
+
+
+def serve_names(code: CodeType, namespace: dict[str, Any]) -> None:
+    """Serve code of Python 2 the built-in names that it has there."""
+    if is_of_python_2(code):
+        from tracerisk.instrument.python_2.built_ins import built_ins
+
+        namespace["__builtins__"] = built_ins()

@@ -1,0 +1,243 @@
+"""Convert a Python 2 source to the syntax of Python 3 in memory, each line in its place.
+
+Only the syntax is converted here. What the same syntax means differently, `7 / 2` for instance, is
+the matter of `instrument/python_2`. Two things go there in a form that Python 2 itself has not: a
+parameter that is a tuple is a name whose annotation is the tuple, and what an `except` clause
+unpacks an exception into is the second argument of a call that names the exception.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from tracerisk.common.dependencies import missing_extra
+
+if TYPE_CHECKING:
+    from fissix.refactor import RefactoringTool
+
+TUPLE_PARAMETER = "tracerisk_tuple_"
+"""How the names of parameters begin that stand for a tuple of names."""
+UNPACKED = "tracerisk_unpacked_"
+"""The name of the call in an `except` clause, and how the name begins that it binds."""
+
+_FIXERS = (
+    *("except", "exec", "ne", "numliterals", "paren", "print", "raise", "repr", "throw"),
+    "tuple_params",
+)
+_NEW_KEYWORDS = frozenset({"async", "await", "nonlocal"})
+_FIRST_TAB = re.compile(r"^[ \f]*\t", re.MULTILINE)
+_INDENT = re.compile(r"[ \t]*")
+_TAB = 8  # the width that Python 2 gives to a tab
+
+
+class NotConvertibleError(Exception):
+    """A source that cannot be converted: the reason, and the line where one is known."""
+
+    def __init__(self, reason: str, line: int | None = None) -> None:
+        super().__init__(reason)
+        self.reason = reason
+        """What is wrong, in words that go behind "it cannot be converted in memory: "."""
+        self.line = line
+        """The line, from 1; `None` where none is known."""
+
+
+@lru_cache(maxsize=64)
+def converted(text: str) -> str:
+    """Return a Python 2 source in the syntax of Python 3.
+
+    Line ends become `\\n`, and tabs before code the spaces that Python 2 takes them for. Each line
+    of the result stands for the same line of the source; comments, and the lines and indents at
+    which functions and classes begin, are proved to be the same.
+
+    Raises:
+        NotConvertibleError: Python 2 cannot read it either, or a line would not keep its place.
+        DependencyError: fissix, which converts, is not installed.
+    """
+    tool = _tool()
+    plain = text.replace("\r\n", "\n").replace("\r", "\n")
+    plain = _without_tabs(plain if plain.endswith("\n") else plain + "\n")
+    try:
+        result = str(tool.refactor_string(plain, "source"))
+    except NotConvertibleError:
+        raise
+    except Exception as error:
+        raise NotConvertibleError(f"{type(error).__name__}: {error}") from error
+    _check_places(plain, result)
+    return result
+
+
+@lru_cache(maxsize=1)
+def _tool() -> RefactoringTool:
+    """Return what converts, made once: it takes a third of a second."""
+    try:
+        import fissix  # noqa: F401 - it puts the loader of the grammar into its driver
+        from fissix.pgen2 import driver, pgen, token
+        from fissix.pgen2.parse import ParseError
+        from fissix.pgen2.tokenize import TokenError
+    except ImportError as error:
+        raise missing_extra("python2", "reading a source of Python 2") from error
+
+    def grammar(path: str, *_: object, **__: object) -> Any:
+        # Its own loader writes into the user's cache, which a run may not.
+        return pgen.generate_grammar(path)
+
+    driver.load_grammar = grammar
+    from fissix.refactor import RefactoringTool
+
+    class Tool(RefactoringTool):  # type: ignore[misc,unused-ignore]
+        """Converts one source after the other."""
+
+        def refactor_tree(self, tree: Any, name: str) -> bool:
+            is_unicode = "unicode_literals" in tree.future_features
+            for leaf in list(tree.leaves()):
+                if leaf.type == token.NAME and leaf.value in _NEW_KEYWORDS:
+                    leaf.value += "_"
+                elif leaf.type == token.STRING:
+                    leaf.value = _string(leaf.value, is_unicode=is_unicode)
+            _name_tuples(tree)
+            _star_imports(tree)
+            _name_unpacked(tree)
+            return bool(super().refactor_tree(tree, name))
+
+        def log_error(self, msg: str, *args: object, **_: object) -> None:
+            import sys
+
+            error = sys.exc_info()[1]
+            if isinstance(error, ParseError):
+                raise NotConvertibleError(
+                    f"Python 2 cannot read it either, near `{str(error.value).strip()}`",
+                    error.context[1][0],
+                )
+            if isinstance(error, TokenError):
+                raise NotConvertibleError(str(error.args[0]), error.args[1][0])
+            if isinstance(error, SyntaxError):
+                raise NotConvertibleError(str(error.msg), error.lineno)
+            raise NotConvertibleError(msg % args)
+
+    return Tool([f"fissix.fixes.fix_{name}" for name in _FIXERS])
+
+
+def _string(literal: str, *, is_unicode: bool) -> str:
+    """Return a string literal of Python 2 as Python 3 writes it."""
+    quote = min(at for at in (literal.find("'"), literal.find('"')) if at >= 0)
+    prefix, rest = literal[:quote].lower(), literal[quote:]
+    if prefix == "ur":
+        return f"r{rest}"
+    if prefix or is_unicode:
+        return literal
+    # In a byte string these letters are no escapes.
+    return re.sub(r"\\(.)", lambda m: f"\\{m[0]}" if m[1] in "NuU" else m[0], rest, flags=re.DOTALL)
+
+
+def _name_tuples(tree: Any) -> None:
+    """Make each parameter of a `def` that is a tuple a name, annotated with the tuple."""
+    from fissix.pgen2 import token
+    from fissix.pygram import python_symbols as symbols
+    from fissix.pytree import Leaf
+
+    functions = [node for node in tree.pre_order() if node.type == symbols.funcdef]
+    for number, node in enumerate(
+        parameter
+        for function in functions
+        for parameter in function.children[2].pre_order()
+        if parameter.type == symbols.tfpdef and parameter.children[0].type == token.LPAR
+    ):
+        pattern = str(node).strip()
+        node.replace(Leaf(token.NAME, f"{TUPLE_PARAMETER}{number}: {pattern}", prefix=node.prefix))
+
+
+def _name_unpacked(tree: Any) -> None:
+    """Make the target of an `except` clause a name, where it is a tuple or an attribute."""
+    from fissix.pgen2 import token
+    from fissix.pygram import python_symbols as symbols
+    from fissix.pytree import Leaf
+
+    clauses = [node for node in tree.pre_order() if node.type == symbols.except_clause]
+    for number, node in enumerate(clauses):
+        if len(node.children) != 4 or node.children[3].type == token.NAME:
+            continue
+        kind, target = (str(child).strip() for child in (node.children[1], node.children[3]))
+        text = f"{UNPACKED}({kind}, {target}) as {UNPACKED}{number}"
+        for child in node.children[2:]:
+            child.remove()
+        node.children[1].replace(Leaf(token.NAME, text, prefix=" "))
+
+
+def _star_imports(tree: Any) -> None:
+    """Make an import of all names within a function one of the module, as no other is allowed."""
+    from fissix.pgen2 import token
+    from fissix.pygram import python_symbols as symbols
+    from fissix.pytree import Leaf
+
+    for node in list(tree.pre_order()):
+        if node.type != symbols.import_from or node.children[-1].type != token.STAR:
+            continue
+        module, above = str(node.children[1]).strip(), node.parent
+        while above is not None and above.type != symbols.funcdef:
+            above = above.parent
+        if above is not None and not module.startswith("."):
+            text = f'import {module}; exec("from {module} import *", globals())'
+            node.replace(Leaf(token.NAME, text, prefix=node.prefix))
+
+
+def _without_tabs(text: str) -> str:
+    """Return a source with spaces for the tabs before code; lines within a string stay."""
+    if _FIRST_TAB.search(text) is None:
+        return text
+    kept: set[int] = set()
+    for token in _tokens(text):
+        if "\n" in token[1] and token[1].strip():
+            kept |= set(range(token[2][0] + 1, token[3][0] + 1))
+    lines = text.split("\n")
+    for number, line in enumerate(lines, 1):
+        indent = _INDENT.match(line)
+        if number not in kept and indent is not None and "\t" in indent[0]:
+            lines[number - 1] = indent[0].expandtabs(_TAB) + line[indent.end() :]
+    return "\n".join(lines)
+
+
+def _check_places(before: str, after: str) -> None:
+    """Raise NotConvertibleError unless both have the same lines, as far as it can be seen."""
+    old, new = _marks(before), _marks(after)
+    if old != new or before.count("\n") != after.count("\n"):
+        line = min((mark[0] for mark in (old - new) + (new - old)), default=None)
+        raise NotConvertibleError("its lines would not keep their places", line)
+
+
+def _marks(text: str) -> Counter[tuple[int, int, str]]:
+    """Return the comments, and what begins a function or a class, each with line and column.
+
+    The column of a comment is 0: what stands before it may have become longer.
+    """
+    from fissix.pgen2 import token
+
+    space = {token.INDENT, token.DEDENT, token.COMMENT}
+    marks: Counter[tuple[int, int, str]] = Counter()
+    is_begin = True
+    for kind, value, (line, column), _, _ in _tokens(text):
+        if value.startswith("#"):
+            marks[line, 0, value.rstrip()] += 1
+        elif value in ("def", "class") and is_begin:
+            marks[line, column, value] += 1
+        if kind in (token.NEWLINE, token.NL):
+            is_begin = True
+        elif kind not in space:
+            is_begin = False
+    return marks
+
+
+def _tokens(text: str) -> Iterator[tuple[int, str, tuple[int, int], tuple[int, int], str]]:
+    import io
+
+    from fissix.pgen2 import tokenize
+
+    try:
+        yield from tokenize.generate_tokens(io.StringIO(text).readline)
+    except tokenize.TokenError as error:
+        raise NotConvertibleError(str(error.args[0]), error.args[1][0]) from error
+    except SyntaxError as error:
+        raise NotConvertibleError(str(error.msg), error.lineno) from error
