@@ -276,6 +276,22 @@ def test_the_parameters_of_moveit_come_from_its_package(described, workspace):
     assert {config / "moveit_cpp.yaml", config / "joint_limits.yaml"} <= set(reading.sources)
 
 
+def test_a_parameter_builder_reads_the_files_of_a_package(described, workspace):
+    workspace.write("config/servo.yaml", "scale: {linear: 0.2}")
+    reading = described(
+        "pick(parameters=[{'moveit_servo': servo}, absent, {'speed': 1}])",
+        before="""
+from launch_param_builder import ParameterBuilder
+servo = ParameterBuilder("arm_task").yaml("config/servo.yaml").to_dict()
+absent = ParameterBuilder("not_here").yaml("config/servo.yaml").to_dict()
+""",
+    )
+    (node,) = reading.nodes
+    assert values(node) == {"moveit_servo.scale.linear": 0.2, "speed": 1}
+    assert set(dict(node.left_out).values()) == {"package 'not_here' is not here"}
+    assert workspace.package / "config/servo.yaml" in reading.sources
+
+
 def test_moveit_without_its_package_leaves_only_itself_out(described):
     (node,) = described(
         "pick(parameters=[moveit.to_dict(), {'speed': 1}])",

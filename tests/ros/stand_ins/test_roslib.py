@@ -146,3 +146,15 @@ def test_messages_go_over_a_connection_one_behind_the_other(run_node):
         assert (header.seq, header.frame_id) == (7, "0")
 
     run_node(main)
+
+
+def test_packages_are_attributes_of_ros(run_node):
+    def main():
+        import ros
+        from ros import rospy
+
+        with pytest.raises(AttributeError, match="module 'ros' has no attribute 'nope'"):
+            _ = ros.nope
+        return rospy.__name__, ros.std_msgs.__name__
+
+    assert run_node(main) == ("rospy", "std_msgs")

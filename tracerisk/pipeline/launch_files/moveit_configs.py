@@ -1,4 +1,4 @@
-"""`moveit_configs_utils` for launch files: MoveIt's parameters from packages of the workspace."""
+"""`moveit_configs_utils` and `launch_param_builder` for launch files: parameters of packages."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any
 from tracerisk.common.text.bounded import file_text
 from tracerisk.pipeline.launch_files.placeholders import ABSENT_FOLDER, Absent, AbsentModule
 from tracerisk.pipeline.launch_files.robot_sources import is_robot_file
+from tracerisk.ros.moveit import parameter_files
 from tracerisk.ros.moveit.configs import ConfigsBuilder, MoveItConfigs
 
 
@@ -34,12 +35,24 @@ def moveit_configs_modules(
         ) -> None:
             super().__init__(files, robot_name, robot_description, package_name)
 
+    class ParameterBuilder(_LaunchPaths, parameter_files.ParameterBuilder):
+        def __init__(self, package_name: str) -> None:
+            super().__init__(files, package_name)
+
+    builders: dict[str, dict[str, Any]] = {
+        "launch_param_builder": {"ParameterBuilder": ParameterBuilder},
+        "moveit_configs_utils": {
+            "MoveItConfigs": MoveItConfigs,
+            "MoveItConfigsBuilder": MoveItConfigsBuilder,
+        },
+    }
+    builders["moveit_configs_utils.moveit_configs_builder"] = builders["moveit_configs_utils"]
     modules: dict[str, ModuleType] = {}
-    for name in ("moveit_configs_utils", "moveit_configs_utils.moveit_configs_builder"):
+    for name, provided in builders.items():
         # The launch descriptions that the real package makes start no controller.
         module = modules[name] = AbsentModule(name)
         module.__path__ = []
-        vars(module).update(MoveItConfigs=MoveItConfigs, MoveItConfigsBuilder=MoveItConfigsBuilder)
+        vars(module).update(provided)
     return modules
 
 
@@ -72,13 +85,8 @@ class _Files:
         return {"*": Absent(what)}
 
 
-class _LaunchBuilder(ConfigsBuilder):
+class _LaunchPaths(parameter_files.ParameterBuilder):
     """A builder whose paths may lead to what is not here."""
-
-    def __init__(self, *given: Any) -> None:
-        super().__init__(*given)
-        if self._configs.package_path is None:
-            self._configs.package_path = ABSENT_FOLDER / self._package_name
 
     def _path(self, file_path: Any) -> Path | None:
         if isinstance(file_path, Absent) or Path(file_path).is_relative_to(ABSENT_FOLDER):
@@ -92,3 +100,12 @@ class _LaunchBuilder(ConfigsBuilder):
         if path.is_relative_to(ABSENT_FOLDER) and path != ABSENT_FOLDER:
             return f"package '{path.relative_to(ABSENT_FOLDER).parts[0]}'"
         return super()._missing(path)
+
+
+class _LaunchBuilder(_LaunchPaths, ConfigsBuilder):
+    """A builder of MoveIt's parameters, whose package may be absent."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        if self._configs.package_path is None:
+            self._configs.package_path = ABSENT_FOLDER / self._package_name

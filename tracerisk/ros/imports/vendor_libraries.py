@@ -35,6 +35,7 @@ VENDOR_LIBRARIES = frozenset(
         "interbotix_perception_modules",
         "interbotix_xs_modules",
         "moveit_python",
+        "ros",
         "ros2_numpy",
         "ros_numpy",
         "rospy_message_converter",

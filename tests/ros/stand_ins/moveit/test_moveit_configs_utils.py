@@ -1,4 +1,4 @@
-"""The parameters that MoveItConfigsBuilder gathers from a package."""
+"""The parameters that MoveItConfigsBuilder and ParameterBuilder gather from a package."""
 
 import pytest
 
@@ -135,3 +135,42 @@ configs = MoveItConfigsBuilder("panda").robot_description().to_moveit_configs()
     )
     assert ran["configs"].robot_description == {}
     assert "panda.urdf.xacro cannot be expanded" in ran.findings[0]
+
+
+def test_parameters_of_a_package_are_gathered_file_by_file(run, package):
+    ran = run(
+        """
+from launch_param_builder import ParameterBuilder, load_xacro, load_yaml
+values = (
+    ParameterBuilder("panda_moveit_config")
+    .yaml("config/kinematics.yaml", parameter_namespace="ik")
+    .yaml("config/joint_limits.yaml")
+    .xacro_parameter("robot_description", "config/panda.urdf.xacro", {"tool": "gripper"})
+    .file_parameter("semantic", "config/panda.srdf")
+    .parameter("rate", 10)
+    .to_dict()
+)
+from ament_index_python.packages import get_package_share_directory
+share = get_package_share_directory("panda_moveit_config")
+limits = load_yaml(share + "/config/joint_limits.yaml")
+text = load_xacro(share + "/config/panda.urdf.xacro", mappings={"tool": "claw"})
+try:
+    ParameterBuilder("panda_moveit_config").yaml("config/none.yaml")
+except FileNotFoundError as error:
+    said = str(error)
+absent = ParameterBuilder("another_package").yaml("config/none.yaml").to_dict()
+""",
+        {"panda_moveit_config": package},
+    )
+    values = ran["values"]
+    assert values["ik"]["panda_arm"]["kinematics_solver_timeout"] == 0.05
+    assert values["default_velocity_scaling_factor"] == 0.1
+    assert 'link name="gripper"' in values["robot_description"]
+    assert values["semantic"] == "<robot name='panda'/>"
+    assert values["rate"] == 10
+    assert ran["limits"] == {"default_velocity_scaling_factor": 0.1}
+    assert 'link name="claw"' in ran["text"]
+    assert "config/none.yaml doesn't exist" in ran["said"]
+    assert ran["absent"] == {}
+    (finding,) = ran.findings
+    assert "package 'another_package' is not in the workspace" in finding
