@@ -586,6 +586,38 @@ def test_a_plan_is_no_trajectory_where_the_controller_is_known_to_be_for_noetic(
     assert ran["raised"] == expected
 
 
+@pytest.mark.parametrize("distro", ["noetic", "humble"])
+def test_a_plan_is_shown_as_a_trajectory_unless_the_controller_is_known_to_be_for_noetic(
+    ros1, distro
+):
+    ran = ros1(
+        """
+        from moveit_msgs.msg import DisplayTrajectory
+        shown = []
+        rospy.Subscriber("/move_group/display_planned_path", DisplayTrajectory, shown.append)
+        screen = rospy.Publisher(
+            "/move_group/display_planned_path", DisplayTrajectory, queue_size=1, latch=True)
+        display = DisplayTrajectory()
+        display.trajectory.append(arm.plan([0.2, *READY[1:]]))
+        try:
+            raised = ""
+            screen.publish(display)
+        except rospy.exceptions.ROSSerializationException as error:
+            raised = str(error)
+        rospy.sleep(0.5)
+        ends = [one.trajectory[0].joint_trajectory.points[-1].positions[0] for one in shown]
+        """,
+        distro=distro,
+    )
+    if distro == "noetic":
+        assert "field trajectory[] must be of type [moveit_msgs/RobotTrajectory]" in ran["raised"]
+        assert ran["ends"] == []
+    else:
+        assert ran["raised"] == ""
+        assert ran["ends"] == pytest.approx([0.2])
+        assert any("use plan()[1]" in text for text in ran.findings)
+
+
 def test_a_cartesian_path_of_jazzy_has_the_speed_of_its_request(ros2):
     ran = ros2(
         """

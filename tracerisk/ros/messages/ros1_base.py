@@ -250,6 +250,9 @@ def _check_scalar(name: str, field: Field, value: Any) -> None:
 
 def _check_nested(name: str, expected: type[Message], value: Any) -> None:
     if not isinstance(value, Message):
+        # What a stand-in returned in a newer form is sent as the message that it holds.
+        value = getattr(value, "held_message", None)
+    if not isinstance(value, Message):
         raise SerializationError(f"field {name} must be of type [{expected._type}]")
     if value._type == "std_msgs/Header" != expected._type:
         raise SerializationError(f"field {name} must be a Header instead of a {value._type}")

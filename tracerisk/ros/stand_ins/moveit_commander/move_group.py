@@ -47,6 +47,12 @@ class PlanResult(tuple[bool, Any, float, Any]):
     """
 
     @property
+    def held_message(self) -> Any:
+        """The RobotTrajectory, where it is a field of a message."""
+        _take_as_older_plan("joint_trajectory")
+        return self[1]
+
+    @property
     def joint_trajectory(self) -> Any:
         """The planned joint trajectory."""
         _take_as_older_plan("joint_trajectory")
