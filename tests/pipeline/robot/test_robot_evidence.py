@@ -158,6 +158,24 @@ def test_a_robot_of_which_only_the_name_is_named_assumes_the_groups_it_lacks(tmp
     ).robot.assumes_names
 
 
+@pytest.mark.parametrize(
+    ("calls", "is_assumed"),
+    [
+        ('arm.set_named_target("pickup_one")\narm.set_named_target("pickup_two")\n', True),
+        ('arm.set_goal_state("pick")\narm.set_start_state(configuration_name="place")\n', True),
+        ('arm.set_named_target("ready")\narm.set_named_target("pickup_two")\n', False),
+        ('arm.set_named_target("raedy")\n', False),
+        ('arm.remember_joint_values("a")\narm.set_named_target("a")\narm.set_named_target("b")\n', False),
+        ('arm.set_goal_state("pick", pose_link="place")\n', False),
+    ],
+)  # fmt: skip
+def test_states_of_which_a_robot_has_none_are_those_of_another_configuration(
+    tmp_path, calls, is_assumed
+):
+    robot = of_source(tmp_path, f'names = ["panda_joint1", "panda_arm"]\n{calls}').robot
+    assert (robot.name, robot.assumes_names) == ("panda", is_assumed)
+
+
 def test_a_prefix_before_all_joints_of_an_arm_is_before_its_links_too(tmp_path):
     joints = [f"left_{name}" for name in UR]
     robot = of_source(tmp_path, f'joints = {joints}\ntip = "left_tool0"\nname = "ur5e"\n').robot

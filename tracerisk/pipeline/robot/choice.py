@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -105,13 +105,21 @@ def choose_robot(
     return RobotChoice(equipped(replace(robot, chosen_by=origin), whole))
 
 
-def with_groups_of(robot: Robot, strings: Iterable[str]) -> Robot:
-    """Return a shipped robot; it assumes groups where a program's strings name none of its own.
+def with_groups_of(
+    robot: Robot, strings: Iterable[str], states: Collection[str] = frozenset()
+) -> Robot:
+    """Return a shipped robot; it assumes names where a program names none of its own.
 
-    Whoever wrote such a program has a configuration of MoveIt whose groups have other names.
+    These are groups, by the program's strings, and the named states that it asks for. Whoever
+    wrote such a program has a configuration of MoveIt with other names. A single state that the
+    robot lacks may as well be a mistake.
     """
 
-    return replace(robot, assumes_names=words_in(strings).isdisjoint(robot.groups))
+    own = {state for known in robot.named_states.values() for state in known}
+    is_of_another = len(states) > 1 and own.isdisjoint(states)
+    return replace(
+        robot, assumes_names=is_of_another or words_in(strings).isdisjoint(robot.groups)
+    )
 
 
 def equipped(robot: Robot, controller: Controller) -> Robot:

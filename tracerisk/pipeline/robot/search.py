@@ -19,7 +19,7 @@ from tracerisk.pipeline.robot.evidence import (
 )
 from tracerisk.pipeline.robot.gathering import Gathered, Gathering
 from tracerisk.pipeline.robot.installed_descriptions import installed_in
-from tracerisk.pipeline.robot.speech import strings_of
+from tracerisk.pipeline.robot.speech import states_asked_of, strings_of
 from tracerisk.pipeline.workspace.controller import Controller, string_literals
 from tracerisk.pipeline.workspace.own_modules import with_own_modules
 from tracerisk.twin.robots.generic import NamesAsked, generic_arm, names_asked
@@ -150,7 +150,8 @@ class _Search:
         )
 
     def _shipped_robot(self, name: str, gathered: Gathered) -> Robot:
-        robot = with_groups_of(load_robot(name), strings_of(self._speeches))
+        states = states_asked_of(self._speeches)
+        robot = with_groups_of(load_robot(name), strings_of(self._speeches), states)
         reason = _reason(name, gathered)
         if gathered.prefix:
             robot = with_prefix(robot, gathered.prefix)

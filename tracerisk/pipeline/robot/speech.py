@@ -20,6 +20,15 @@ from tracerisk.twin.robots.robot_names import words_in
 # How much the words of a source count, as a share of those of the controller itself.
 _DIRECT, _OF_PACKAGE, _OF_OTHERS, _BESIDE = 0.6, 0.4, 0.2, 0.25
 
+# The calls of MoveIt that are given the name of a state, and the arguments that are the name.
+_STATE_CALLS = (
+    "remember_joint_values",
+    "set_goal_state",
+    "set_named_target",
+    "set_start_state",
+)
+_STATE_ARGUMENTS = ("configuration_name", "name")
+
 
 @dataclass(frozen=True)
 class Speech:
@@ -67,6 +76,25 @@ class Speech:
 def strings_of(speeches: Iterable[Speech]) -> tuple[str, ...]:
     """Return the strings of some sources, one after the other."""
     return tuple(text for speech in speeches for text in speech.strings)
+
+
+def states_asked_of(speeches: Iterable[Speech]) -> frozenset[str]:
+    """Return the named states that some sources ask for and have not remembered themselves."""
+    asked: dict[str, set[str]] = {name: set() for name in _STATE_CALLS}
+    for speech in speeches:
+        for node in ast.walk(speech.tree or ast.Module([], [])):
+            if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+                continue
+            if node.func.attr in asked:
+                named = (word.value for word in node.keywords if word.arg in _STATE_ARGUMENTS)
+                given = [*node.args[:1], *named]
+                asked[node.func.attr].update(
+                    value.value
+                    for value in given
+                    if isinstance(value, ast.Constant) and isinstance(value.value, str)
+                )
+    remembered = asked.pop("remember_joint_values")
+    return frozenset().union(*asked.values()) - remembered
 
 
 def own_speeches(controller: Controller, also_named: tuple[str, ...] = ()) -> tuple[Speech, ...]:
