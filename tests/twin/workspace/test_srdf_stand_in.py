@@ -85,6 +85,19 @@ def test_a_group_of_which_only_states_name_the_joints():
     assert robot.base_link == "base"
 
 
+def test_an_arm_that_is_declared_as_an_end_effector_stays_an_arm():
+    values = "".join(f'<joint name="joint_a{n}" value="0"/>' for n in range(1, 7))
+    robot = stand_in(
+        f"""<robot name="x"><group name="end_effector">
+        <chain base_link="base_link" tip_link="tool0"/></group>
+        <group_state name="init" group="end_effector">{values}</group_state>
+        <end_effector name="final" parent_link="base_link" group="end_effector"/></robot>"""
+    )
+    assert robot.groups["end_effector"].joints == tuple(f"joint_a{n}" for n in range(1, 7))
+    assert robot.groups["end_effector"].tip_link == "tool0"
+    assert not robot.grippers
+
+
 def test_an_srdf_without_a_joint_gives_none():
     srdf = read_srdf('<robot name="x"><group name="arm"><link name="a"/></group></robot>', "x.srdf")
     assert srdf_stand_in(srdf, NamesAsked((), ())) is None

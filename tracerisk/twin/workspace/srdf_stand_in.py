@@ -101,6 +101,9 @@ class _Drawing:
         self._frames: dict[str, str] = {}
         """What hangs rigidly on a link."""
         hands = {end_effector.group for end_effector in srdf.end_effectors}
+        # Some authors declare the arm itself as an end effector.
+        if all(group.name in hands for group in srdf.groups if self._named(group)):
+            hands = set()
         self._hands = [srdf_group for srdf_group in srdf.groups if self._is_hand(srdf_group, hands)]
         arms = [srdf_group for srdf_group in srdf.groups if srdf_group not in self._hands]
         members = {arm.name: self._members(arm) for arm in arms}
