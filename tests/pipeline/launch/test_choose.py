@@ -213,6 +213,26 @@ def test_a_parameter_file_with_the_nodes_name_stands_in_for_a_launch_file(ros2, 
     )
 
 
+@pytest.mark.parametrize(
+    ("key", "rules", "within"),
+    [
+        ("/cell/pick", ("--ros-args", "-r", "__ns:=/cell"), ", in the namespace /cell"),
+        ("/**/pick", (), ""),
+        ("/pick", (), ""),
+    ],
+)
+def test_a_node_runs_in_the_namespace_in_which_its_parameter_file_is_for_it(
+    ros2, given, key, rules, within
+):
+    ros2.write("config/b.yaml", f"{key}:\n  ros__parameters: {{speed: 3.0}}\n")
+    choice = ros2.choose("arm_task/pick.py")
+    assert given(choice) == {"speed": 3.0}
+    assert choice.setup.argv(()) == rules
+    assert choice.notes[0].startswith(
+        f"launch: parameters of node pick from config/b.yaml (1){within}, for no launch file"
+    )
+
+
 def test_a_parameter_file_beside_the_tests_is_taken_if_no_other_is_for_the_node(ros2, given):
     ros2.write("test/a.yaml", "pick:\n  ros__parameters: {colour: red}\n")
     assert ros2.choose("arm_task/pick.py").setup is None

@@ -99,8 +99,10 @@ def setup_of_parameter_file(
     file = shown([path], root)[0]
     whom = str(parameters[0].node)
     node = "every node" if whom == EVERY_NODE else f"node {whom.rpartition('/')[2]}"
+    namespace = _namespace(parameters)
+    within = f", in the namespace {namespace}" if namespace else ""
     notes = [
-        f"launch: parameters of {node} from {file} ({len(parameters)}), for no launch file "
+        f"launch: parameters of {node} from {file} ({len(parameters)}){within}, for no launch file "
         "gives it any; --no-launch leaves them out"
     ]
     others = [item for _, item, _ in for_node if item != path]
@@ -110,11 +112,18 @@ def setup_of_parameter_file(
         file=file,
         kind="parameters",
         ros=2,
+        namespace=namespace,
         parameters=parameters,
         own=parameters,
         sources=(file,),
         notes=(*notes,),
     )
+
+
+def _namespace(parameters: Iterable[LaunchParameter]) -> str:
+    """Return the namespace in which alone a node gets its parameters; empty for none."""
+    spaces = {str(parameter.node).rpartition("/")[0] for parameter in parameters}
+    return spaces.pop() if len(spaces) == 1 and "*" not in "".join(spaces) else ""
 
 
 _Found = tuple[int, Path, tuple[LaunchParameter, ...]]
