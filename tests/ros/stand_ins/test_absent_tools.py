@@ -1,4 +1,4 @@
-"""What a program asks of an installed ROS for its robot: the command xacro, makers' packages."""
+"""What a program asks of an installed ROS: its commands xacro and those that list, packages."""
 
 import pytest
 
@@ -57,6 +57,28 @@ def traced(example):
 def test_the_command_xacro_is_answered_however_it_is_started(traced, start):
     check = "assert '<robot' in text and 'name=\"cell\"' in text, text"
     kind, reasons, said = traced(start, check, joints=JOINT.format("panda_joint1"))
+    assert (kind, reasons) == ("complete", []), said
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        'names = subprocess.check_output("rosnode list", shell=True).decode().split()\n'
+        'assert "/move_group" in names, names',
+        'names = os.popen("rostopic list").read().split()\nassert "/joint_states" in names, names',
+        'names = subprocess.check_output(["rosservice", "list"], text=True).split()\n'
+        'assert "/compute_ik" in names, names',
+        "try:\n"
+        '    subprocess.check_output("rosnode list --nope", shell=True)\n'
+        "except subprocess.CalledProcessError as error:\n"
+        "    assert error.returncode == 127, error\n"
+        "else:\n"
+        "    raise SystemExit(1)",
+    ],
+    ids=["nodes", "topics", "services", "another"],
+)
+def test_a_command_that_lists_the_running_system_is_answered(traced, lines):
+    kind, reasons, said = traced(lines)
     assert (kind, reasons) == ("complete", []), said
 
 

@@ -30,7 +30,7 @@ from tracerisk.ros.graph.runtime import activate
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names
 from tracerisk.ros.imports.python_names import removed_python_names
-from tracerisk.ros.robot.bring_up.xacro_command import answered_xacro
+from tracerisk.ros.robot.bring_up.answered_commands import answered_commands
 from tracerisk.ros.time.patches import virtual_time
 
 _MOST_DENIED = 50
@@ -73,7 +73,7 @@ def controller_surroundings(
         imports.installed.active(),
         imports.placeholders,
         imports.windows,
-        answered_xacro(graph.runtime),
+        answered_commands(graph.runtime),
         removed_numpy_names(),
         removed_python_names(request.distro.name),
         served_opencv_names(),

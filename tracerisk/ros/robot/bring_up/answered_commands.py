@@ -1,4 +1,4 @@
-"""The command `xacro`, which programs start to get a description: answered without a process.
+"""Commands of ROS that programs start, answered without a process: `xacro`, and those that list.
 
 No ROS is installed, so the program would end with an exception for want of the command.
 """
@@ -11,13 +11,15 @@ import os
 import shlex
 import subprocess
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from tracerisk.common.replaced_names import replaced
 from tracerisk.errors import TraceRiskError
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.robot.bring_up.list_commands import listing
 from tracerisk.twin.urdf.semantic_text import srdf_text
 from tracerisk.twin.urdf.text import urdf_text
 from tracerisk.twin.urdf.xacro_files import expand_xacro
@@ -29,32 +31,41 @@ _TEXT = ("text", "universal_newlines", "encoding", "errors")
 
 
 @contextlib.contextmanager
-def answered_xacro(runtime: Runtime) -> Iterator[None]:
-    """Answer the command while this is open, however `subprocess` or `os` starts it."""
+def answered_commands(runtime: Runtime) -> Iterator[None]:
+    """Answer the commands while this is open, however `subprocess` or `os` starts them."""
 
     class Popen(subprocess.Popen[Any]):
-        """A process, or the answer of `xacro` in its place."""
+        """A process, or the answer of a command in its place."""
 
         def __new__(cls, args: Any, *_: Any, **how: Any) -> Any:
-            words = _words(args)
-            if words is None:
+            answer = _answer(args, runtime)
+            if answer is None:
                 return super().__new__(cls)
-            return _AnsweredProcess(args, _expanded(words, runtime), how)
+            return _AnsweredProcess(args, answer(), how)
 
     real_popen = os.popen
 
     def popen(command: str, *rest: Any, **how: Any) -> Any:
-        words = _words(command)
-        if words is None:
+        answer = _answer(command, runtime)
+        if answer is None:
             return real_popen(command, *rest, **how)
-        return io.StringIO(_expanded(words, runtime))
+        return io.StringIO(answer())
 
     with replaced([(subprocess, "Popen", Popen), (os, "popen", popen)]):
         yield
 
 
-def _words(args: Any) -> list[str] | None:
-    """Return the words behind the command where it is `xacro`, else `None`."""
+def _answer(args: Any, runtime: Runtime) -> Callable[[], str] | None:
+    """Return what makes the output of a command that is answered here; `None` for any other."""
+    words = _words(args)
+    for start in _STARTS:
+        if tuple(words[: len(start)]) == start:
+            return partial(_expanded, words[len(start) :], runtime)
+    return listing(words, runtime)
+
+
+def _words(args: Any) -> list[str]:
+    """Return a command and its arguments; none where they are no words."""
     try:
         given = (
             shlex.split(args)
@@ -62,15 +73,11 @@ def _words(args: Any) -> list[str] | None:
             else [os.fspath(argument) for argument in args]
         )
     except (TypeError, ValueError):
-        return None
+        return []
     words = [name.decode(errors="replace") if isinstance(name, bytes) else name for name in given]
-    if not words:
-        return None
-    words[0] = words[0].rpartition("/")[2]
-    for start in _STARTS:
-        if tuple(words[: len(start)]) == start:
-            return words[len(start) :]
-    return None
+    if words:
+        words[0] = words[0].rpartition("/")[2]
+    return words
 
 
 def _expanded(words: Sequence[str], runtime: Runtime) -> str:
