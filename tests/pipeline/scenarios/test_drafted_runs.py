@@ -683,3 +683,31 @@ def test_a_message_that_makes_it_raise_is_left_out_of_a_first_draft(example):
     names = [name for code, _, name in reasons(ran) if code == "input-assumed"]
     assert "/part" in names
     assert "/seen" not in names
+
+
+def test_what_the_bring_up_serves_is_not_drafted_before_the_controller_reaches_it(example):
+    begun = ROBOT.replace(
+        "rclpy.init()\n",
+        "import argparse\n"
+        "from moveit_msgs.srv import ApplyPlanningScene\n"
+        "from std_srvs.srv import Trigger\n"
+        "parser = argparse.ArgumentParser()\n"
+        "parser.add_argument('--side', choices=['left', 'right'], required=True)\n"
+        "parser.parse_args()\n"
+        "rclpy.init()\n",
+    )
+    example.write(
+        "c.py",
+        begun.replace(
+            "\n\n\ndef move",
+            "\nscene = node.create_client(ApplyPlanningScene, '/apply_planning_scene')\n"
+            "assert scene.wait_for_service(timeout_sec=1.0)\n"
+            "own = node.create_client(Trigger, '/light')\n"
+            "own.wait_for_service(timeout_sec=1.0)\n\n\ndef move",
+        ),
+    )
+    said = example.run("scenario", "c.py", "--robot", "ur5e").out
+    asked, had = said.split("Asked for in the source beside")
+    assert "service /light" in asked
+    assert "/apply_planning_scene" not in asked
+    assert "service /apply_planning_scene (moveit_msgs/ApplyPlanningScene)" in had

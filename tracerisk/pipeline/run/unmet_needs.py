@@ -21,6 +21,7 @@ from tracerisk.ros.drafts.shifted_poses import PlaceAndShift
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
+from tracerisk.ros.robot.bring_up.system import SystemState
 from tracerisk.ros.scenario.file.lines import scenario_lines
 from tracerisk.trace import GOOD_ENDS, EndCause
 
@@ -251,7 +252,13 @@ class UnmetNeeds:
     def _is_served(self, need: Need) -> bool:
         """Return whether somebody serves a service, of the type that is asked for."""
         server = self.runtime.graph.services.find(need.name, need.type_name or None)
-        return server is not None and need.type_name in ("", server.type_name)
+        if server is not None:
+            return need.type_name in ("", server.type_name)
+        # What the bring-up serves is on the graph only once the controller uses it.
+        return any(
+            end.topic == need.name and need.type_name in ("", end.type_name)
+            for end in self.runtime.client(SystemState).services()
+        )
 
     def _is_arms(self, need: Need) -> bool:
         (draft,) = drafts([Missed(need, 0, 0, None)], self.interfaces, self.values)
