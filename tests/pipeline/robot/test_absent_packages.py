@@ -60,6 +60,16 @@ def cell(top: Path, body: str, source: str = "import rospy\n", **files: str) -> 
         ),
         (
             "ur_description",
+            '<xacro:arg name="ur_type" default="ur5"/><xacro:ur_robot name="ur" tf_prefix="" '
+            'parent="world" kinematics="$(find ur_description)/config/$(arg ur_type)/k.yaml" '
+            'safety_limits="true" safety_pos_margin="0.15" safety_k_position="20" '
+            f'script_sender_port="50002" tool_baud_rate="115200">{ORIGIN}</xacro:ur_robot>',
+            "elbow_joint",
+            "ur5",
+            "",
+        ),
+        (
+            "ur_description",
             f'<xacro:ur_robot name="arm" tf_prefix="" parent="world">{ORIGIN}</xacro:ur_robot>',
             "elbow_joint",
             "ur5e",
@@ -106,7 +116,7 @@ def cell(top: Path, body: str, source: str = "import rospy\n", **files: str) -> 
         ),
     ],
     ids=[
-        *("name", "type", "any of a maker", "its own name", "parts of a name"),
+        *("name", "type", "gains and ports", "any of a maker", "its own name", "parts of a name"),
         *("number of joints", "variant", "prefix"),
     ],
 )

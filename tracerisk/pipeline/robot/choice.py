@@ -117,9 +117,7 @@ def with_groups_of(
 
     own = {state for known in robot.named_states.values() for state in known}
     is_of_another = len(states) > 1 and own.isdisjoint(states)
-    return replace(
-        robot, assumes_names=is_of_another or words_in(strings).isdisjoint(robot.groups)
-    )
+    return replace(robot, assumes_names=is_of_another or words_in(strings).isdisjoint(robot.groups))
 
 
 def equipped(robot: Robot, controller: Controller) -> Robot:

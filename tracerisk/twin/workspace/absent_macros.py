@@ -46,6 +46,8 @@ _PREFIXES = ("tf_prefix", "prefix", "arm_prefix", "robot_prefix")
 _IDS = ("arm_id", "robot_name")  # what stands in the place of an arm's own name
 _PARENTS = ("parent", "parent_link", "connected_to", "attach_to", "base")
 _TELLING = ("ur_type", "robot_type", "model", "type", "arm", "name", "arm_id", "robot_name")
+_COUNTS = ("dof", "arm_dof", "robot_dof")
+"""The arguments that are the number of an arm's joints; other numbers are gains and rates."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +165,7 @@ class _Drawing:
     def _texts(self, call: ET.Element, macro: str) -> Iterator[str]:
         """Yield what may name the robot, the most telling first."""
         given = {name: value for name, value in call.attrib.items() if name != MACRO_NAME}
-        digits = [value for value in given.values() if value.isdigit()]
+        digits = [given[name] for name in _COUNTS if given.get(name, "").isdigit()]
         for name in _TELLING:
             if name in given:
                 # With the number of its joints first: `gen3` of 6 is no `gen3` of 7.

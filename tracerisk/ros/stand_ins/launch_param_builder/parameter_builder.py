@@ -19,6 +19,7 @@ class WorkspaceFiles:
     """The packages of the run's workspace; what is left out is a finding, reported once."""
 
     def folder(self, package: str) -> Path | None:
+        """Return the folder of a package; None, and a finding, where it is not there."""
         packages = current().findable
         if package in packages:
             return packages[package]
@@ -28,9 +29,11 @@ class WorkspaceFiles:
         return None
 
     def text(self, path: Path) -> str:
+        """Return the text of a file."""
         return path.read_text(encoding="utf-8")
 
     def expanded(self, path: Path, arguments: Mapping[str, Any]) -> str | None:
+        """Return what a xacro file expands to; None, and a finding, where it cannot be expanded."""
         given = {name: str(value) for name, value in arguments.items()}
         try:
             return expand_xacro(path, current().findable, arguments=given).decode()
@@ -39,6 +42,7 @@ class WorkspaceFiles:
             return None
 
     def left_out(self, what: str) -> dict[str, Any]:
+        """Report what is left out, unless its package is; return no parameters."""
         if not what.startswith("package "):
             self._report(f"{what} is not there; its parameters are left out")
         return {}
