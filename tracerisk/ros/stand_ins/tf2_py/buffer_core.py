@@ -213,7 +213,7 @@ class BufferCore:
                 runtime.scheduler.miss(need)
 
     def _wait_for_frames(self, scheduler: Scheduler) -> None:
-        """Let time pass where a loop looks for an absent frame again and waits for nothing else."""
+        """Wait a little where a loop looks for an absent frame again and waits for nothing else."""
         thread = scheduler.current
         if thread is None or thread.is_undisturbed:
             return
