@@ -456,3 +456,17 @@ def test_the_librarys_start_and_end(run):
         """
     )
     assert "list of strings" in ran["text"]
+
+
+def test_a_finger_of_a_generic_arm_goes_to_the_end_of_its_assumed_range(example):
+    example.write(
+        "c.py",
+        "import rospy, moveit_commander\n"
+        "rospy.init_node('c')\n"
+        "hand = moveit_commander.MoveGroupCommander('rhand')\n"
+        "hand.go([1.0], wait=True)\n",
+    )
+    ran = example.run("trace", "c.py", "--json")
+    verdict = ran.json["verdict"]
+    assert verdict["kind"] == "partial", ran.err
+    assert any("instead of 1: its range is assumed" in said["words"] for said in verdict["reasons"])

@@ -23,6 +23,8 @@ from tracerisk.ros.transforms.poses import (
 from tracerisk.twin.motion.plausible_units import shown_limits
 from tracerisk.twin.physics import motion
 from tracerisk.twin.physics.motion import PlanningError
+from tracerisk.twin.robots.generic import NAME
+from tracerisk.twin.robots.robot_parts import Joint
 
 from . import conversions
 from ._binding import check_arguments, doubles
@@ -134,10 +136,30 @@ class GroupTargets(GroupState):
             joint, value = self._server.robot.joint(name), self._joint_target[name]
             slack = self._joint_tolerance
             if not joint.lower - slack <= value <= joint.upper + slack:
+                if self._is_assumed_finger(name):
+                    self._joint_target[name] = self._to_assumed_end(joint, value)
+                    continue
                 raise MoveItCommanderException(
                     f"{_OUT_OF_BOUNDS} {value:g} for joint '{name}' is outside "
                     f"{shown_limits(joint, value)}"
                 )
+
+    def _is_assumed_finger(self, name: str) -> bool:
+        """Return whether a joint is of the generic arm's gripper, whose range nobody knows."""
+        robot = self._server.robot
+        fingers = {finger for gripper in robot.grippers for finger in gripper.joints}
+        return robot.name == NAME and name in fingers
+
+    def _to_assumed_end(self, joint: Joint, value: float) -> float:
+        """Return the end of an assumed range to which a finger goes instead, and say so."""
+        end = min(max(value, joint.lower), joint.upper)
+        self._server.execution.report(
+            "assumed_name",
+            f"joint '{joint.name}' of the generic gripper goes to {end:g} instead of {value:g}: "
+            "its range is assumed; name the robot with --robot",
+            object_name=joint.name,
+        )
+        return end
 
     def _set_target_by_pose(self, pose: Any, arg2: Any, arg3: Any) -> None:
         link, approximate = self._end_effector_link, False
