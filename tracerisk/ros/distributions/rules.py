@@ -120,6 +120,32 @@ RULES: tuple[Rule, ...] = (
         jazzy=True,
         source="ros2/rclpy rclpy/rclpy/executors.py",
     ),
+    Rule(
+        name="spin-once-leaves-node-where-it-was",
+        subject="`rclpy.spin_once` leaves a node in the executor that it is given, where the node "
+        "was in it before",
+        noetic=None,
+        humble=False,
+        jazzy=True,
+        source="ros2/rclpy rclpy/rclpy/__init__.py",
+    ),
+    Rule(
+        name="cancelled-future-is-over",
+        subject="who spins for a future or awaits it goes on when it is cancelled",
+        noetic=None,
+        humble=False,
+        jazzy=True,
+        source="ros2/rclpy rclpy/rclpy/task.py, ros2/rclpy rclpy/rclpy/executors.py",
+    ),
+    Rule(
+        name="parameter-callback-returns-no-result",
+        subject="a callback that is to agree to parameters returns something else than a "
+        "SetParametersResult",
+        noetic=None,
+        humble="AttributeError",
+        jazzy="refused",
+        source="ros2/rclpy rclpy/rclpy/node.py",
+    ),
     # Connections. The least of what was measured on one machine: 0.22 to 0.37 s of 36 publishers
     # of rospy 1.15 to a node of roscpp, 0.05 to 0.24 s of 46 to one of rospy; of subscribers 0.005
     # to 0.21 s. Of 13 participants of Fast DDS 2.9 0.01 to 0.1 s; rclpy 7.1.3 takes 0.08 to 0.15 s

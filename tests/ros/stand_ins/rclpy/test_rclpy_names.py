@@ -14,7 +14,7 @@ import pytest
         ("node_name", "", "must not be empty"),
         ("node_name", "2arm", "must not start with a number"),
         ("node_name", "arm/left", "must not contain characters"),
-        ("node_name", "a" * 256, "must not be longer than 255"),
+        ("node_name", "a" * 256, "should not exceed '255'"),
         ("namespace", "/", None),
         ("namespace", "/left/arm", None),
         ("namespace", "left", "must be absolute"),
@@ -22,14 +22,15 @@ import pytest
         ("namespace", "/left//arm", "repeated"),
         ("full_topic_name", "/arm/joint_states", None),
         ("full_topic_name", "/arm/~/joint_states", "must not contain characters"),
-        ("full_topic_name", "/" + "a" * 247, "must not be longer than 247"),
+        ("full_topic_name", "/" + "a" * 247, "should not exceed '247'"),
         ("topic_name", "~/goal", None),
         ("topic_name", "{node}/goal", None),
-        ("topic_name", "arm/~goal", "elsewhere than at its start"),
+        ("topic_name", "arm/~goal", "unless it is the first character"),
+        ("topic_name", "arm//goal", None),
         ("topic_name", "~goal", "followed by a forward slash"),
         ("topic_name", "{no de}/goal", "must not contain characters"),
         ("topic_name", "{2node}/goal", "substitution name must not start with a number"),
-        ("topic_name", "{node/goal", "unbalanced curly braces"),
+        ("topic_name", "goal/{node", "unmatched (unbalanced) curly braces"),
         ("topic_name", "goal/", "must not end with a forward slash"),
         ("topic_name", "arm/2nd", "token must not start with a number"),
     ],
@@ -69,9 +70,9 @@ def test_names_expand_and_hidden_ones_are_known(run_ros2):
         from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
 
         for given, reported in (
-            (("goal?", "arm", "/ns"), "topic name is invalid"),
-            (("goal", "arm?", "/ns"), "node name is invalid"),
-            (("goal", "arm", "ns"), "node namespace is invalid"),
+            (("goal?", "arm", "/ns"), "topic name 'goal.' is invalid"),
+            (("goal", "arm?", "/ns"), "node name 'arm.' is invalid"),
+            (("goal", "arm", "ns"), "node namespace 'ns' is invalid"),
             (("{speed}/goal", "arm", "/ns"), "unknown substitution"),
         ):
             with pytest.raises(ValueError, match=reported):
@@ -91,6 +92,7 @@ def test_names_expand_and_hidden_ones_are_known(run_ros2):
 def test_a_node_refuses_what_it_cannot_expand_and_counts_only_what_may_be(run_ros2):
     def main():
         import rclpy
+        from rclpy.exceptions import InvalidTopicNameException
         from std_msgs.msg import Empty
         from std_srvs.srv import Trigger
 
@@ -106,6 +108,9 @@ def test_a_node_refuses_what_it_cannot_expand_and_counts_only_what_may_be(run_ro
         ):
             with pytest.raises(ValueError, match="is invalid"):
                 count("42")
+        # What it expands to may be none, though the name as it is given may be.
+        with pytest.raises(InvalidTopicNameException, match="repeated"):
+            node.create_publisher(Empty, "goal//x", 1)
         with pytest.raises(AttributeError, match="ROS 1 message type"):
             node.create_publisher(int, "goal", 1)
         with pytest.raises(RuntimeError, match="not valid"):

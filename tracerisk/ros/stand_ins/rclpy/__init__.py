@@ -74,14 +74,16 @@ def create_node(node_name: str, **kwargs: Any) -> Any:
 def spin_once(node: Any, *, executor: Any = None, timeout_sec: float | None = None) -> None:
     """Run one callback of a node, waiting for it `timeout_sec` seconds, or for ever.
 
-    The node leaves the executor that it was in, for good, and the one that is given too.
+    The node leaves the executor that it was in, for good; in Humble the one that is given too.
     """
     chosen = get_global_executor() if executor is None else executor
+    leaves = not _state().runtime.distro.value("spin-once-leaves-node-where-it-was")
     try:
-        chosen.add_node(node)
+        leaves = chosen.add_node(node) or leaves
         chosen.spin_once(timeout_sec=timeout_sec)
     finally:
-        chosen.remove_node(node)
+        if leaves:
+            chosen.remove_node(node)
 
 
 def spin(node: Any, executor: Any = None) -> None:

@@ -127,7 +127,7 @@ class ActionClient(Entity):
             if not node.context.is_valid:
                 raise ValueError(f"Failed to create action client: {OF_NODE}")
         self._action_type = action_type
-        self._action_name = node.resolve_topic_name(action_name)
+        self._action_name = node._resolved_action(action_name, "client")
         self._came: dict[str, deque[Any]] = {kind: deque() for kind in _ORDER}
         self._handles: dict[bytes, ClientGoalHandle] = {}
         self._end = run().actions.client(

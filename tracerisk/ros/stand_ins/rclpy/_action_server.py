@@ -180,7 +180,7 @@ class ActionServer(Entity):
         self.register_cancel_callback(cancel_callback)
         self.register_execute_callback(execute_callback)
         self._end = run().actions.serve(
-            node.resolve_topic_name(action_name),
+            node._resolved_action(action_name, "server"),
             action_type._ros_type,
             node=node.get_fully_qualified_name(),
             on_goal=lambda goal: self._queue.append(("goal", goal)),
@@ -299,6 +299,19 @@ class ActionServer(Entity):
             self._execute, execute_callback or self._execute_callback, handle
         )
 
+    def _no_result(self, given: Any) -> Exception:
+        """Return the error of an execute callback that returned something else than a result.
+
+        The real library sends what it got: where it is made a message of, that fails.
+        """
+        kind = self._action_type.Result
+        if run().runtime.distro.value("field-of-wrong-type") == "AssertionError":
+            text = f"The 'result' field must be a sub message of type '{kind.__name__}'"
+            return AssertionError(text)
+        fields = kind.get_fields_and_field_types()
+        lacking = next((name for name in fields if not hasattr(given, name)), "_check_fields")
+        return AttributeError(f"'{type(given).__name__}' object has no attribute '{lacking}'")
+
     async def _execute(self, callback: Callable[[Any], Any], handle: ServerGoalHandle) -> None:
         logger = self._node.get_logger()
         try:
@@ -312,7 +325,7 @@ class ActionServer(Entity):
             logger.warning("Goal state not set, assuming aborted.")
             handle._end = GoalState.ABORTED
         if not isinstance(result, self._action_type.Result):
-            raise TypeError(f"Expected {self._action_type.Result}, got {type(result)}")
+            raise self._no_result(result)
         handle._send(result)
         handle._ended_ns = run().scheduler.now_ns
 

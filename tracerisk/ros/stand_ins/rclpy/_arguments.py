@@ -130,7 +130,7 @@ def _read(found: Arguments, argument: str, waiting: list[str]) -> None:
         found.remaps.append((whom, old, new))
     elif kind == "param":
         whom, name, text = _rule(argument, value)
-        found.parameters.append((whom, name, read_yaml(text)))
+        found.parameters.append((whom, name, _of_one_type(f"{argument} {value}", read_yaml(text))))
     elif kind == "params_file":
         found.parameters.extend(_parameters_of(value))
     elif kind == "log_level":
@@ -148,6 +148,20 @@ def _rule(argument: str, value: str) -> tuple[str | None, str, str]:
         )
     whom, colon, name = old.rpartition(":")
     return (whom, name, new) if colon else (None, old, new)
+
+
+def _of_one_type(where: str, value: Any) -> Any:
+    """Return a parameter's value; a list is read if all that it holds is of one type.
+
+    Raises:
+        RCLInvalidROSArgsError: it is not; `where` names the parameter.
+    """
+    kinds = sorted({type(item).__name__ for item in value}) if isinstance(value, list) else []
+    if len(kinds) > 1:
+        raise RCLInvalidROSArgsError(
+            f"{where}: Sequence should be of same type, and it holds {' and '.join(kinds)}"
+        )
+    return value
 
 
 def read_yaml(text: str) -> Any:
@@ -182,7 +196,10 @@ def _walk(found: list[tuple[str | None, str, Any]], file: str, node: str, tree: 
         raise RCLInvalidROSArgsError(f"{file}: node '{node}' has no 'ros__parameters'")
     for key, inner in tree.items():
         if key == "ros__parameters":
-            found.extend((node, name, value) for name, value in flat_parameters("", inner or {}))
+            found.extend(
+                (node, name, _of_one_type(f"{file}: {name}", value))
+                for name, value in flat_parameters("", inner or {})
+            )
         else:
             _walk(found, file, f"{node.rstrip('/')}/{key}", inner)
 

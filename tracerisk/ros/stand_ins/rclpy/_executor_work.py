@@ -108,7 +108,7 @@ class WorkFinding:
                 lambda: (
                     self._is_shutdown
                     or not self._context.is_valid
-                    or (future is not None and future._done)
+                    or (future is not None and future.is_over)
                     or self._work_known() != known
                     or self._has_work()
                 ),

@@ -12,7 +12,9 @@ Fault = tuple[str, int]
 
 _LONGEST_FULL_NAME = 247
 _LONGEST_NODE_NAME = 255
-_SUBSTITUTION = re.compile(r"\{([^{}]*)\}")
+_TOKEN = "topic name token must not start with a number"
+_UNMATCHED = "topic name must not have unmatched (unbalanced) curly braces '{}'"
+_BARE_TILDE = "topic name must not have a tilde '~' that is not followed by a forward slash '/'"
 
 
 def check(name: str, fault: Fault | None, error: Callable[..., Exception]) -> bool:
@@ -33,7 +35,7 @@ def node_name_fault(name: str) -> Fault | None:
     if name[0].isdigit():
         return "node name must not start with a number", 0
     if len(name) > _LONGEST_NODE_NAME:
-        return f"node name must not be longer than {_LONGEST_NODE_NAME}", _LONGEST_NODE_NAME
+        return f"node name length should not exceed '{_LONGEST_NODE_NAME}'", _LONGEST_NODE_NAME
     return None
 
 
@@ -50,63 +52,76 @@ def full_topic_name_fault(name: str) -> Fault | None:
 def topic_name_fault(name: str) -> Fault | None:
     """Return what is wrong with a topic's or a service's name as a program gives it.
 
-    It may be relative, begin with `~/` and hold substitutions like `{node}`.
+    It may be relative, begin with `~/` and hold substitutions like `{node}`. What it expands to
+    may still be no full name: repeated slashes are found there.
     """
     if not name:
-        return "topic name must not be empty", 0
+        return "topic name must not be empty string", 0
+    if name[0].isdigit():
+        return _TOKEN, 0
     if name.endswith("/"):
         return "topic name must not end with a forward slash", len(name) - 1
-    odd = re.search(r"[^\w/~{}]", name, re.ASCII)
-    if odd is not None:
-        message = (
-            "topic name must not contain characters other than alphanumerics, '_', '/', '~', '{' "
-            "or '}'"
-        )
-        return message, odd.start()
-    tilde = name.find("~", 1)
-    if tilde > 0:
-        return "topic name must not have a tilde (~) elsewhere than at its start", tilde
-    if name.startswith("~") and name[1:2] not in ("", "/"):
-        return "tilde (~) must be followed by a forward slash", 1
-    return _substitution_fault(name) or _token_fault("topic name", name)
+    fault = _character_fault(name)
+    begun = re.search(r"/\d", name)
+    # As in rcl, which looks at the second character unless it is the last one.
+    has_bare_tilde = len(name) > 2 and name[0] == "~" and name[1] != "/"
+    if fault is not None or not (begun or has_bare_tilde):
+        return fault
+    if has_bare_tilde:
+        return _BARE_TILDE, 1
+    assert begun is not None
+    return _TOKEN, begun.end() - 1
 
 
-def _substitution_fault(name: str) -> Fault | None:
-    for match in _SUBSTITUTION.finditer(name):
-        inner = match[1]
-        if not inner or re.search(r"\W", inner, re.ASCII):
-            message = (
-                "substitution name must not contain characters other than alphanumerics or '_'"
-            )
-            return message, match.start(1)
-        if inner[0].isdigit():
-            return "substitution name must not start with a number", match.start(1)
-    rest = _SUBSTITUTION.sub(lambda match: "_" * len(match[0]), name)
-    brace = re.search(r"[{}]", rest)
-    return None if brace is None else ("topic name has unbalanced curly braces", brace.start())
+def _character_fault(name: str) -> Fault | None:
+    """Return the first character that may not stand where it stands."""
+    opened: int | None = None
+    for place, character in enumerate(name):
+        is_letter = re.match(r"\w", character, re.ASCII) is not None
+        if character == "~":
+            if place > 0:
+                return "topic name must not have tilde '~' unless it is the first character", place
+        elif character == "}":
+            if opened is None:
+                return _UNMATCHED, place
+            opened = None
+        elif opened is not None:
+            if not is_letter:
+                return (
+                    "substitution name must not contain characters other than alphanumerics or '_'"
+                ), place
+            if place == opened + 1 and character.isdigit():
+                return "substitution name must not start with a number", place
+        elif character == "{":
+            opened = place
+        elif not is_letter and character != "/":
+            return (
+                "topic name must not contain characters other than alphanumerics, '_', '~', '{', "
+                "or '}'"
+            ), place
+    return None if opened is None else (_UNMATCHED, opened)
 
 
 def _absolute_fault(what: str, name: str) -> Fault | None:
     if not name:
         return f"{what} must not be empty", 0
     if not name.startswith("/"):
-        return f"{what} must be absolute, it must begin with a '/'", 0
+        return f"{what} must be absolute, it must lead with a '/'", 0
+    is_namespace = what == "namespace"
     if name.endswith("/"):
-        return f"{what} must not end with a '/'", len(name) - 1
+        unless = ", unless only a '/'" if is_namespace else ""
+        return f"{what} must not end with a '/'{unless}", len(name) - 1
     odd = re.search(r"[^\w/]", name, re.ASCII)
     if odd is not None:
-        message = f"{what} must not contain characters other than alphanumerics, '_' or '/'"
+        message = f"{what} must not contain characters other than alphanumerics, '_', or '/'"
         return message, odd.start()
-    if len(name) > _LONGEST_FULL_NAME:
-        return f"{what} must not be longer than {_LONGEST_FULL_NAME}", _LONGEST_FULL_NAME
-    return _token_fault(what, name)
-
-
-def _token_fault(what: str, name: str) -> Fault | None:
     doubled = name.find("//")
     if doubled >= 0:
         return f"{what} must not contain repeated '/'", doubled + 1
-    begun = re.search(r"(^|/)\d", name)
+    begun = re.search(r"/\d", name)
     if begun is not None:
-        return f"{what} token must not start with a number", begun.end() - 1
+        return f"{what} must not have a token that starts with a number", begun.end() - 1
+    if len(name) > _LONGEST_FULL_NAME:
+        called = what if is_namespace else "topic length"
+        return f"{called} should not exceed '{_LONGEST_FULL_NAME}'", _LONGEST_FULL_NAME
     return None

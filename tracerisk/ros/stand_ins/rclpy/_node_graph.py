@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.robot.bring_up.assumed_listeners import AssumedListeners
 from tracerisk.ros.robot.bring_up.system import SystemState
 
+from ._node_entities import OF_ACTION
 from ._node_names import NodeNames
 from ._rclpy_pybind11 import NodeNameNonExistentError
 from ._run import run
 from .expand_topic_name import expand_topic_name
 from .qos import QoSProfile
 from .topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
+
+_TOPICS_OF_ACTION = {
+    "feedback": "{package}/action/{name}_FeedbackMessage",
+    "status": "action_msgs/msg/GoalStatusArray",
+}
+"""The topics below `NAME/_action` of each action, and their types."""
+_SERVICES_OF_ACTION = {
+    "send_goal": "{package}/action/{name}_SendGoal",
+    "cancel_goal": "action_msgs/srv/CancelGoal",
+    "get_result": "{package}/action/{name}_GetResult",
+}
+"""The services there, and their types."""
 
 
 class NodeGraph(NodeNames):
@@ -29,18 +42,20 @@ class NodeGraph(NodeNames):
             name: (*system.publications(name), *system.subscriptions(name))
             for name in system.topic_names()
         }
-        return [
-            (name, sorted({_full_type(end.type_name, "msg") for end in ends_of_topic}))
+        types_of = {
+            name: sorted({_full_type(end.type_name, "msg") for end in ends_of_topic})
             for name, ends_of_topic in ends.items()
-        ]
+        }
+        return sorted((_of_actions(_TOPICS_OF_ACTION) | types_of).items())
 
     def get_service_names_and_types(self) -> list[tuple[str, list[str]]]:
         """Return each service with its types: `std_srvs/srv/Trigger`."""
         self._check_usable("failed to get service names and types")
         run().scheduler.touch()
-        return [
-            (server.topic, [_full_type(server.type_name, "srv")]) for server in _system().services()
-        ]
+        types_of = {
+            server.topic: [_full_type(server.type_name, "srv")] for server in _system().services()
+        }
+        return sorted((_of_actions(_SERVICES_OF_ACTION) | types_of).items())
 
     def get_node_names(self) -> list[str]:
         """Return the names of all nodes, the controller's first."""
@@ -216,6 +231,16 @@ def _topics_of(node: str, ends_of: Callable[[str], Any]) -> list[tuple[str, list
         if types:
             topics.append((topic, sorted(types)))
     return topics
+
+
+def _of_actions(leaves: Mapping[str, str]) -> dict[str, list[str]]:
+    """Return what each action that has a client or a server has below its name, with its types."""
+    types_of: dict[str, list[str]] = {}
+    for action, type_name in _system().action_names_and_types():
+        package, _, name = type_name.partition("/")
+        for leaf, pattern in leaves.items():
+            types_of[f"{action}{OF_ACTION}{leaf}"] = [pattern.format(package=package, name=name)]
+    return types_of
 
 
 def _full_type(name: str, kind: str) -> str:

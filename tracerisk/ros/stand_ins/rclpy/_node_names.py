@@ -6,7 +6,7 @@ from typing import Any
 
 from ._arguments import Arguments
 from ._handle import Handle, check_context
-from ._name_rules import check, namespace_fault, topic_name_fault
+from ._name_rules import check, full_topic_name_fault, namespace_fault, topic_name_fault
 from .context import Context
 from .exceptions import (
     InvalidNamespaceException,
@@ -77,6 +77,20 @@ class NodeNames:
         """
         return self._resolved(service, InvalidServiceNameException, remaps=not only_expand)
 
+    def _resolved_action(self, name: str, whose: str) -> str:
+        """Return the full name of an action.
+
+        Raises:
+            ValueError: it is not one that ROS takes.
+        """
+
+        def error(given: str, message: str, _place: int) -> Exception:
+            return ValueError(
+                f"Failed to create action {whose} due to invalid topic name '{given}' : {message}"
+            )
+
+        return self._resolved(name, error)
+
     def _resolved(self, name: str, error: Any, *, remaps: bool = True) -> str:
         with self._handle:
             pass
@@ -84,6 +98,7 @@ class NodeNames:
             raise TypeError(f"name must be a str, not {type(name).__name__}")
         check(name, topic_name_fault(name), error)
         full = self._expanded(name)
+        check(full, full_topic_name_fault(full), error)
         if not remaps:
             return full
         for source in self._sources:

@@ -16,6 +16,7 @@ from rcl_interfaces.msg import (
 
 from tracerisk.ros.controller.needs import Need
 
+from ._handle import Handle
 from ._parameter_checks import refusal
 from ._run import run
 from .exceptions import (
@@ -37,6 +38,7 @@ class NodeParameters:
 
     _parameters: dict[str, Parameter]
     _descriptors: dict[str, Any]
+    _handle: Handle
     _parameter_overrides: dict[str, Parameter]
     _allow_undeclared_parameters: bool
     _pre_set_parameters_callbacks: list[Callable[[list[Parameter]], list[Parameter]]]
@@ -364,9 +366,15 @@ class NodeParameters:
                 return SetParametersResult(successful=False, reason=reason)
         for callback in self._on_set_parameters_callbacks:
             result = callback(wanted)
+            asks = run().runtime.distro.value("parameter-callback-returns-no-result") == "refused"
+            if asks and not isinstance(result, SetParametersResult):
+                reason = "Callback returned an invalid type"
+                warnings.warn(f"{reason}, it should return SetParameterResult.", stacklevel=2)
+                return SetParametersResult(successful=False, reason=reason)
             if not result.successful:
                 return result
-        event = ParameterEvent()
+        with self._handle:
+            event = ParameterEvent()
         for parameter in wanted:
             self._store(parameter, descriptors, keeps_unset, event)
         self._publish_event(event)

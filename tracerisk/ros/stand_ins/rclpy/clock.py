@@ -163,7 +163,7 @@ class Clock:
         Raises:
             NotInitializedException: the context is not initialized.
         """
-        return self._sleep(rel_time.nanoseconds, context)
+        return self._sleep((self.now() + rel_time).nanoseconds - self.now().nanoseconds, context)
 
     def create_jump_callback(
         self, threshold: JumpThreshold, *, pre_callback: Any = None, post_callback: Any = None
@@ -223,7 +223,9 @@ class ROSClock(Clock):
             TypeError: it is no Time.
         """
         if not isinstance(time, Time):
-            raise TypeError("Time must be specified as rclpy.time.Time")
+            raise TypeError(
+                f"Time must be specified as rclpy.time.Time. Received type: {type(time)}"
+            )
         jump = TimeJump(
             ClockChange.ROS_TIME_NO_CHANGE, Duration(nanoseconds=time.nanoseconds - self._set_ns)
         )

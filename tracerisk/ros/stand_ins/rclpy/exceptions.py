@@ -9,9 +9,13 @@ from tracerisk.ros.graph.runtime import current
 
 def _arguments(text: str, details: tuple[Any, ...], separator: str = ": ") -> tuple[Any, ...]:
     """Return the arguments of an error: what Humble keeps apart Jazzy joins to one text."""
-    if current().distro.value("words-of-errors") == "several arguments":
+    if _keeps_apart():
         return (text, *details)
     return (separator.join((text, *map(str, details))),)
+
+
+def _keeps_apart() -> bool:
+    return bool(current().distro.value("words-of-errors") == "several arguments")
 
 
 class NotInitializedException(Exception):
@@ -19,7 +23,9 @@ class NotInitializedException(Exception):
 
     def __init__(self, *args: Any) -> None:
         text = "rclpy.init() has not been called"
-        super().__init__(*_arguments(text, args, ". msg:"))
+        super().__init__(
+            *(_arguments(text, args, ". msg:") if args or _keeps_apart() else (f"{text}.",))
+        )
 
 
 class NoTypeSupportImportedException(Exception):

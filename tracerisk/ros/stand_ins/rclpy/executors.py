@@ -150,9 +150,15 @@ class Executor(WorkFinding):
 
     def remove_node(self, node: Any) -> None:
         """Run the callbacks of a node no longer."""
-        if node in self._nodes:
-            self._nodes.remove(node)
+        if self._leave(node):
             self._trigger()
+
+    def _leave(self, node: Any) -> bool:
+        """Take a node out, also after the shutdown; return whether it was in."""
+        if node not in self._nodes:
+            return False
+        self._nodes.remove(node)
+        return True
 
     def wake(self) -> None:
         """Look for work again; the executor sees for itself what is new."""
@@ -203,7 +209,7 @@ class Executor(WorkFinding):
         return True
 
     def _goes_on(self, future: Future) -> bool:
-        return self._context.is_valid and not future._done and not self._is_shutdown
+        return self._context.is_valid and not future.is_over and not self._is_shutdown
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Run one callback, waiting for it `timeout_sec` seconds, or for ever."""
@@ -256,7 +262,7 @@ class Executor(WorkFinding):
         scheduler.count_call()
         deadline_ns = None if timeout_ns is None else scheduler.now_ns + timeout_ns
         while True:
-            if self._is_shutdown or (future is not None and future._done):
+            if self._is_shutdown or (future is not None and future.is_over):
                 return None
             task = self._from_batch()
             if task is not None:

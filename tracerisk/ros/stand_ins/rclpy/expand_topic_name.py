@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from ._name_rules import Fault, namespace_fault, node_name_fault, topic_name_fault
 
 
@@ -17,14 +15,14 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
     for given in (topic_name, node_name, node_namespace):
         if not isinstance(given, str):
             raise TypeError(f"name must be a str, not {type(given).__name__}")
-    faults: tuple[tuple[str, Fault | None], ...] = (
-        ("topic name", topic_name_fault(topic_name)),
-        ("node name", node_name_fault(node_name)),
-        ("node namespace", namespace_fault(node_namespace)),
+    faults: tuple[tuple[str, str, Fault | None], ...] = (
+        ("topic name", topic_name, topic_name_fault(topic_name)),
+        ("node name", node_name, node_name_fault(node_name)),
+        ("node namespace", node_namespace, namespace_fault(node_namespace)),
     )
-    for what, fault in faults:
+    for what, name, fault in faults:
         if fault is not None:
-            raise ValueError(f"{what} is invalid: {fault[0]}")
+            raise ValueError(f"{what} '{name}' is invalid: {fault[0]}")
     return expanded(topic_name, node_name, node_namespace)
 
 
@@ -42,7 +40,7 @@ def expanded(name: str, node_name: str, namespace: str) -> str:
         raise ValueError(f"unknown substitution in the name '{name}'; there are {known}")
     space = namespace.rstrip("/")
     if text.startswith("~"):
-        return f"{space}/{node_name}/{text[1:].lstrip('/')}".rstrip("/")
+        return f"{space}/{node_name}{text[1:]}"
     if text.startswith("/"):
-        return re.sub("/+", "/", text)
+        return text
     return f"{space}/{text}"

@@ -203,7 +203,7 @@ class Node(NodeEntities, NodeGraph, NodeParameters):
     def destroy_node(self) -> None:
         """Destroy all that the node has, and leave the executor."""
         if self._executor is not None:
-            self._executor.remove_node(self)
+            self._executor._leave(self)
             self._executor = None
         for kept in (getattr(self, name) for name in KEPT):
             for item in list(kept):

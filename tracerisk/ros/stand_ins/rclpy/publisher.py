@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from operator import attrgetter
 from typing import Any
 
 from tracerisk.ros.graph.runtime import current
@@ -35,6 +34,7 @@ class Publisher:
         given_name: str = "",
     ) -> None:
         self.msg_type = msg_type
+        self.topic = given_name or topic
         self.qos_profile = qos_profile
         self.event_callbacks = event_callbacks
         self.callback_group = callback_group
@@ -63,8 +63,6 @@ class Publisher:
         run().graph.carrier.pass_work("end")
         self._events.watch(topic)
         self._life.sign()
-
-    topic = property(attrgetter("_publication.topic"), doc="The topic's name.")
 
     @property
     def topic_name(self) -> str:

@@ -140,7 +140,7 @@ def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
 
 _DEFAULTS: dict[str, Any] = {
     "history": HistoryPolicy.SYSTEM_DEFAULT,
-    "depth": 0,
+    "depth": 10,
     "reliability": ReliabilityPolicy.RELIABLE,
     "durability": DurabilityPolicy.VOLATILE,
     "lifespan": Duration(),
@@ -225,6 +225,7 @@ def _accessor(name: str) -> property:
     def write(profile: Any, value: Any) -> None:
         kind = _KINDS.get(name)
         if kind is not None:
+            _assert(isinstance(value, int), name)
             value = kind(value)
         elif isinstance(_DEFAULTS[name], Duration):
             _assert(isinstance(value, Duration), name)

@@ -6,7 +6,6 @@ import inspect
 from collections import deque
 from collections.abc import Callable
 from enum import Enum
-from operator import attrgetter
 from typing import Any
 
 from tracerisk.ros.messages.ros2 import copy_message
@@ -50,6 +49,7 @@ class Subscription(Entity):
     ) -> None:
         super().__init__(node, callback_group)
         self.msg_type = msg_type
+        self.topic = given_name or topic
         self.qos_profile = qos_profile
         self.raw = raw
         self.event_callbacks = event_callbacks
@@ -96,8 +96,6 @@ class Subscription(Entity):
         except ValueError:
             # A function of C has no signature to read; it takes the message.
             return
-
-    topic = property(attrgetter("_topic"), doc="The topic's name.")
 
     @property
     def topic_name(self) -> str:

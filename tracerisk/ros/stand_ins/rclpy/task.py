@@ -38,7 +38,7 @@ class Future:
         self._left_ns: int | None = None
 
     def __await__(self) -> Generator[Any, None, Any]:
-        while not self._done:
+        while not self.is_over:
             asyncio = sys.modules.get("asyncio")
             if asyncio is None or asyncio._get_running_loop() is None:
                 yield self
@@ -57,6 +57,13 @@ class Future:
     def cancelled(self) -> bool:
         """Return whether the future was cancelled."""
         return self._cancelled
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nobody waits for it any more; one that was cancelled may be awaited on."""
+        return self._done or (
+            self._cancelled and bool(run().runtime.distro.value("cancelled-future-is-over"))
+        )
 
     def done(self) -> bool:
         """Return whether the future is complete."""
@@ -111,7 +118,7 @@ class Future:
 
     def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
         """Call `callback` with the future when it is complete: at once if it is."""
-        if not self._done:
+        if not self.is_over:
             self._callbacks.append(callback)
         elif self._executor is not None:
             _schedule(self._executor, callback, self)
@@ -218,7 +225,7 @@ class Task(Future):
         if self._done or self._executing or self._is_submitted or self._cancelled:
             return False
         waits_on = self._waits_on
-        return waits_on._done if isinstance(waits_on, Future) else True
+        return waits_on.is_over if isinstance(waits_on, Future) else True
 
     def _complete(self, result: Any, error: BaseException | None) -> None:
         self._handler = None
