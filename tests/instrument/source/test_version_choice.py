@@ -26,6 +26,34 @@ def test_the_imports_decide(tmp_path, source, expected):
     assert ros_version(script, tmp_path) == expected
 
 
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        ("#include <rclcpp/rclcpp.hpp>\n", 2),
+        ('#include "rclcpp_action/client.hpp"\n', 2),
+        ("#include <trajectory_msgs/msg/joint_trajectory.hpp>\n", 2),
+        (
+            "#include <ros/ros.h>\n#include <moveit/move_group_interface/move_group_interface.h>\n",
+            1,
+        ),
+        ("#include <trajectory_msgs/JointTrajectory.h>\n", 1),
+        ("// #include <rclcpp/rclcpp.hpp>\n#include <vector>\n", 1),
+    ],
+)
+def test_the_headers_of_a_compiled_node_decide(tmp_path, source, expected):
+    script = tmp_path / "arm.cpp"
+    script.write_text(source)
+    assert ros_version(script, tmp_path) == expected
+
+
+def test_the_build_of_a_compiled_node_decides_where_its_headers_do_not(tmp_path):
+    script = tmp_path / "arm.cpp"
+    script.write_text('#include "arm.hpp"\n')
+    manifest = tmp_path / "package.xml"
+    manifest.write_text("<package><buildtool_depend>ament_cmake</buildtool_depend></package>\n")
+    assert ros_version(script, tmp_path) == 2
+
+
 def test_modules_of_the_workspace_decide_where_the_script_does_not(tmp_path):
     package = tmp_path / "arm" / "arm"
     package.mkdir(parents=True)

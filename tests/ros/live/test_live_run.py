@@ -155,7 +155,8 @@ def test_nothing_is_written_by_a_live_run_itself():
     [
         (("run", "steps.py", "--speed", "2"), "--speed goes with --live"),
         (("run", "steps.py", "--live", "--check"), "--check goes with runs that can be repeated"),
-        (("trace", "two.py", "--live"), "is written for ROS 2; --live runs controllers of ROS 1"),
+        (("trace", "two.py", "--live"), "is written for ROS 2, and --live runs nodes of ROS 1"),
+        (("run", "two.cpp", "--live", "--", "true"), "annotate two.cpp --log LOG"),
         (("trace", "steps.py", "--live", "--sandbox", "require"), "the sandbox is required"),
         (("attach",), "--robot is missing"),
     ],
@@ -164,6 +165,7 @@ def test_what_does_not_go_together_is_said(tmp_path, example_in, arguments, mess
     example = example_in(tmp_path)
     example.write("steps.py", PROGRAM)
     example.write("two.py", "import rclpy\n")
+    example.write("two.cpp", "#include <rclcpp/rclcpp.hpp>\nint main() { return 0; }\n")
     done = example.run(*arguments)
     assert done.code == 2
     assert message in " ".join(done.err.split())

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Literal
 
 from tracerisk.common.text.bounded import file_bytes, file_text
+from tracerisk.instrument.source.c_tokens import names_included
 from tracerisk.instrument.source.dotted_names import imports_in
+from tracerisk.instrument.source.language import is_c
 from tracerisk.instrument.source.python_source import parsed
 
 RosVersion = Literal[1, 2]
@@ -29,6 +31,7 @@ _ROS1 = re.compile(
 # `from control_msgs.action import ...`: ROS 1 has actions in `msg`. A folder of a ROS 1 program
 # may have that name too, so that it decides only where nothing else does.
 _ACTIONS = re.compile(r"\w+\.action(\..*)?")
+_ROS2_HEADER = re.compile(rb"rclc(?:pp)?(?:_\w+)?/|\w+/(?:msg|srv|action)/")
 _BUILT_BY = re.compile(r"<(?:build_type|buildtool_depend)\b[^>]*>\s*(ament|catkin)\w*\s*<")
 _IMPORT = re.compile(r"\s*(?:from\s+([\w.]+)\s+import|import\s+([\w., ]+))")
 
@@ -38,8 +41,10 @@ def ros_version(script: Path, root: Path) -> RosVersion:
 
     The script comes first, then the modules below `root` that it imports, the nearest first.
     If it imports neither, the build tool of its package decides; without one it is of ROS 1, whose
-    message packages take more forms of call.
+    message packages take more forms of call. A source in C or C++ says it by its headers.
     """
+    if is_c(script.name):
+        return _version_of_headers(names_included(file_bytes(script)), root)
     waiting, seen = deque([script]), {script}
     while waiting:
         path = waiting.popleft()
@@ -57,6 +62,13 @@ def ros_version(script: Path, root: Path) -> RosVersion:
                     seen.add(result)
                     waiting.append(result)
     return 2 if _is_built_by_ament(root) else 1
+
+
+def _version_of_headers(names: Sequence[bytes], root: Path) -> RosVersion:
+    if any(_ROS2_HEADER.match(name) for name in names):
+        return 2
+    is_ros1 = any(name.startswith(b"ros/") for name in names)
+    return 2 if not is_ros1 and _is_built_by_ament(root) else 1
 
 
 def _is_built_by_ament(root: Path) -> bool:

@@ -47,7 +47,13 @@ def trace_live(controller: Controller, settings: Settings, options: RunOptions) 
     """
     if controller.ros_version == 2:
         raise InputError(
-            "is written for ROS 2; --live runs controllers of ROS 1, on rospy",
+            "is written for ROS 2, and --live runs nodes of ROS 1; "
+            + (
+                "leave out --live: a run on the stand-ins needs no ROS and follows its rules"
+                if controller.is_python
+                else "let the node log its functions on a robot or in a simulation, and give "
+                f"the log by `tracerisk annotate {controller.path} --log LOG`"
+            ),
             Location(str(controller.path)),
         )
     if settings.limits.sandbox.mode == "require":
