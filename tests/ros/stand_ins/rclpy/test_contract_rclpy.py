@@ -289,3 +289,77 @@ def test_spin_once_runs_one_callback_and_waits_no_longer_than_it_may(run_ros2):
         return one, seen, round((node.get_clock().now().nanoseconds - start) / 1e9, 2)
 
     assert run_ros2(main) == (["a"], ["a", "b"], 0.3)
+
+
+@pytest.mark.parametrize(("distro", "waited_s"), [("humble", 0.5), ("jazzy", 0.0)])
+def test_who_spins_for_a_cancelled_future_waits_on_in_humble(run_ros2, distro, waited_s):
+    """task.py and executors.py of jazzy (7.1.5) and humble."""
+
+    def main():
+        import time
+
+        import rclpy
+
+        rclpy.init()
+        node, future, late = rclpy.create_node("arm"), rclpy.Future(), []
+        future.cancel()
+        future.add_done_callback(late.append)
+        before = time.monotonic()
+        rclpy.spin_until_future_complete(node, future, timeout_sec=0.5)
+        return time.monotonic() - before, late == [future], future.cancelled(), future.done()
+
+    took_s, was_called, *states = run_ros2(main, distro=distro)
+    assert took_s == pytest.approx(waited_s, abs=0.05)
+    assert was_called == (distro == "jazzy")
+    assert states == [True, False]
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+def test_an_execute_callback_without_a_result_fails_where_it_is_sent(run_ros2, distro):
+    """rclpy/action/server.py, and rosidl_generator_py `_msg.py.em` of humble and jazzy."""
+
+    def main():
+        import rclpy
+        from control_msgs.action import GripperCommand
+        from rclpy.action import ActionClient, ActionServer
+
+        rclpy.init()
+        node = rclpy.create_node("arm")
+        ActionServer(node, GripperCommand, "grip", lambda handle: handle.succeed())
+        client = ActionClient(node, GripperCommand, "grip")
+        client.wait_for_server()
+        client.send_goal_async(GripperCommand.Goal())
+        try:
+            while True:
+                rclpy.spin_once(node, timeout_sec=0.1)
+        except (AssertionError, AttributeError) as error:
+            return type(error).__name__, str(error)
+
+    humble = "The 'result' field must be a sub message of type 'GripperCommand_Result'"
+    expected = {
+        "humble": ("AssertionError", humble),
+        "jazzy": ("AttributeError", "'NoneType' object has no attribute 'position'"),
+    }
+    assert run_ros2(main, distro=distro) == expected[distro]
+
+
+@pytest.mark.parametrize("distro", ["humble", "jazzy"])
+def test_a_callback_of_parameters_without_a_result_refuses_in_jazzy(run_ros2, distro):
+    """node.py of jazzy (7.1.5) and humble."""
+
+    def main():
+        import rclpy
+        from rclpy.parameter import Parameter
+
+        rclpy.init()
+        node = rclpy.create_node("arm")
+        node.declare_parameter("speed", 0.5)
+        node.add_on_set_parameters_callback(lambda parameters: None)
+        try:
+            answer = node.set_parameters([Parameter("speed", value=0.7)])[0]
+        except AttributeError:
+            return "AttributeError"
+        return answer.successful, answer.reason, node.get_parameter("speed").value
+
+    refused = (False, "Callback returned an invalid type", 0.5)
+    assert run_ros2(main, distro=distro) == ("AttributeError" if distro == "humble" else refused)
