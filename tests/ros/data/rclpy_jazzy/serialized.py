@@ -9,7 +9,7 @@ from geometry_msgs.msg import PoseStamped
 message = JointState(name=["a", "b"], position=[0.5, 1.5], velocity=[0.0, 1.0], effort=[2.0, 3.0])
 message.header.frame_id = "base"
 data = serialize_message(message)
-print(type(data).__name__, len(data), data.hex())
+print(type(data).__name__, len(data), data[:4].hex())
 print(deserialize_message(data, JointState) == message)
 print(get_message("std_msgs/msg/String") is String, get_service("std_srvs/srv/Trigger").__name__, get_action("control_msgs/action/GripperCommand").__name__)
 print(dict(message_to_ordereddict(message)))
@@ -38,4 +38,4 @@ publisher.publish(message)
 publisher.publish(data)
 for _ in range(10):
     rclpy.spin_once(node, timeout_sec=0.05)
-print(len(raw), type(raw[0]).__name__, deserialize_message(raw[0], JointState) == message, raw[0] == raw[1])
+print(len(raw), type(raw[0]).__name__, [deserialize_message(item, JointState) == message for item in raw])

@@ -19,8 +19,13 @@ PROGRAMS = Path(__file__).parents[2] / "data" / "rclpy_jazzy"
 NAMES = sorted(path.stem for path in PROGRAMS.glob("*.py"))
 OF_CYCLONE_DDS = frozenset({"deadline"})
 """What Fast DDS does otherwise: the order of events, and a lifespan that it does not keep."""
+RACES = frozenset({"signal_in_callback", "signal_main_spin", "signal_thread_spin"})
+"""What the real library ends in one way or another, by the thread that sees a signal first."""
+MOST_RACES = 8
 PYTHON = "RCLPY_PYTHON"
 """The variable that names the Python which has the real rclpy; else it is that of the PATH."""
+FIRST_DOMAIN = 60
+"""The domain of the first worker: programs that run side by side must not hear each other."""
 MOST_S = 120.0
 
 
@@ -64,14 +69,22 @@ def real_rclpy() -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(set(NAMES) - OF_CYCLONE_DDS))
 def test_a_program_still_prints_it_on_real_rclpy(name, real_rclpy):
-    alone = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_LOCALHOST_ONLY": "1"}
-    done = subprocess.run(
-        [real_rclpy, "-W", "ignore", f"{name}.py"],
-        cwd=PROGRAMS,
-        env={**os.environ, **alone},
-        capture_output=True,
-        text=True,
-        timeout=MOST_S,
-    )
+    worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+    alone = {
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_LOCALHOST_ONLY": "1",
+        "ROS_DOMAIN_ID": str(FIRST_DOMAIN + worker),
+    }
     recorded = (PROGRAMS / f"{name}.txt").read_text(encoding="utf-8")
-    assert done.stdout.splitlines() == recorded.splitlines(), done.stderr
+    for _ in range(MOST_RACES if name in RACES else 1):
+        done = subprocess.run(
+            [real_rclpy, "-W", "ignore", f"{name}.py"],
+            cwd=PROGRAMS,
+            env={**os.environ, **alone},
+            capture_output=True,
+            text=True,
+            timeout=MOST_S,
+        )
+        if done.stdout.splitlines() == recorded.splitlines():
+            return
+    pytest.fail(f"{done.stdout}\n{done.stderr}")
