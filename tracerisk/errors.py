@@ -12,6 +12,8 @@ import signal
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
+_MOST_NAMES = 50
+
 
 class ExitCode(enum.IntEnum):
     """Exit codes of the command `tracerisk`."""
@@ -290,9 +292,15 @@ def file_limited() -> MachineError:
 
 
 def one_of(names: Iterable[str], found: str | None = None) -> str:
-    """Return `allowed: a, b, c`, led by the nearest name to `found` where one is near."""
+    """Return `allowed: a, b, c`, led by the nearest name to `found` where one is near.
+
+    Of more than 100 names the first 50 stand there.
+    """
     ordered = sorted(names)
-    text = "allowed: " + (", ".join(ordered) if ordered else "none")
+    shown = ordered if len(ordered) <= 2 * _MOST_NAMES else ordered[:_MOST_NAMES]
+    text = "allowed: " + (", ".join(shown) if shown else "none")
+    if len(shown) < len(ordered):
+        text += f" and {len(ordered) - len(shown):,} more"
     near = []
     if found is not None:
         from difflib import get_close_matches

@@ -158,3 +158,11 @@ def test_the_time_of_reading_grows_with_the_number_of_parts(tmp_path):
 
     seconds(10)
     assert seconds(1_000) < 12 * seconds(200)
+
+
+def test_of_thousands_of_names_a_message_lists_the_nearest_and_some(tmp_path):
+    path = tmp_path / "many.sysml"
+    path.write_text("\n".join(f"part def P{i};" for i in range(3_000)) + "\npart a : P2999x;\n")
+    with pytest.raises(HardwareError, match=r"did you mean 'P2999'.* and 2,95[0-9] more") as caught:
+        read_sysml(path)
+    assert len(str(caught.value)) < 600
