@@ -102,7 +102,7 @@ def test_the_gripper_moves_and_is_reported_to_be_assumed(trace):
         (b"NAME = '/hand/over'", False),
         (b"SAY = 'the gripper is not here'", False),
         (b"handler = 'handle'", False),
-        (b"print 'gripper'", False),
+        (b"GROUP = = 'gripper'", False),
     ],
 )
 def test_a_gripper_is_asked_for_by_its_names_and_not_in_prose(source: bytes, asks: bool):
