@@ -21,11 +21,15 @@ NAMES = frozenset(
 """Built-in functions and types that only Python 2 has."""
 METHODS = frozenset({"has_key", "iteritems", "iterkeys", "itervalues"})
 """Methods of dictionaries that only Python 2 has."""
-_VERSIONS = frozenset({"PY2", "PY3", "TYPE_CHECKING", "python_version", "version", "version_info"})
+_VERSIONS = frozenset(
+    {"PY2", "PY3", "TYPE_CHECKING", "hexversion", "python_version", "version", "version_info"}
+)
 
 
-_INTERPRETER = re.compile(r"#!.*\bpython2")
-_WORDS = re.compile(rf"^#!.*python2|\b({'|'.join(sorted(MODULES | NAMES | METHODS))})\b")
+_INTERPRETER = re.compile(r"#!.*\bpython([23])")
+_WORDS = re.compile(
+    rf"^#!.*python2|\b({'|'.join(sorted(MODULES | NAMES | METHODS))})\b|\bprint\s*>>"
+)
 
 
 def may_be_python_2(text: str) -> bool:
@@ -36,11 +40,14 @@ def may_be_python_2(text: str) -> bool:
 def shows_python_2(tree: ast.AST, text: str) -> bool:
     """Return whether a source uses something that Python 3 lacks.
 
-    The interpreter that its first line names shows it too. A module imported where the failure is
+    The interpreter that its first line names decides. A module imported where the failure is
     caught, or a name that the source gives itself, counts for nothing: such a source serves both.
     """
+    interpreter = _INTERPRETER.match(text)
+    if interpreter is not None:
+        return interpreter[1] == "2"
     given = _given(tree)
-    return _INTERPRETER.match(text) is not None or any(
+    return any(
         _is_sign(node, given) for node, is_guarded in walk_with_guards(tree) if not is_guarded
     )
 
@@ -100,6 +107,10 @@ def walk_with_guards(tree: ast.AST) -> list[tuple[ast.AST, bool]]:
             waiting += [(child, is_asked) for child in (*node.body, *node.orelse)]
             waiting.append((node.test, is_guarded))
             continue
+        if isinstance(node, ast.IfExp):
+            is_asked = is_guarded or _asks_for_version(node.test)
+            waiting += [(node.body, is_asked), (node.orelse, is_asked), (node.test, is_guarded)]
+            continue
         waiting += [(child, is_guarded) for child in ast.iter_child_nodes(node)]
     return pairs
 
@@ -139,5 +150,13 @@ def _is_sign(node: ast.AST, given: set[str]) -> bool:
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
         return node.id in NAMES and node.id not in given
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
-        return node.func.attr in METHODS
-    return False
+        name = node.func.attr
+        # `six.iteritems(d)` serves both: the method itself takes nothing, or the key asked for.
+        return name in METHODS - given and len(node.args) == (name == "has_key")
+    # To Python 3 `print >>stream, x` shifts a function, which fails when it runs.
+    return (
+        isinstance(node, ast.BinOp)
+        and isinstance(node.op, ast.RShift)
+        and isinstance(node.left, ast.Name)
+        and node.left.id == "print"
+    )
