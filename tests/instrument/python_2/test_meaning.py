@@ -67,6 +67,12 @@ PRINTED = {
         "def two():\n    yield 1\n    yield 2\n    raise StopIteration\nprint list(two())",
         "[1, 2]",
     ),
+    "generators that end with what they go through": (
+        "def all_of(values):\n    'Doc.'\n    values = iter(values)\n    while True:\n        yield values.next()\n"
+        "def caught():\n    try:\n        yield 1\n        raise StopIteration\n    except Exception:\n        yield 2\n"
+        "print list(all_of('ab')), all_of.__doc__, list(caught())",
+        "['a', 'b'] Doc. [1, 2]",
+    ),
     "exceptions that are unpacked": (
         "class A: pass\na = A()\ntry:\n    raise IOError(2, 'gone')\n"
         "except (OSError, IOError), (number, text):\n    if number: print number, text\n"
@@ -122,11 +128,32 @@ PRINTED = {
         "print 'a'.encode('hex'), '61'.decode('hex'), u'\\xe9'.encode('utf-8') == u'\\xe9', b'\\xe9' == '\\xe9', ord(u'a')",
         "61 a True True 97",
     ),
+    "letters in the place of others": (
+        "import string\nswapped = string.maketrans('ab', 'xy')\n"
+        "print 'abc'.translate(None, 'b'), 'abc'.translate(swapped, 'c'), string.translate('abc', swapped)",
+        "ac xy xyc",
+    ),
     "all of a module in a function": (
         "def f():\n    from math import *\n    return floor(7 / 2)\nprint f()",
         "3.0",
     ),
     "tabs": ("if 1:\n\tx = 1\n        y = '''\n\ta'''\n\tprint x, repr(y)", "1 '\\n\\ta'"),
+}
+
+
+REFUSED = {
+    "a range to a float": "range(7 / 2.0)",
+    "a lazy range to a float": "xrange(3.0)",
+    "a text that is rounded": "round('2.5')",
+    "sets have no order with numbers": "set() < 3",
+    "dates have no order with numbers": "import datetime\nsorted([datetime.date(2020, 1, 1), 3])",
+    "complex numbers have no order": "cmp(1j, 2)",
+    "times have no order with numbers": "from tracerisk.ros.time.rostime import Time\nTime(1) > 0.5",
+    "what a class refuses": (
+        "class A(object):\n    def __cmp__(self, other): raise TypeError('no')\nmax(3, A())"
+    ),
+    "letters that the encoding lacks": "u'\\xe9'.encode('ascii')",
+    "bytes that the encoding lacks": "'\\xe9'.decode('us-ascii')",
 }
 
 
@@ -148,6 +175,12 @@ def test_a_source_prints_what_it_prints_in_python_2(name, tmp_path, capsys):
     source, expected = PRINTED[name]
     run(tmp_path, source)
     assert capsys.readouterr().out == f"{expected}\n"
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_python_2_refuses_is_refused(name, tmp_path):
+    with pytest.raises((TypeError, UnicodeError)):
+        run(tmp_path, f"print 'begun'\n{REFUSED[name]}")
 
 
 def test_input_is_evaluated_and_raw_input_is_not(tmp_path, capsys, monkeypatch):

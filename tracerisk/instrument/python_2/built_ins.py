@@ -106,8 +106,8 @@ def lazy_range(*bounds: Any) -> range:
 
 
 def _whole(value: Any) -> Any:
-    # Python 2 warns and cuts a float there.
-    return int(value) if isinstance(value, float) else value
+    # Python 2 refuses floats alone: it takes for whole what can be made so, of NumPy for instance.
+    return int(value) if hasattr(value, "__int__") and not isinstance(value, float) else value
 
 
 def mapped(function: Callable[..., Any] | None, *values: Iterable[Any]) -> list[Any]:
@@ -133,6 +133,8 @@ def zipped(*values: Iterable[Any]) -> list[tuple[Any, ...]]:
 
 def rounded(number: Any, digits: int = 0) -> Any:
     """Return a number rounded half away from zero, as a float."""
+    if isinstance(number, str):
+        raise TypeError("a float is required")
     value = float(number)
     if not math.isfinite(value):
         return value

@@ -7,7 +7,7 @@ import types
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from tracerisk.instrument.python_2.operators import divided, to_bytes, to_text
+from tracerisk.instrument.python_2.operators import divided, to_bytes, to_text, translated
 
 RENAMED: Mapping[str, Sequence[str]] = {
     "BaseHTTPServer": ("http.server",),
@@ -94,6 +94,7 @@ def _string() -> dict[str, Any]:
         "letters": string.ascii_lowercase + string.ascii_uppercase,
         "lowercase": string.ascii_lowercase,
         "maketrans": str.maketrans,
+        "translate": translated,
         "uppercase": string.ascii_uppercase,
     }
 

@@ -30,7 +30,7 @@ CLASS = "__tracerisk_class__"
 ATTRIBUTES = frozenset(
     {
         *("has_key", "iteritems", "iterkeys", "itervalues", "viewitems", "viewkeys", "viewvalues"),
-        *("keys", "values", "items", "next", "sort", "message", "decode", "encode"),
+        *("keys", "values", "items", "next", "sort", "message", "decode", "encode", "translate"),
         *("func_name", "func_code", "func_defaults", "func_globals", "func_doc", "func_dict"),
         *("im_func", "im_self", "im_class", "maxint", "setdefaultencoding", "exc_clear"),
         *(
@@ -92,24 +92,22 @@ class _Meaning(ast.NodeTransformer):
         self._divides = divides
         self._is_class = False
         self._in_comprehension = False
-        self._in_generator = False
         self._number = 0
         self._unpacked: list[ast.expr] = []
         """What the present `except` clause unpacks the exception into; nothing for a name."""
 
     def generic_visit(self, node: ast.AST) -> ast.AST:
-        before = self._is_class, self._in_comprehension, self._in_generator
+        before = self._is_class, self._in_comprehension
         if isinstance(node, ast.ClassDef):
             self._is_class, self._in_comprehension = True, False
         elif isinstance(node, ast.FunctionDef | ast.Lambda):
             self._is_class = self._in_comprehension = False
-            self._in_generator = isinstance(node, ast.FunctionDef) and is_lazy(node)
         elif isinstance(node, _COMPREHENSIONS):
             self._in_comprehension = True
         try:
             return super().generic_visit(node)
         finally:
-            self._is_class, self._in_comprehension, self._in_generator = before
+            self._is_class, self._in_comprehension = before
 
     # --- operators
 
@@ -208,13 +206,6 @@ class _Meaning(ast.NodeTransformer):
         node.body.insert(0, self._like(ast.Assign([kept], caught), node.body[0]))
         return node
 
-    def visit_Raise(self, node: ast.Raise) -> ast.AST:
-        """Make the StopIteration of a generator its end; in Python 3 it is a RuntimeError."""
-        raised = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
-        if self._in_generator and isinstance(raised, ast.Name) and raised.id == "StopIteration":
-            return self._like(ast.Return(None), node)
-        return self.generic_visit(node)
-
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
         tuples = [arg for arg in node.args.args if arg.arg.startswith(TUPLE_PARAMETER)]
         assigned = []
@@ -226,7 +217,17 @@ class _Meaning(ast.NodeTransformer):
         self.generic_visit(node)
         begin = 1 if ast.get_docstring(node, clean=False) is not None else 0
         node.body[begin:begin] = assigned
+        if is_lazy(node):
+            node.body[begin:] = [self._ended_by_stop_iteration(node.body[begin:])]
         return node
+
+    def _ended_by_stop_iteration(self, body: list[ast.stmt]) -> ast.stmt:
+        """Make a StopIteration the end of a generator; in Python 3 it is a RuntimeError."""
+        last = body[-1]
+        kind = self._like(ast.Name("StopIteration", ast.Load()), last)
+        end = self._like(ast.Return(None), last)
+        handler = self._like(ast.ExceptHandler(kind, None, [end]), last)
+        return self._like(ast.Try(body, [handler], [], []), body[0])
 
     def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST:
         self.generic_visit(node)

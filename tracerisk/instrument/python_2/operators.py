@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import datetime as dt
 import functools
 import operator
 import sys
@@ -17,6 +18,7 @@ _LESS: dict[str, Callable[[Any, Any], Any]] = {
     ">=": operator.ge,
 }
 _NUMBERS = (int, float)
+_UNORDERED = (complex, set, frozenset, dt.date, dt.time, dt.timedelta)
 _OF_BYTES = {"hex": "hex", "hex_codec": "hex", "base64": "base64", "zip": "zlib", "zlib": "zlib"}
 _INSTEAD = {
     "func_name": "__name__",
@@ -59,6 +61,9 @@ def compared(sign: str, left: Any, right: Any) -> Any:
 
     None is below all, then come numbers; others go by the name of their type. Where Python 2 goes
     by the address in memory, both are equal.
+
+    Raises:
+        TypeError: a type of the two has no order with others there either.
     """
     try:
         return _LESS[sign](left, right)
@@ -73,7 +78,12 @@ def ordered(left: Any, right: Any) -> int:
             return 0
         return -1 if left < right else 1
     except TypeError:
-        pass
+        if isinstance(left, _UNORDERED) or isinstance(right, _UNORDERED):
+            raise
+    for one, other, sign in ((left, right, 1), (right, left, -1)):
+        compare = getattr(type(one), "__cmp__", None)
+        if compare is not None and (result := compare(one, other)) is not NotImplemented:
+            return sign * int(result)
     if isinstance(left, list | tuple) and type(left) is type(right):
         for one, other in zip(left, right, strict=False):
             if (result := ordered(one, other)) != 0:
@@ -170,7 +180,7 @@ def _coding(value: Any, name: str) -> Any:
     if not isinstance(value, str):
         return NotImplemented
 
-    def coded(encoding: str = "ascii", errors: str = "strict") -> str:
+    def coded(encoding: str = "utf-8", errors: str = "strict") -> str:
         codec = _OF_BYTES.get(encoding.replace("-", "_"))
         if codec is not None:
             code = codecs.encode if name == "encode" else codecs.decode
@@ -181,12 +191,25 @@ def _coding(value: Any, name: str) -> Any:
             if name == "encode":
                 return value.encode("unicode_escape").decode("ascii")
             return value.encode("latin-1", "backslashreplace").decode("unicode_escape")
-        codecs.lookup(encoding)
+        if codecs.lookup(encoding).name == "ascii" and errors == "strict":
+            if name == "encode":
+                return value.encode("ascii").decode()
+            return str(to_bytes(value).decode("ascii"))
         if errors in ("ignore", "replace"):
             return value.encode(encoding, errors).decode(encoding)
         return value
 
     return coded
+
+
+def translated(text: str, table: Any, deleted: str = "") -> str:
+    """Return a text without some characters, and with those of a table in the place of others."""
+    kept = text.translate(dict.fromkeys(map(ord, deleted)))
+    return kept if table is None else kept.translate(table)
+
+
+def _translating(value: Any, _: str) -> Any:
+    return functools.partial(translated, value) if isinstance(value, str) else NotImplemented
 
 
 def _array_of_text(value: Any, _: str) -> Any:
@@ -209,6 +232,7 @@ _SPECIAL: dict[str, Callable[[Any, str], Any]] = {
     "sort": _sorting,
     "encode": _coding,
     "decode": _coding,
+    "translate": _translating,
     "fromstring": _array_of_text,
 }
 

@@ -94,6 +94,11 @@ class TVal:
     def __ge__(self, other: Any) -> bool:
         return self.to_nsec() >= other.to_nsec() if self._comparable(other) else NotImplemented
 
+    def __cmp__(self, other: Any) -> int:
+        if not self._comparable(other):
+            raise TypeError(f"cannot compare to non-{_kind(self).__name__}")
+        return int(self > other) - int(self < other)
+
     def _comparable(self, other: object) -> bool:
         return isinstance(other, _kind(self))
 
