@@ -119,6 +119,30 @@ def test_an_older_one_of_ros_1_is_taken_as_noetic(chosen, written):
     assert (choice.name, choice.is_assumed) == ("noetic", True)
 
 
+@pytest.mark.parametrize(
+    ("image", "line", "is_older"),
+    [
+        ("", "print 'up'", True),
+        ("", "print('up')", False),
+        ("melodic", "print 'up'", True),
+        ("melodic", "print('up')", True),
+        ("melodic", "print(f'up {1}')", False),
+        ("noetic", "print 'up'", False),
+        ("noetic", "print('up')", False),
+    ],
+)
+def test_what_noetic_cannot_run_or_an_older_one_is_named_for_precedes_it(
+    chosen, image, line, is_older
+):
+    files = {"Dockerfile": f"FROM ros:{image}\n"} if image else {}
+    choice = chosen(files, script=f"import rospy\n{line}\n")
+    assert (choice.name, choice.precedes_noetic) == ("noetic", is_older)
+    if not image and is_older:
+        expected = "ros_distro: noetic, the nearest that is served to arm.py, which is Python 2"
+        assert choice.assumption == expected
+    assert not chosen(files, script=f"import rospy\n{line}\n", ros_distro="noetic").precedes_noetic
+
+
 def test_the_installed_ros_decides_where_the_workspace_is_silent(chosen, tmp_path):
     choice = chosen(installed=["humble", "noetic"])
     assert (choice.name, choice.found_in) == ("humble", str(tmp_path / "installed" / "humble"))
@@ -182,6 +206,26 @@ def test_the_settings_name_the_release_of_moveit(tmp_path, release, end, codes):
     given = {"moveit_release": release, "ros_distro": "noetic"}
     trace = trace_controller(controller, controller.settings_with(given))
     assert trace.end.cause == end
+    found = [reason.code for reason in trace.verdict.reasons if reason.code != "never-ran"]
+    assert found == codes
+
+
+@pytest.mark.parametrize(
+    ("words", "codes"),
+    [("print 'planned'", []), ("print('planned')", ["distro-assumed"] * 4)],
+)
+def test_nothing_is_assumed_for_what_melodic_did_in_a_program_of_python_2(tmp_path, words, codes):
+    steps = (
+        "plan = arm.plan(arm.get_current_joint_values())",
+        "arm.execute(plan)",
+        "arm.execute(plan_msg=plan)",
+        JUMP,
+        words,
+    )
+    (tmp_path / "a.py").write_text(quick_controller(*steps))
+    controller = load_controller(tmp_path / "a.py")
+    trace = trace_controller(controller, controller.settings)
+    assert trace.end.cause == "ended"
     found = [reason.code for reason in trace.verdict.reasons if reason.code != "never-ran"]
     assert found == codes
 

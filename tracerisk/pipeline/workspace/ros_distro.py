@@ -6,12 +6,14 @@ import itertools
 import os
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.common.text.bounded import file_text, regular_file
 from tracerisk.config import RosDistro, Settings
 from tracerisk.errors import SettingsError
+from tracerisk.instrument.source.python_2 import is_only_python_3
+from tracerisk.instrument.source.python_source import is_python_2
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE
@@ -56,6 +58,8 @@ class DistroChoice:
     """Where it was found, or why it is assumed, in words."""
     is_assumed: bool = False
     """Whether nothing says so: nobody names one, several are named alike, or one not served."""
+    precedes_noetic: bool = False
+    """Whether the controller is for a ROS 1 before Noetic, as far as anything says."""
 
     @property
     def assumption(self) -> str:
@@ -104,7 +108,17 @@ def choose_distro(
     if not mentions:
         sourced = _of_installed(environment, installed)
         mentions = [mention for mention in sourced if mention.name in _SERVED[ros]]
-    return _weighed(ros, mentions)
+    choice = _weighed(ros, mentions)
+    if ros == 2 or not choice.is_assumed or not controller.is_python:
+        return choice
+    if is_python_2(controller.source):
+        of_source = f"the nearest that is served to {controller.file}, which is Python 2"
+        found_in = choice.found_in if mentions else of_source
+        return replace(choice, found_in=found_in, precedes_noetic=True)
+    # All that is named is older, but nothing runs there that Python 2 cannot read.
+    tree = controller.tree
+    is_older = bool(mentions) and tree is not None and not is_only_python_3(tree)
+    return replace(choice, precedes_noetic=is_older)
 
 
 def _weighed(ros: RosVersion, mentions: list[_Mention]) -> DistroChoice:

@@ -20,15 +20,19 @@ class DistroRules:
 
     `name` is that distribution. `report` gets the words, the place and the rule where a rule
     decided something that another distribution would have decided otherwise; it is `None` where
-    nothing is assumed, so that nobody has to know.
+    nothing is assumed, so that nobody has to know. `precedes_noetic` says that the program is for
+    an older ROS 1, for which Noetic stands.
     """
 
     def __init__(
         self,
         name: RosDistro = "jazzy",
         report: Callable[[str, Location | None, str], None] | None = None,
+        *,
+        precedes_noetic: bool = False,
     ) -> None:
         self.name = name
+        self.precedes_noetic = precedes_noetic
         self._report = report
         self._reported: set[tuple[str, Location | None]] = set()
 

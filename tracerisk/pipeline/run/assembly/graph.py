@@ -161,7 +161,8 @@ def _distro_of(request: RunRequest, recorder: Recorder) -> DistroRules:
     def report(words: str, location: Location | None, rule: str) -> None:
         recorder.finding("distro_assumed", words, location, object_name=rule)
 
-    return DistroRules(request.distro.name, report)
+    is_older = request.distro.precedes_noetic
+    return DistroRules(request.distro.name, report, precedes_noetic=is_older)
 
 
 def _note_given(recorder: Recorder, scenario: Scenario) -> None:

@@ -66,12 +66,14 @@ class PlanResult(tuple[bool, Any, float, Any]):
 
 
 def _take_as_older_plan(attribute: str) -> None:
-    """Report that a plan was read as before Noetic.
+    """Report that a plan was read as before Noetic, unless the controller is known to be for that.
 
     Raises:
         AttributeError: the controller is known to be for Noetic.
     """
     distro = current().distro
+    if distro.precedes_noetic:
+        return
     if distro.value("plan-is-tuple") and not distro.is_assumed:
         raise AttributeError(f"'tuple' object has no attribute '{attribute}'")
     server().execution.report(
@@ -85,6 +87,8 @@ def _take_as_older_plan(attribute: str) -> None:
 
 _SETTLED = "; moveit_release in [tool.tracerisk] names the release that runs, ros_distro does not"
 """How a user settles which release of MoveIt a call is for."""
+_BEFORE_NOETIC = (1, 0)
+"""The last releases of MoveIt before those for Noetic, which begin with 1.1."""
 
 
 def _path_arguments(*given: Any, **named: Any) -> tuple[Any, Any]:
@@ -116,7 +120,8 @@ def _path_arguments(*given: Any, **named: Any) -> tuple[Any, Any]:
 def _moveit_release() -> tuple[int, ...] | None:
     """Return the release of MoveIt: of the settings, else of the moveit_commander that is here.
 
-    `None` where nothing names it.
+    Where neither names one, it is the last that a ROS 1 before Noetic had, for a program for such a
+    one, else `None`.
     """
     runtime = current()
     text = "" if runtime.moveit_release is None else f"<version>{runtime.moveit_release}"
@@ -125,7 +130,9 @@ def _moveit_release() -> tuple[int, ...] | None:
         with contextlib.suppress(OSError):
             text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
     matched = re.search(r"<version>\s*(\d+)\.(\d+)\.(\d+)", text)
-    return None if matched is None else tuple(map(int, matched.groups()))
+    if matched is None:
+        return _BEFORE_NOETIC if runtime.distro.precedes_noetic else None
+    return tuple(map(int, matched.groups()))
 
 
 def _take_as_older(call: str, words: str, until: tuple[int, ...]) -> bool:
