@@ -93,6 +93,13 @@ PRINTED = {
         "def f((a, (b, c)), d=1):\n    '''Doc.'''\n    return a, b, c, d\nprint f((1, (2, 3))), f.__doc__, map(lambda (a, b): a + b, [(1, 2)])",
         "(1, 2, 3, 1) Doc. [3]",
     ),
+    "tuple parameters of lambdas": (
+        "class P: k = 7\n"
+        "print reduce(lambda n, (a, b): n + a * b, [(1, 2), (3, 4)], 0), (lambda (k, p): (p.k <> k, `p.k / 2`))((1, P()))\n"
+        "print (lambda (a, (b, c)), (d,), e=5: dict(a=a, e=b + c + d + e))((1, (2, 3)), (4,)), map(lambda (x): x, [(1,)]), map(lambda ((x, y)): y, [(1, 2)])\n"
+        "print map(lambda (a, b): (lambda (c, d): a + d)((0, b)), [(1, 2)])",
+        "14 (True, '3')\n{'a': 1, 'e': 14} [(1,)] [2]\n[3]",
+    ),
     "new keywords as names": ("def f(async=1):\n    return async\nprint f(async=3)", "3"),
     "classes": (
         "class N:\n    def __init__(self, n): self.n = n\n    def next(self):\n"

@@ -2,8 +2,8 @@
 
 Only the syntax is converted here. What the same syntax means differently, `7 / 2` for instance, is
 the matter of `instrument/python_2`. Two things go there in a form that Python 2 itself has not: a
-parameter that is a tuple is a name whose annotation is the tuple, and what an `except` clause
-unpacks an exception into is the second argument of a call that names the exception.
+parameter of a `def` that is a tuple is a name whose annotation is the tuple, and what an `except`
+clause unpacks an exception into is the second argument of a call that names the exception.
 """
 
 from __future__ import annotations
@@ -24,10 +24,7 @@ TUPLE_PARAMETER = "tracerisk_tuple_"
 UNPACKED = "tracerisk_unpacked_"
 """The name of the call in an `except` clause, and how the name begins that it binds."""
 
-_FIXERS = (
-    *("except", "exec", "ne", "numliterals", "paren", "print", "raise", "repr", "throw"),
-    "tuple_params",
-)
+_FIXERS = (*("except", "exec", "ne", "numliterals", "paren", "print", "raise", "repr", "throw"),)
 _NEW_KEYWORDS = frozenset({"async", "await", "nonlocal"})
 _FIRST_TAB = re.compile(r"^[ \f]*\t", re.MULTILINE)
 _INDENT = re.compile(r"[ \t]*")
@@ -99,6 +96,7 @@ def _tool() -> RefactoringTool:
                 elif leaf.type == token.STRING:
                     leaf.value = _string(leaf.value, is_unicode=is_unicode)
             _name_tuples(tree)
+            _name_tuples_of_lambdas(tree)
             _star_imports(tree)
             _name_unpacked(tree)
             return bool(super().refactor_tree(tree, name))
@@ -148,6 +146,29 @@ def _name_tuples(tree: Any) -> None:
     ):
         pattern = str(node).strip()
         node.replace(Leaf(token.NAME, f"{TUPLE_PARAMETER}{number}: {pattern}", prefix=node.prefix))
+
+
+def _name_tuples_of_lambdas(tree: Any) -> None:
+    """Make each parameter of a lambda that is a tuple a name, which a comprehension unpacks."""
+    from fissix.pgen2 import token
+    from fissix.pygram import python_symbols as symbols
+    from fissix.pytree import Leaf, Node
+
+    kinds = (symbols.lambdef, symbols.old_lambdef)
+    lambdas = [node for node in tree.pre_order() if node.type in kinds and len(node.children) == 4]
+    for number, node in enumerate(reversed(lambdas)):
+        parameters, body, unpacked = node.children[1], node.children[3], ""
+        is_one = parameters.type == symbols.vfpdef
+        for place, parameter in enumerate([parameters] if is_one else list(parameters.children)):
+            if parameter.type == symbols.vfpdef and parameter.children[0].type == token.LPAR:
+                name = f"{TUPLE_PARAMETER}{number}_{place}"
+                unpacked += f" for {str(parameter).strip()} in [{name}]"
+                parameter.replace(Leaf(token.NAME, name, prefix=parameter.prefix))
+        if unpacked:
+            begin, end = Leaf(token.NAME, "[(", prefix=body.prefix), f"){unpacked}][0]"
+            inner = body.clone()
+            inner.prefix = ""
+            body.replace(Node(symbols.atom, [begin, inner, Leaf(token.NAME, end)]))
 
 
 def _name_unpacked(tree: Any) -> None:
