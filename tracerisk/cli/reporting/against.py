@@ -83,7 +83,7 @@ def both_runs(
     with progress_bar(controller.settings.run_duration_s, quiet=options.quiet or not runs) as bar:
         found = earlier_run(
             controller,
-            _one_revision(options.against),
+            options.against,
             was=was,
             fingerprint=fingerprint,
             recording=None if given is None else Path(given),
@@ -102,12 +102,11 @@ def both_runs(
 
 
 def check_against(options: argparse.Namespace) -> None:
-    """Raise before a run what would keep its report from showing the difference.
+    """Read the option before a run; raise what would keep its report from showing the difference.
 
     Raises InputError where the option has nothing to go with, or git does not know the revision.
     """
-    revision = options.against
-    if revision is None:
+    if options.against is None:
         return
     if options.report is None:
         raise InputError("--against goes with --report; add it, or ask `tracerisk diff`")
@@ -116,22 +115,31 @@ def check_against(options: argparse.Namespace) -> None:
         raise InputError(
             f"--against compares with the sources as the run writes them, and {given} writes none"
         )
-    revision = _one_revision(revision)
+    read_against(options)
 
     with Repository.opened(Path.cwd()) as repository:
-        if compared(repository, Path.cwd(), [revision]).paths is not None:
-            raise InputError(f"--against takes a revision, and '{revision}' is a file")
+        if compared(repository, Path.cwd(), [options.against]).paths is not None:
+            raise InputError(f"--against takes a revision, and '{options.against}' is a file")
+
+
+def read_against(options: argparse.Namespace) -> None:
+    """Make of the option the one revision that is compared with.
+
+    Raises InputError for two revisions.
+    """
+    if options.against is not None:
+        options.against = _one_revision(options.against)
 
 
 def review_against(revision: str | None, files: Iterable[str]) -> Review | None:
-    """Return what changed in files since a revision; `None` without one.
+    """Return what changed in files since one revision; `None` without it.
 
-    Raises InputError for what is not one revision that git knows.
+    Raises InputError for what is no revision that git knows.
     """
     if revision is None:
         return None
 
-    return review([_one_revision(revision), *(str(Path(file)) for file in files)])
+    return review([revision, *(str(Path(file)) for file in files)])
 
 
 def _one_revision(revision: str) -> str:

@@ -12,6 +12,7 @@ from tracerisk.cli.reporting.against import (
     add_earlier_run,
     both_runs,
     check_earlier_run,
+    read_against,
     review_against,
 )
 from tracerisk.cli.reporting.overview import write_overview
@@ -121,6 +122,7 @@ def run(options: argparse.Namespace) -> int:
     if len(files) == 1 and kept is not None:
         files = list(kept.files)
     sources = {name: read_file(name) for name in files}
+    read_against(options)
     review = review_against(options.against, files)
     both = both_runs(
         options,
