@@ -69,7 +69,9 @@ _LISTS = {
 }
 """The settings that are lists, and of what."""
 _NAMES_OF_FILES = ("robot", "scene", "scenario", "hardware", "launch")
-_ROOT_MARKS = ("package.xml", "pyproject.toml", "setup.py", ".git")
+PACKAGE_FILE = "package.xml"
+"""The name of the manifest of a ROS package."""
+_ROOT_MARKS = (PACKAGE_FILE, "pyproject.toml", "setup.py", ".git")
 _BLOCK_BEGINS = "# /// script"
 _BLOCK_ENDS = "# ///"
 

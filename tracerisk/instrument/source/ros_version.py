@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from tracerisk.common.text.bounded import file_bytes, file_text
+from tracerisk.config import PACKAGE_FILE
 from tracerisk.instrument.source.c_tokens import names_included
 from tracerisk.instrument.source.dotted_names import imports_in
 from tracerisk.instrument.source.language import is_c
@@ -73,7 +74,7 @@ def _version_of_headers(names: Sequence[bytes], root: Path) -> RosVersion:
 
 def _is_built_by_ament(root: Path) -> bool:
     try:
-        manifest = file_text(root / "package.xml", errors="replace")
+        manifest = file_text(root / PACKAGE_FILE, errors="replace")
     except OSError:
         return False
     return "ament" in build_tools(manifest)

@@ -12,17 +12,17 @@ from itertools import islice
 from pathlib import Path
 
 from tracerisk.common.text.bounded import file_bytes, regular_file
-from tracerisk.config import controller_root
+from tracerisk.config import PACKAGE_FILE, controller_root
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.own_modules import imported_directly, own_modules
-from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE, declared_needs
+from tracerisk.pipeline.workspace.package_folders import declared_needs
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.sibling_programs import sibling_programs
 from tracerisk.pipeline.workspace.workspace import searched
 from tracerisk.twin.robots.robot_names import Hint
 
 _KINDS = (
-    ("the package's manifest", re.compile(r"package\.xml")),
+    ("the package's manifest", re.compile(re.escape(PACKAGE_FILE))),
     ("a launch file", re.compile(r".*\.launch(\.py|\.xml|\.yaml)?|.*_launch\.py")),
     ("a parameter file", re.compile(r".*\.ya?ml")),
     ("a readme", re.compile(r"readme(\..*)?", re.IGNORECASE)),

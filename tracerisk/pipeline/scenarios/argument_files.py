@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+from tracerisk.config import PACKAGE_FILE
 from tracerisk.pipeline.workspace.workspace import searched
 
 _READ = re.compile(
@@ -19,7 +20,7 @@ _WRITTEN = re.compile(
 _OF_FILES = frozenset({"FileType", "Path", "open"})
 _SUFFIX = re.compile(r"\.(csv|ya?ml|json|txt|np[yz]|pkl|bag|urdf|xml|gcode|nc|ngc|dxf|svg|stl)\b")
 _READERS = {"csv": (".csv",), "json": (".json",), "yaml": (".yaml", ".yml"), "pickle": (".pkl",)}
-_NOT_DATA = frozenset({"package.xml", "plugin.xml", "CMakeLists.txt", "requirements.txt"})
+_NOT_DATA = frozenset({PACKAGE_FILE, "plugin.xml", "CMakeLists.txt", "requirements.txt"})
 _MOST = 3
 
 

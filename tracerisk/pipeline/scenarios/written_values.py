@@ -17,6 +17,7 @@ from typing import Any
 
 from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.yaml_reader import plain_yaml
+from tracerisk.config import PACKAGE_FILE
 from tracerisk.instrument.source.literals.answers import ordered_answers, without_emergency
 from tracerisk.instrument.source.literals.filled_messages import filled_fields, plain_value
 from tracerisk.pipeline.launch.program import Program
@@ -280,7 +281,7 @@ class WrittenValues:
             paths += [
                 Path(folder, name)
                 for name in files
-                if name.endswith(_TEXTS) and name not in ("package.xml", "CMakeLists.txt")
+                if name.endswith(_TEXTS) and name not in (PACKAGE_FILE, "CMakeLists.txt")
             ]
             if len(paths) > _MOST_FILES:
                 break

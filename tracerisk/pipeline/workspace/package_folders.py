@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.common.text.bounded import file_text
+from tracerisk.config import PACKAGE_FILE
 from tracerisk.instrument.source.ros_version import RosVersion, build_tools
 
-PACKAGE_FILE = "package.xml"
 NOT_SEARCHED = frozenset({"build", "devel", "install", "log", "node_modules", "__pycache__"})
 ENVIRONMENT = "pyvenv.cfg"
 """The file at the top of an environment of Python."""

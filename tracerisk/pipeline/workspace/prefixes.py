@@ -28,9 +28,9 @@ from tracerisk.common.sandbox.ros_prefix import (
     is_prefix,
     prefix_folders,
 )
+from tracerisk.config import PACKAGE_FILE
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.package_folders import (
-    PACKAGE_FILE,
     SOURCES,
     head_of,
     is_of_other_ros,

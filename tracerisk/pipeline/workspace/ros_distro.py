@@ -10,13 +10,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tracerisk.common.text.bounded import file_text, regular_file
-from tracerisk.config import RosDistro, Settings
+from tracerisk.config import PACKAGE_FILE, RosDistro, Settings
 from tracerisk.errors import SettingsError
 from tracerisk.instrument.source.python_2 import is_only_python_3
 from tracerisk.instrument.source.python_source import is_python_2
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.pipeline.workspace.package_folders import PACKAGE_FILE
 from tracerisk.pipeline.workspace.workspace import DISTROS, searched
 
 _SERVED: dict[RosVersion, dict[str, RosDistro]] = {

@@ -10,13 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tracerisk.common.text.bounded import file_text
-from tracerisk.config import RosDistro, Settings
+from tracerisk.config import PACKAGE_FILE, RosDistro, Settings
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.workspace.controller import Controller
 from tracerisk.pipeline.workspace.package_folders import (
     ENVIRONMENT,
     NOT_SEARCHED,
-    PACKAGE_FILE,
     REPOSITORY,
     SOURCES,
     declared_needs,

@@ -10,8 +10,8 @@ from typing import Any
 
 from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.yaml_reader import plain_yaml
+from tracerisk.config import PACKAGE_FILE
 
-_MANIFEST = "package.xml"
 _UPWARDS = 4
 _MOST_FILES = 40
 _MOST_BYTES = 32 * 1024  # of one file
@@ -25,7 +25,7 @@ def package_settings(file: Path) -> Mapping[str, ast.expr]:
     """
     folder = file.resolve().parent
     for above in (folder, *folder.parents[:_UPWARDS]):
-        if (above / _MANIFEST).is_file():
+        if (above / PACKAGE_FILE).is_file():
             return _settings_in(above)
     return _settings_in(folder)
 
