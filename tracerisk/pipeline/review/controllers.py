@@ -20,6 +20,7 @@ from tracerisk.pipeline.review.changed_inputs import changed_inputs
 from tracerisk.pipeline.review.git_versions import Compared, GitVersion
 from tracerisk.pipeline.review.version_inputs import (
     RunOfVersion,
+    ScenarioOfVersion,
     depends_on,
     description_of,
     inputs_now,
@@ -101,6 +102,8 @@ class Locks:
     """The controllers of each lock read so far, by folder and path."""
     _evidence: dict[str, dict[str, Evidence]] = field(default_factory=dict)
     """The evidence read so far, by folder and controller."""
+    _scenarios: dict[str, ScenarioOfVersion | None] = field(default_factory=dict)
+    """The scenarios read so far, by the path of the controller."""
 
     def controllers_of(self, path: str) -> list[str]:
         """Return the controllers that a file belongs to, by the nearest lock that knows it."""
@@ -123,6 +126,14 @@ class Locks:
         if known is None:
             return None
         return RunOfVersion(self.version, controller, known.entry, known.folder)
+
+    def scenario_of(self, controller: str) -> ScenarioOfVersion | None:
+        """Return the scenario of the run of a controller; `None` where no lock knows a run."""
+        if controller not in self._scenarios:
+            run = self.run_of(controller)
+            scenario = None if run is None else scenario_of(run, self.changed)
+            self._scenarios[controller] = scenario
+        return self._scenarios[controller]
 
     def is_beside_lock(self, path: str) -> bool:
         """Return whether a lock lies in a folder above a file."""
@@ -239,10 +250,8 @@ def _is_other_run(before: ControllerLock, after: ControllerLock) -> bool:
 
 
 def _has_other_scenario(locks: tuple[Locks, Locks], name: str) -> bool:
-    before, after = (one.run_of(name) for one in locks)
-    if before is None or after is None:
-        return False
-    return scenario_of(before, locks[0].changed) != scenario_of(after, locks[1].changed)
+    before, after = (one.scenario_of(name) for one in locks)
+    return before is not None and after is not None and before != after
 
 
 def _made_stale(
@@ -290,9 +299,9 @@ def _with_success(
 ) -> tuple[ControllerVersion, ControllerVersion]:
     """Return the versions with their `success`, if their scenarios or outcomes differ."""
     before, after = (one.run_of(path) for one, path in zip(locks, names, strict=True))
-    if before is None or after is None:
+    old, new = (one.scenario_of(path) for one, path in zip(locks, names, strict=True))
+    if before is None or after is None or old is None or new is None:
         return versions
-    old, new = scenario_of(before, locks[0].changed), scenario_of(after, locks[1].changed)
     if old == new and before.entry.trace.get(OUTCOME) == after.entry.trace.get(OUTCOME):
         return versions
     if old == new:
