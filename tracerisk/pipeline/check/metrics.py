@@ -9,7 +9,7 @@ from tracerisk.adder.lock.lock import lock_key
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import TraceRiskError
 from tracerisk.pipeline.check.finding import Checked
-from tracerisk.pipeline.freshness.used_evidence import evidence_of_last_run
+from tracerisk.pipeline.freshness.used_evidence import kept_of_last_run
 from tracerisk.pipeline.model import build
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
@@ -44,7 +44,7 @@ def check_metrics(
             sources = annotated_sources(path, projects)
             model = build({str(file): text for file, text in sources.items()}, name=path.name)
             samples += mission_metrics(name, solve_figures(model).mission)
-            evidence = evidence_of_last_run(load_controller(path, projects.of(path)))
+            evidence = kept_of_last_run(load_controller(path, projects.of(path)))
             samples += () if evidence is None else evidence_metrics(name, evidence)
         except (TraceRiskError, OSError):
             continue  # the findings say what is wrong

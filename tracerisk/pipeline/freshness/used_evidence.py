@@ -46,17 +46,27 @@ def evidence_of_last_run(controller: Controller) -> Evidence | None:
 
     Raises as `kept_evidence`.
     """
+    evidence = kept_of_last_run(controller)
+    if evidence is None:
+        return None
+    from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
+
+    return at_lines_now(evidence, controller)
+
+
+def kept_of_last_run(controller: Controller) -> Evidence | None:
+    """Return the evidence of the run that the lock knows, at the lines kept, if it is unedited.
+
+    No source is read. Raises as `kept_evidence`.
+    """
     evidence = kept_evidence(controller)
     entry = controller.project.lock.controllers.get(controller.file)
     if evidence is None or evidence.edited is not None or entry is None:
         return None
     from tracerisk.pipeline.freshness.run_inputs import RunInputs
 
-    if evidence.fingerprint != RunInputs.from_data(entry.inputs).fingerprint:
-        return None
-    from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
-
-    return at_lines_now(evidence, controller)
+    is_of_run = evidence.fingerprint == RunInputs.from_data(entry.inputs).fingerprint
+    return evidence if is_of_run else None
 
 
 def used_evidence(
