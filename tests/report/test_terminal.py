@@ -81,7 +81,7 @@ def test_the_missions_figure_stands_first_and_what_it_is_right_below(assessment)
 
 
 def test_how_missions_end_that_fail_stands_below_their_figure(assessment):
-    assert undetected_sentence(assessment) == ""
+    assert undetected_sentence(assessment.mission, str) == ""
     mission = replace(
         assessment.mission,
         failure_probability=4e-6,
@@ -89,9 +89,14 @@ def test_how_missions_end_that_fail_stands_below_their_figure(assessment):
         stopped_late_probability=1e-6,
         stopped_safely_probability=1e-6,
     )
-    assert undetected_sentence(replace(assessment, mission=mission)) == (
+    shown = render_assessment(replace(assessment, mission=mission))
+    assert " ".join(shown.split()).count(
         "Of which undetected, or with harm before the stop: 3.00e-06 (75 %); of that stopped late: "
         "1.00e-06. Stopped safely: 1.00e-06."
+    )
+    assert undetected_sentence(mission, "{:.0e}".format) == (
+        "Of which undetected, or with harm before the stop: 3e-06; of that stopped late: 1e-06. "
+        "Stopped safely: 1e-06."
     )
 
 

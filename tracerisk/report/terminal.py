@@ -84,7 +84,7 @@ def _print_sentences(console: Console, assessment: Assessment, band: str) -> Non
     from rich.text import Text
 
     console.print(Text(filled(mission_sentence(assessment), console.width), style="bold"))
-    undetected = undetected_sentence(assessment)
+    undetected = undetected_sentence(assessment.mission, _probability, has_share=True)
     if undetected:
         console.print(Text(filled(undetected, console.width)))
     if band:
@@ -174,18 +174,22 @@ def mission_sentence(assessment: Assessment) -> str:
     return f"{text}, {share_text(first.fussell_vesely)} of it through {first.name}."
 
 
-def undetected_sentence(assessment: Assessment) -> str:
-    """Return how much of the mission's failure nobody notices; empty where that is not known."""
-    mission = assessment.mission
+def undetected_sentence(
+    mission: MissionFigures, words_of: Callable[[float], str], *, has_share: bool = False
+) -> str:
+    """Return how much of the mission's failure nobody notices; empty where that is not known.
+
+    `words_of` returns how a probability is written; if asked, its share follows the undetected one.
+    """
     undetected, late = mission.undetected_probability, mission.stopped_late_probability
     safely = mission.stopped_safely_probability
     if undetected is None or late is None or safely is None:
         return ""
-    text = f"Of which undetected, or with harm before the stop: {_probability(undetected)}"
+    text = f"Of which undetected, or with harm before the stop: {words_of(undetected)}"
     risk = mission.failure_probability
-    text += f" ({share_text(undetected / risk)})" if risk > 0.0 else ""
-    text += f"; of that stopped late: {_probability(late)}."
-    return f"{text} Stopped safely: {_probability(safely)}."
+    text += f" ({share_text(undetected / risk)})" if has_share and risk > 0.0 else ""
+    text += f"; of that stopped late: {words_of(late)}."
+    return f"{text} Stopped safely: {words_of(safely)}."
 
 
 _SEEN = 1e-4

@@ -14,6 +14,7 @@ from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.run.risk_shares import RISK, risk_data
 from tracerisk.report.html.section import Data
+from tracerisk.report.terminal import undetected_sentence
 
 _BAD_RUN = re.compile(rf"(?!accepted: )(?:(?P<name>\S+): )?(?P<kind>{'|'.join(sorted(BAD))})\b")
 """A line of the verdict that says that a run went wrong, with its controller where it is named."""
@@ -29,7 +30,7 @@ def lead(report: ReportInput) -> Markup:
         verdict=_verdict(report.verdict[0]) if report.verdict else (),
         reasons=report.verdict[1:],
         headline=_headline(report),
-        undetected=_undetected(report),
+        undetected=undetected_sentence(report.assessment.mission, figures.powered),
         cause=_cause(report),
         assumed=_assumed(report),
         band=report.band,
@@ -76,19 +77,6 @@ def _headline(report: ReportInput) -> tuple[str, str, str]:
 
 def _begun(sentence: str) -> str:
     return sentence[:1].upper() + sentence[1:]
-
-
-def _undetected(report: ReportInput) -> str:
-    """Return how much of that nobody notices; empty where that is not known."""
-    mission = report.assessment.mission
-    undetected, late = mission.undetected_probability, mission.stopped_late_probability
-    safely = mission.stopped_safely_probability
-    if undetected is None or late is None or safely is None:
-        return ""
-    return (
-        f"Of which undetected, or with harm before the stop: {figures.powered(undetected)}; of "
-        f"that stopped late: {figures.powered(late)}. Stopped safely: {figures.powered(safely)}."
-    )
 
 
 def _cause(report: ReportInput) -> str:
