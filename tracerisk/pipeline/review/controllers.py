@@ -56,6 +56,8 @@ class ControllerVersion(NamedTuple):
     success: tuple[Condition, ...] | None = ()
     """What `success` of its scenario declares; empty unless the two versions differ in the
     scenario or the outcome, `None` where that cannot be read."""
+    inputs: RunInputs | None = None
+    """What its run depended on, as the version has it; `None` where no lock knows a run."""
 
 
 class ReviewedController(NamedTuple):
@@ -321,9 +323,7 @@ def _hardware(version: ControllerVersion) -> tuple[str, object]:
 
 def _description(locks: Locks, controller: str, version: ControllerVersion) -> Hardware | None:
     run = locks.run_of(controller)
-    if run is None:
-        return None
-    return description_of(run, inputs_now(run, version.sources, locks.changed))
+    return None if run is None or version.inputs is None else description_of(run, version.inputs)
 
 
 def version_of(locks: Locks, controller: str) -> ControllerVersion:
@@ -367,7 +367,7 @@ def _version(
     except TraceRiskError as error:
         raise in_version(error, locks.version) from error
     stale = tuple(changed_inputs(run.recorded, now, lambda file: _shown(run, file, locks)))
-    return ControllerVersion(sources, known.entry, known.folder, evidence, stale)
+    return ControllerVersion(sources, known.entry, known.folder, evidence, stale, inputs=now)
 
 
 def _shown(run: RunOfVersion, file: str, locks: Locks) -> str:
