@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import islice
 from pathlib import Path
 
 from tracerisk.config import Settings
@@ -24,7 +23,7 @@ from tracerisk.pipeline.robot.evidence import (
     Evidence,
     is_decided,
 )
-from tracerisk.pipeline.robot.hints import robot_hints
+from tracerisk.pipeline.robot.hints import robot_hints, source_hints
 from tracerisk.pipeline.robot.installed_descriptions import installed_descriptions
 from tracerisk.pipeline.robot.named_parts import (
     Parts,
@@ -212,7 +211,7 @@ class Gathering:
     @cached_property
     def _named_in_source(self) -> frozenset[str]:
         """The shipped robots that the controller's imports and own source name."""
-        hints = islice(robot_hints(self._controller), 3)
+        hints = source_hints(self._controller)
         texts = (text for hint in hints for text in hint.texts.values())
         return frozenset[str]().union(*(mentioned(text, self.shipped) for text in texts))
 

@@ -6,7 +6,7 @@ import ast
 import io
 import re
 import tokenize
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -38,15 +38,19 @@ _MOST_FILES = 200  # of one kind
 _MOST_BYTES = 256 * 1024  # of one file
 
 
+def source_hints(controller: Controller) -> Iterator[Hint]:
+    """Yield what of a controller's imports and own source may name the robot."""
+    own = _read(controller.source, controller.project.tree)
+    yield from _of_source(controller, own, _names_of(imported_directly(controller)))
+
+
 def robot_hints(controller: Controller) -> Iterator[Hint]:
     """Yield what may name the robot, the heaviest first; files are read when they are asked for."""
     name, tree = controller.path.name, controller.project.tree
     own = _read(controller.source, tree)
     direct = imported_directly(controller)
-    known = {part for path in direct for part in (path.stem, path.parent.name)}
-    yield Hint("its imports", {name: "\n".join(text for text in own.imported if text in known)})
-    yield Hint("its import from modules of robots", {name: "\n".join(_of_robots(controller))})
-    yield Hint("its source", {name: own.spoken})
+    known = _names_of(direct)
+    yield from _of_source(controller, own, known)
     top, package = controller.project.top, controller_root(controller.path).resolve()
     modules = {path: _read(file_bytes(path), tree) for path in own_modules(controller)}
     near = [path for path in modules if path not in direct and controller_root(path) == package]
@@ -65,6 +69,18 @@ def robot_hints(controller: Controller) -> Iterator[Hint]:
     said = {item.path.name: _read(item.source, tree).spoken for item in beside}
     yield Hint("a program beside it", said)
     yield from _project(controller)
+
+
+def _of_source(controller: Controller, own: _Read, known: Collection[str]) -> Iterator[Hint]:
+    name = controller.path.name
+    yield Hint("its imports", {name: "\n".join(text for text in own.imported if text in known)})
+    yield Hint("its import from modules of robots", {name: "\n".join(_of_robots(controller))})
+    yield Hint("its source", {name: own.spoken})
+
+
+def _names_of(modules: Iterable[Path]) -> frozenset[str]:
+    """Return how imports may name modules: by their files, and by the packages that hold them."""
+    return frozenset(part for path in modules for part in (path.stem, path.parent.name))
 
 
 def _of_robots(controller: Controller) -> Iterator[str]:
