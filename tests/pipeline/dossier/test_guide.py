@@ -5,46 +5,58 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.adder.blocks.override import Override
+from tracerisk.common.verdict import Reason, Verdict, verdict_line
 from tracerisk.errors import Location
 from tracerisk.pipeline.dossier.guide import by_hand_words, warning_of
 from tracerisk.pipeline.dossier.sheet import sheet
 from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.report.html.report_input import ReportInput
 
+CLOSED = Reason("grasp-missed", "faulted", "the gripper closed on nothing")
+FAULTED = Verdict("faulted", (CLOSED,))
+
 
 @pytest.fixture(scope="module")
 def report():
     tree = FaultTree.of("pick fails", {"pick fails": ("or", "gripper")}, {"gripper": 1e-8})
     model = HybridModel.of("arm.py", {"pick": tree})
-    return lambda *verdict: ReportInput(assessment=solve(model), model=model, verdict=verdict)
+    return lambda **verdicts: ReportInput(
+        assessment=solve(model),
+        model=model,
+        verdicts=verdicts,
+        verdict=tuple(f"{name}: {verdict_line(verdict)}" for name, verdict in verdicts.items()),
+    )
 
 
 @pytest.mark.parametrize(
-    "verdict",
+    "verdicts",
     [
-        ("faulted: the gripper closed on nothing (and 1 more); 2 of 2 ran", "the goal is in it"),
-        ("stuck: it waited for a service, 1 of 2 functions with commands ran",),
-        ("verdict unknown",),
-        ("arm.py: complete, 1 of 1 ran", "other.py: faulted: planning failed; 1 of 1 ran"),
+        {"arm": FAULTED},
+        {"arm": Verdict("stuck")},
+        {"arm": None},
+        {"arm": Verdict("complete"), "other": FAULTED},
+        {"arm": FAULTED, "with blanks": Verdict("complete")},
     ],
 )
-def test_a_figure_of_no_mission_is_marked_with_all_reasons(report, verdict):
-    warning = "\n".join(warning_of(report(*verdict)))
+def test_a_figure_of_no_mission_is_marked_with_all_reasons(report, verdicts):
+    shown = report(**verdicts)
+    warning = "\n".join(warning_of(shown))
     assert warning.startswith("**Do not use the figures of this dossier**")
-    assert [line[2:] for line in warning.splitlines() if line.startswith("- ")] == list(verdict)
+    lines = [line[2:] for line in warning.splitlines() if line.startswith("- ")]
+    assert lines == list(shown.verdict)
 
 
 @pytest.mark.parametrize(
-    "verdict",
+    "verdicts",
     [
-        (),
-        ("complete, 6 of 6 functions with commands ran",),
-        ("partial: no one answers (arm.py:3); 6 of 6 functions with commands ran",),
-        ("complete, 1 of 1 ran", "accepted: faulted: nothing was grasped: a dry run"),
+        {},
+        {"arm": Verdict("complete")},
+        {"arm": Verdict("partial", (Reason("no-answer", "partial", "no one answers"),))},
+        {"arm": Verdict("complete", (replace(CLOSED, accepted="a dry run"),))},
     ],
 )
-def test_a_figure_of_a_mission_is_not(report, verdict):
-    assert warning_of(report(*verdict)) == []
+def test_a_figure_of_a_mission_is_not(report, verdicts):
+    assert warning_of(report(**verdicts)) == []
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from markupsafe import Markup
 from tracerisk.adder.blocks.override import Override
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
 from tracerisk.common.text.printable import without_controls
-from tracerisk.common.verdict import UNKNOWN_VERDICT, VERDICTS, Coverage, Verdict
+from tracerisk.common.verdict import VERDICTS, Coverage, Reason, Verdict, kind_of, verdict_line
 from tracerisk.errors import Location
 from tracerisk.prm import FaultTree, HybridModel, solve
 from tracerisk.prm.review.change_records import RunVerdicts
@@ -290,14 +290,19 @@ def test_a_difference_is_reported_in_the_words_of_diff(arm, report_of, parsed, e
 
 
 @pytest.mark.parametrize(
-    ("lines", "words"),
+    ("verdicts", "words"),
     [
-        (("a.py: complete, 1 of 1", "b.py: stuck: nothing"), "for the run of b.py is stuck"),
-        (("partial: never ran", "accepted: faulted: as it should"), "Probability"),
+        ({"a.py": "complete", "b.py": "stuck"}, "for the run of b.py is stuck"),
+        ({"a.py": "complete", "my b.py": "faulted"}, "for the run of my b.py is faulted"),
+        ({"a.py": "faulted", "b.py": "faulted"}, "for the run is faulted"),
+        ({"a.py": "partial"}, "Probability"),
     ],
 )
-def test_the_first_line_of_a_page_says_which_run_went_wrong(arm, report_of, parsed, lines, words):
-    page = parsed(render_report(report_of(arm, verdict=lines)))
+def test_the_first_line_of_a_page_says_which_run_went_wrong(
+    arm, report_of, parsed, verdicts, words
+):
+    verdicts = {name: Verdict(kind) for name, kind in verdicts.items()}
+    page = parsed(render_report(report_of(arm, verdicts=verdicts)))
     assert words in page.xpath("//h1")[0].text_content()
 
 
@@ -305,7 +310,7 @@ def test_a_model_that_cannot_fail_says_so(report_of, parsed):
     model = HybridModel.of("idle.py", {"rest": FaultTree.of("rest", {"rest": ("or",)}, {})})
     page = parsed(render_report(report_of(model)))
     assert page.xpath("//h1")[0].text.startswith("No hardware failure that is modelled")
-    cut = parsed(render_report(report_of(model, verdict=("stuck: nothing can happen",))))
+    cut = parsed(render_report(report_of(model, verdicts={"idle.py": Verdict("stuck")})))
     assert cut.xpath("//h1")[0].text.startswith(
         "Of what ran, for the run is stuck: no hardware failure that is modelled"
     )
@@ -463,17 +468,18 @@ def test_readings_that_print_the_same_add_a_line_and_no_second_figure(report_of,
 
 
 @pytest.mark.parametrize(
-    ("line", "kind", "rest"),
+    ("verdict", "rest"),
     [
-        ("complete, 7 of 7 functions with commands ran", "complete", "7 of 7 functions"),
-        ("partial: never ran: park; 6 of 7 functions with commands ran", "partial", "never ran"),
-        ("faulted: arm.py:3: struck; 1 of 1 function with commands ran", "faulted", "arm.py:3"),
-        ("stuck: nothing can happen; 1 of 1 function with commands ran", "stuck", "nothing can"),
-        ("verdict unknown", "verdict unknown", ""),
+        (Verdict("complete", (), Coverage(7, 7)), "7 of 7 functions"),
+        (Verdict("partial", (Reason("no-answer", "partial", "no one"),)), "no one"),
+        (Verdict("faulted", (Reason("hit", "faulted", "arm.py:3: struck"),)), "arm.py:3: struck"),
+        (Verdict("stuck", (Reason("idle", "stuck", "nothing can happen"),)), "nothing can"),
+        (None, ""),
     ],
 )
-def test_a_verdict_is_a_chip_of_its_own_form(arm, report_of, parsed, line, kind, rest):
-    page = parsed(render_report(report_of(arm, verdict=(line, "more"))))
+def test_a_verdict_is_a_chip_of_its_own_form(arm, report_of, parsed, verdict, rest):
+    kind, lines = kind_of(verdict), (verdict_line(verdict), "more")
+    page = parsed(render_report(report_of(arm, verdicts={"arm.py": verdict}, verdict=lines)))
     ((chip,),) = [classed(each, "chip") for each in classed(page, "verdict")]
     assert chip.text_content() == kind
     assert chip.tail.strip().startswith(rest)
@@ -486,8 +492,12 @@ def test_a_verdict_is_a_chip_of_its_own_form(arm, report_of, parsed, line, kind,
 
 def test_no_two_verdicts_share_an_icon(arm, report_of, parsed):
     icons = [
-        parsed(render_report(report_of(arm, verdict=(kind,)))).xpath("//p/b//path/@d")
-        for kind in (*VERDICTS, UNKNOWN_VERDICT)
+        parsed(
+            render_report(
+                report_of(arm, verdicts={"arm.py": verdict}, verdict=(verdict_line(verdict),))
+            )
+        ).xpath("//p/b//path/@d")
+        for verdict in (*map(Verdict, VERDICTS), None)
     ]
     assert len({icon for (icon,) in icons}) == len(VERDICTS) + 1
 

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from tracerisk.adder.figures.computed import ComputedBlocks
     from tracerisk.common.hardware.model import Hardware
     from tracerisk.common.record import Record
+    from tracerisk.common.verdict import Verdict
     from tracerisk.config import Settings
     from tracerisk.pipeline.check.cached_run import KeptRun
     from tracerisk.pipeline.workspace.controller import Controller
@@ -118,15 +119,17 @@ def report_input(
     run: RunShown | str,
     review: Review | None = None,
     both_runs: SideBySide | str = "",
-    verdict: Sequence[str] = (),
+    verdicts: Mapping[str, Verdict | None],
+    verdict: Sequence[str],
     more: tuple[Section, ...] = (),
     band: str = "",
     record: Record | None = None,
 ) -> ReportInput:
     """Return what a page is made of; `sources` map the files with blocks, as messages call them.
 
-    `run` is what is known of the run behind them, or why nothing is; `verdict` are the lines of
-    its verdict. `more` sections follow those of the run, `band` says how far the figure may be off.
+    `run` is what is known of the run behind them, or why nothing is; `verdicts` are those of the
+    controllers, and `verdict` their lines. `more` sections follow those of the run, `band` says how
+    far the figure may be off.
     Raises BlockError or SourceError where blocks are malformed.
     """
 
@@ -137,6 +140,7 @@ def report_input(
         pins=overrides_in([Path(file) for file in sources], contents=sources),
         review=review,
         both_runs=both_runs,
+        verdicts=verdicts,
         verdict=tuple(verdict),
         sections=more,
         band=band,

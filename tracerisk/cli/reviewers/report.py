@@ -188,6 +188,7 @@ def _write_page(
         run=run,
         review=review,
         both_runs=both,
+        verdicts=verdicts.by_controller,
         verdict=lines,
         more=more,
         band=band_shown(run, model, sources, _settings(kept, options)),

@@ -51,6 +51,7 @@ def write_page(options: argparse.Namespace, done: Assessed, band: Band | None) -
             now=recorded,
             sources=done.sources,
         ),
+        verdicts={done.controller.file: verdict},
         verdict=tuple(verdict_lines(verdict)),
         band="" if band is None else band.words,
         record=record_of(

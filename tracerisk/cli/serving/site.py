@@ -131,7 +131,10 @@ class Site:
         kept = _kept(known)
         choices = self._choices[name] = choices_of(known, _hardware(kept))
         report = ReportInput(
-            assessment=known.assessment, model=known.model, verdict=_verdict_lines(known)
+            assessment=known.assessment,
+            model=known.model,
+            verdicts={known.name: known.verdict},
+            verdict=_verdict_lines(known),
         )
         evidence: tuple[Section, ...] = ()
         if kept is not None:
@@ -163,6 +166,7 @@ class Site:
             known.model,
             known.sources,
             run=run,
+            verdicts={known.name: known.verdict},
             verdict=_verdict_lines(known),
             more=(live_section(),),
         )

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
 import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.quantify.component_activity import mission_duration_s
-from tracerisk.common.verdict import UNKNOWN_VERDICT
 from tracerisk.pipeline.freshness.run_inputs import UNSET
 from tracerisk.prm.hybrid.function_fault_tree import in_one_visit
 from tracerisk.report.explain.words import number
@@ -30,7 +28,6 @@ CONSTRAINTS = "constraints.txt"
 FILES = "files"
 """The folder of the files that the figure was made from."""
 _OUTSIDE = "outside"  # in place of `..` and the top of the file system
-_OF_NO_MISSION = ("faulted", "stuck", UNKNOWN_VERDICT)
 
 _CONTENTS = (
     ("report.html", "the report, with its replay where the run was recorded"),
@@ -164,7 +161,7 @@ def _trust(report: ReportInput) -> str:
 
 def warning_of(report: ReportInput) -> list[str]:
     """Return why the figure is not to be used, as paragraphs of Markdown; none where it may be."""
-    if not any(map(_is_of_no_mission, report.verdict)):
+    if all(verdict is not None and not verdict.is_bad for verdict in report.verdicts.values()):
         return []
     listed = "\n".join(f"- {line}" for line in report.verdict)
     return [
@@ -172,12 +169,6 @@ def warning_of(report: ReportInput) -> list[str]:
         "nobody knows whether it did.\n",
         f"{listed}\n",
     ]
-
-
-def _is_of_no_mission(line: str) -> bool:
-    """Return whether a line of the verdict says so, with or without a controller's name."""
-    begins = re.match(rf"(?!accepted: )(?:\S+: )?(?:{'|'.join(_OF_NO_MISSION)})\b", line)
-    return begins is not None
 
 
 def _facts(report: ReportInput, environment: Environment) -> Iterator[tuple[str, str]]:

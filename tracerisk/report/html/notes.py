@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from tracerisk.adder.blocks.override import Override
+from tracerisk.common.verdict import kind_of
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
@@ -39,7 +40,7 @@ def pins_section(report: ReportInput) -> Section:
 def findings_section(report: ReportInput) -> Section:
     """Return what a user should look at."""
     lines = (*report.findings, *report.assessment.findings)
-    is_whole = not report.verdict or report.verdict[0].startswith("complete")
+    is_whole = all(kind_of(verdict) == "complete" for verdict in report.verdicts.values())
     empty = "Nothing stood out." if is_whole else "Nothing but what the verdict names."
     html = rendered("list.html.j2", lines=lines, lead="", empty=empty)
     return Section("findings", "Findings", html)

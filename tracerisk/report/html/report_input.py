@@ -9,6 +9,7 @@ from tracerisk.adder.blocks.override import Override
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.hardware.model import Hardware
 from tracerisk.common.record import Record
+from tracerisk.common.verdict import Verdict
 from tracerisk.prm.hybrid.assessment import Assessment
 from tracerisk.prm.hybrid.hybrid import HybridModel
 from tracerisk.prm.review.risk_diff import Review
@@ -101,8 +102,10 @@ class ReportInput:
     """Instances of components and assumed figures; `None` without a run."""
     names: Mapping[FunctionRef, str] = field(default_factory=dict)
     """Name in the model of each function of the run."""
+    verdicts: Mapping[str, Verdict | None] = field(default_factory=dict)
+    """Verdict of the run of each controller, by its name; `None` for an unknown one."""
     verdict: tuple[str, ...] = ()
-    """Lines of the verdict of the run, the first of which is the whole in short."""
+    """Lines of these verdicts to show, the first of which is the whole in short."""
     review: Review | None = None
     """Changes since an earlier version; `None` where not asked for."""
     both_runs: SideBySide | str = ""

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
-
 from markupsafe import Markup
 
-from tracerisk.common.verdict import BAD, UNKNOWN_VERDICT, VERDICTS
+from tracerisk.common.verdict import kind_of, verdict_line
 from tracerisk.prm.hybrid.assessment import FIXED, MissionFigures
 from tracerisk.report.diff import sentences
 from tracerisk.report.html import figures
@@ -16,9 +14,6 @@ from tracerisk.report.html.run.risk_shares import RISK, risk_data
 from tracerisk.report.html.section import Data
 from tracerisk.report.terminal import undetected_sentence
 
-_BAD_RUN = re.compile(rf"(?!accepted: )(?:(?P<name>\S+): )?(?P<kind>{'|'.join(sorted(BAD))})\b")
-"""A line of the verdict that says that a run went wrong, with its controller where it is named."""
-
 
 def lead(report: ReportInput) -> Markup:
     """Return what stands first: what the mission risks, by most through what, and what that is."""
@@ -27,7 +22,7 @@ def lead(report: ReportInput) -> Markup:
         "summary.html.j2",
         name=report.model.name,
         context=_context(report),
-        verdict=_verdict(report.verdict[0]) if report.verdict else (),
+        verdict=_verdict(report) if report.verdict else (),
         reasons=report.verdict[1:],
         headline=_headline(report),
         undetected=undetected_sentence(report.assessment.mission, figures.powered),
@@ -49,20 +44,31 @@ def lead(report: ReportInput) -> Markup:
     )
 
 
-def _verdict(line: str) -> tuple[str, str]:
-    """Return the kind of a verdict for its chip, and what its line says beyond it."""
-    kind = next((kind for kind in (*VERDICTS, UNKNOWN_VERDICT) if line.startswith(kind)), "")
-    return kind, line[len(kind) :].lstrip(":, ")
+def _verdict(report: ReportInput) -> tuple[str, str]:
+    """Return the kind of a verdict for its chip, and what its line says beyond it.
+
+    There is no kind where the runs have several verdicts.
+    """
+    kinds = () if _is_named(report) else map(kind_of, report.verdicts.values())
+    kind = next(iter(kinds), "")
+    return kind, report.verdict[0][len(kind) :].lstrip(":, ")
+
+
+def _is_named(report: ReportInput) -> bool:
+    """Return whether the lines of the verdicts name their controllers, for they are not alike."""
+    lines = (verdict_line(verdict, others_follow=True) for verdict in report.verdicts.values())
+    return len(set(lines)) > 1
 
 
 def _headline(report: ReportInput) -> tuple[str, str, str]:
     """Return the sentence, the figure that ends it, and that as one in so many missions."""
     risk = report.assessment.mission.failure_probability
-    bad = next(filter(None, map(_BAD_RUN.match, report.verdict)), None)
     of_what = ""
-    if bad is not None:
-        whose = f" of {bad['name']}" if bad["name"] else ""
-        of_what = f"Of what ran, for the run{whose} is {bad['kind']}: "
+    for name, verdict in report.verdicts.items():
+        if verdict is not None and verdict.is_bad:
+            whose = f" of {name}" if _is_named(report) else ""
+            of_what = f"Of what ran, for the run{whose} is {verdict.kind}: "
+            break
     if risk == 0.0:
         text = f"no hardware failure that is modelled can end a mission of {report.model.name}."
         return _begun(of_what + text), "", ""
