@@ -32,7 +32,7 @@ from tracerisk.pipeline.trace.recorded_run import (
     MissedCondition,
     RecordedRun,
 )
-from tracerisk.pipeline.trace.unfinished import unfinished
+from tracerisk.pipeline.trace.unfinished import retry_of, unfinished
 from tracerisk.trace import Finding
 
 _OF_FINDING = {
@@ -181,7 +181,7 @@ def _command_reason(code: str, words: str, command: IssuedCommand, object_name: 
 def _of_commands(run: RecordedRun) -> Iterator[Reason]:
     """Yield commands that were aborted and of which no retry succeeded."""
     for number, command in enumerate(run.commands):
-        if command.end != "aborted" or _retry(command, run.commands[number + 1 :]):
+        if command.end != "aborted" or retry_of(command, run.commands[number + 1 :]):
             continue
         finding = _finding_of(command, run.findings)
         words = (
@@ -197,25 +197,9 @@ def _of_unfinished(run: RecordedRun) -> Iterator[Reason]:
     """Yield commands that were replaced or cut on their way, and did not succeed later either."""
     for result in unfinished(run):
         command = result.command
-        if not _retry(command, run.commands[run.commands.index(command) + 1 :]):
+        if not retry_of(command, run.commands[run.commands.index(command) + 1 :]):
             name = ", ".join(command.elements)
             yield replace(_command_reason(result.code, result.words, command, name), by=result.by)
-
-
-def _retry(command: IssuedCommand, later: Sequence[IssuedCommand]) -> IssuedCommand | None:
-    """Return the command of the same kind, function and goal that later succeeded."""
-    return next(
-        (
-            issued_command
-            for issued_command in later
-            if issued_command.end == "arrived"
-            and issued_command.kind == command.kind
-            and issued_command.function == command.function
-            and issued_command.elements == command.elements
-            and is_near(issued_command.goal, command.goal)
-        ),
-        None,
-    )
 
 
 def _finding_of(command: IssuedCommand, findings: Sequence[Finding]) -> Finding | None:
@@ -305,7 +289,7 @@ def _settled(run: RecordedRun) -> Iterator[_Span]:
             yield frozenset({finding.function}), finding.time_s, finding.recovered_s
     for number, command in enumerate(run.commands):
         if command.end == "aborted":
-            retry = _retry(command, run.commands[number + 1 :])
+            retry = retry_of(command, run.commands[number + 1 :])
             if retry is not None and retry.end_s is not None:
                 yield frozenset(command.callers), command.issue_s, retry.end_s
 

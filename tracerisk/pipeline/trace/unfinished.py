@@ -1,8 +1,8 @@
-"""Which commands were not carried out to their end although nothing failed."""
+"""Which commands were not carried out to their end although nothing failed, and their retries."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from tracerisk.errors import Location
@@ -54,6 +54,22 @@ def unfinished(run: RecordedRun) -> Iterator[Unfinished]:
         elif command.end == "cut_by_end" and is_done:
             words = f"{_so_far(command)} when the run ended"
             yield Unfinished(command, "command-cut", words)
+
+
+def retry_of(command: IssuedCommand, later: Sequence[IssuedCommand]) -> IssuedCommand | None:
+    """Return the command of the same kind, function and goal that later succeeded."""
+    return next(
+        (
+            issued_command
+            for issued_command in later
+            if issued_command.end == "arrived"
+            and issued_command.kind == command.kind
+            and issued_command.function == command.function
+            and issued_command.elements == command.elements
+            and is_near(issued_command.goal, command.goal)
+        ),
+        None,
+    )
 
 
 def _at_once(command: IssuedCommand, by: IssuedCommand) -> bool:
