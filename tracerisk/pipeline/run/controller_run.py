@@ -34,7 +34,7 @@ from tracerisk.pipeline.run.ended_run import (
     RunOptions,
     ended_run,
 )
-from tracerisk.pipeline.run.run_folders import run_folders
+from tracerisk.pipeline.run.run_folders import run_folders, simulated_so_far, size_of
 from tracerisk.pipeline.trace.run_files import (
     COMMAND_ENVIRONMENT,
     EVENTS,
@@ -50,7 +50,6 @@ from tracerisk.pipeline.workspace.prefixes import readable_of
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.ros_distro import choose_distro
 from tracerisk.pipeline.workspace.workspace import workspace_of
-from tracerisk.twin.recording.samples import simulated_ns
 from tracerisk.twin.robots.file import dump_robot
 
 if TYPE_CHECKING:
@@ -370,22 +369,6 @@ def reached_limit(
         what = "the process did not start in" if own is None else "the run is over after"
         return f"{what} {limits.wall.value:g} s of wall time; {limits.wall.advice}"
     return None
-
-
-def size_of(path: Path) -> int:
-    """Return the size of a file [bytes], -1 of one that is not there."""
-    try:
-        return path.stat().st_size
-    except OSError:
-        return -1
-
-
-def simulated_so_far(folder: Path) -> int:
-    """Return how far a run has come that is being recorded [ns], -1 where its folder is gone."""
-    try:
-        return simulated_ns(folder)
-    except OSError:  # removed while it was looked at
-        return -1
 
 
 def _stop(

@@ -1,4 +1,4 @@
-"""The folders of a run: what is recorded, and what the controller writes."""
+"""The folders of a run: what is recorded, how far it has come, and what the controller writes."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from tracerisk import errors
 from tracerisk.common.sandbox.scratch import new_scratch, remove_scratch
 from tracerisk.errors import Location
 from tracerisk.pipeline.trace.run_files import MOST_ROWS, MOST_TEXT
+from tracerisk.twin.recording.samples import simulated_ns
 
 
 @contextlib.contextmanager
@@ -77,3 +78,19 @@ def check_left(folder: Path) -> None:
                 f"the run left {path.name} with {status.st_size} bytes, more than are read; "
                 "let it end earlier, with --duration"
             )
+
+
+def size_of(path: Path) -> int:
+    """Return the size of a file [bytes], -1 of one that is not there."""
+    try:
+        return path.stat().st_size
+    except OSError:
+        return -1
+
+
+def simulated_so_far(folder: Path) -> int:
+    """Return how far a run has come that is being recorded [ns], -1 where its folder is gone."""
+    try:
+        return simulated_ns(folder)
+    except OSError:  # removed while it was looked at
+        return -1

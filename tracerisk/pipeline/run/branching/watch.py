@@ -23,10 +23,9 @@ from tracerisk.pipeline.run.child_output import stopped_at
 from tracerisk.pipeline.run.controller_run import (
     RunningChild,
     reached_limit,
-    simulated_so_far,
-    size_of,
 )
 from tracerisk.pipeline.run.ended_run import ProcessEnd
+from tracerisk.pipeline.run.run_folders import simulated_so_far, size_of
 from tracerisk.pipeline.trace.run_files import EVENTS, STACKS, RunRequest, WallTime
 
 _MOST_LOG = 16 * 1024**2
