@@ -479,6 +479,12 @@ def test_an_unknown_robot_is_the_generic_arm_with_the_joints_named(tmp_path):
         ("goal = arm.get_current_joint_values()\ngoal[7] = 0\narm.go(goal)", 8),
         ("goal = arm.get_current_joint_values()\ngoal[0] = 0\narm.go(goal)", 6),
         ("names = ['a_joint', 'b_joint', 'c_joint']\narm.go([0.1, 0.2, 0.3, 0.4])", 3),
+        ("arm.go([0.0] * 7)", 7),
+        ("point.positions = 5 * [0.0]", 5),
+        ("arm.go([math.radians(10), -a, 2 * b, angles[3]])", 4),
+        ("positions = ['home', 'up', 'pick']", 6),
+        ("positions = [[0.1] * 6, [0.2] * 6, [0.3] * 6]", 6),
+        ("positions = [Pose(), Pose(), Pose()]", 6),
     ],
 )
 def test_the_generic_arm_has_as_many_joints_as_the_program_gives_positions_of(program, count):

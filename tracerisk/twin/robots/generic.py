@@ -165,12 +165,33 @@ def _counted_joints(tree: ast.AST) -> int:
             is_taken = _name(node.value.func) == "get_current_joint_values"
             taken |= {_name(target) for target in node.targets} if is_taken else set()
         for value in _given_positions(node):
-            if isinstance(value, ast.List | ast.Tuple) and len(value.elts) > _FINGERS:
-                longest = max(longest, len(value.elts))
+            count = _length(value)
+            longest = max(longest, count if count > _FINGERS else 0)
     for node in ast.walk(tree):
         if isinstance(node, ast.Subscript) and _name(node.value) in taken:
             furthest = max(furthest, (whole(node.slice) or 0) + 1)
     return min(max(longest, furthest if longest or furthest > _N_JOINTS else 0), _MOST_JOINTS)
+
+
+def _length(value: ast.expr) -> int:
+    """Return how many numbers a list holds, also `[0.0] * 7`; 0 for a list of anything else."""
+    if isinstance(value, ast.BinOp) and isinstance(value.op, ast.Mult):
+        sides = (value.left, value.right), (value.right, value.left)
+        return max((whole(times) or 0) * _length(numbers) for numbers, times in sides)
+    if not isinstance(value, ast.List | ast.Tuple) or not all(map(_may_be_number, value.elts)):
+        return 0
+    return len(value.elts)
+
+
+def _may_be_number(item: ast.expr) -> bool:
+    """Return whether an item may be a joint's position: no list, text or object like `Pose()`."""
+    if isinstance(item, ast.Constant):
+        return isinstance(item.value, int | float)
+    if isinstance(item, ast.Call):
+        return not _name(item.func)[:1].isupper()
+    if isinstance(item, ast.BinOp):
+        return _may_be_number(item.left) and _may_be_number(item.right)
+    return isinstance(item, ast.UnaryOp | ast.Name | ast.Attribute | ast.Subscript)
 
 
 def _given_positions(node: ast.AST) -> list[ast.expr]:
