@@ -34,8 +34,11 @@ _EXCEPTIONS = {
     "lookup": LookupException,
 }
 Answer = TypeVar("Answer")
-_OFTEN = 10
-"""So many looks in vain without a wait in between are those of a busy loop."""
+_OFTEN = 1000
+"""So many looks in vain without a wait in between are those of a busy loop.
+
+A loop of fewer tries ends without the frame, as it does in an instant of a real robot's time.
+"""
 _AGAIN_NS = 50_000_000
 """How long a busy loop waits that looks for a frame which is not there [ns]."""
 
