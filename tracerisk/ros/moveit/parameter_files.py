@@ -71,7 +71,8 @@ class ParameterBuilder:
         return self._parameters
 
     def _add(self, namespace: str | None, values: Mapping[str, Any]) -> Self:
-        self._parameters.update({namespace: values} if namespace else values)
+        below = self._parameters.setdefault(namespace, {}) if namespace else self._parameters
+        below.update(values)
         return self
 
     def _path(self, file_path: str | Path) -> Path | None:

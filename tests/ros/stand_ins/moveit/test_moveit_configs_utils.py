@@ -159,6 +159,10 @@ try:
 except FileNotFoundError as error:
     said = str(error)
 absent = ParameterBuilder("another_package").yaml("config/none.yaml").to_dict()
+both = ParameterBuilder("panda_moveit_config")
+for name in ("kinematics", "joint_limits"):
+    both.yaml(f"config/{name}.yaml", "planning")
+both = both.to_dict()
 """,
         {"panda_moveit_config": package},
     )
@@ -172,5 +176,6 @@ absent = ParameterBuilder("another_package").yaml("config/none.yaml").to_dict()
     assert 'link name="claw"' in ran["text"]
     assert "config/none.yaml doesn't exist" in ran["said"]
     assert ran["absent"] == {}
+    assert {*ran["both"]["planning"]} == {"panda_arm", "default_velocity_scaling_factor"}
     (finding,) = ran.findings
     assert "package 'another_package' is not in the workspace" in finding
