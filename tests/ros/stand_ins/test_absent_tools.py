@@ -74,8 +74,14 @@ def test_the_command_xacro_is_answered_however_it_is_started(traced, start):
         "    assert error.returncode == 127, error\n"
         "else:\n"
         "    raise SystemExit(1)",
+        'assert subprocess.call("ros2 node list", shell=True) == 127, "ROS 1 alone is installed"',
+        "names, began = [], rospy.get_time()\n"
+        'rospy.Timer(rospy.Duration(0.5), lambda _: names.append("/late"), oneshot=True)\n'
+        'while "/late" not in names:\n'
+        '    os.popen("rosnode list").read()\n'
+        "assert 0.5 <= rospy.get_time() - began < 0.6",
     ],
-    ids=["nodes", "topics", "services", "another"],
+    ids=["nodes", "topics", "services", "another", "of_ros_2", "again_and_again"],
 )
 def test_a_command_that_lists_the_running_system_is_answered(traced, lines):
     kind, reasons, said = traced(lines)

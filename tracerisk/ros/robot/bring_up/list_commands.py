@@ -38,10 +38,25 @@ _LISTS: dict[tuple[str, ...], Callable[[SystemState], list[str]]] = {
 def listing(words: Sequence[str], runtime: Runtime) -> Callable[[], str] | None:
     """Return what makes the lines of a command that lists; `None` for any other command.
 
-    One with options or behind a pipe of the shell is another command.
+    One with options or behind a pipe of the shell is another command, as is one of the ROS that
+    the run is not of.
     """
-    names = _LISTS.get(tuple(words))
-    if names is None:
+    is_ros2 = words[:1] == ["ros2"]
+    names_of = _LISTS.get(tuple(words))
+    if names_of is None or is_ros2 != runtime.distro.is_ros2:
         return None
-    system = runtime.client(SystemState)
-    return lambda: "".join(f"{name}\n" for name in names(system))
+
+    def answer() -> str:
+        runtime.scheduler.touch()
+        names = names_of(runtime.client(SystemState))
+        return "".join(f"{name}\n" for name in names if not (is_ros2 and _is_hidden(name)))
+
+    return answer
+
+
+def _is_hidden(name: str) -> bool:
+    """Return whether ROS 2 lists a name only where it is asked for hidden ones.
+
+    Source: ros2/ros2cli ros2node/ros2node/api and ros2/rclpy rclpy/topic_or_service_is_hidden.py.
+    """
+    return "/_" in name
