@@ -299,6 +299,20 @@ rospy.sleep(5.0)
     assert result.findings == []
 
 
+@pytest.mark.parametrize(
+    ("values", "words"), [("[]", "0 values fit no"), ("[math.inf] * 7", "a position is not finite")]
+)
+def test_a_message_of_no_values_or_of_an_infinite_one_moves_nothing(ran, values, words):
+    result = ran(f"""
+publisher = rospy.Publisher("/joint_group_position_controller/command", Float64MultiArray, queue_size=1)
+rospy.sleep(1.0)
+publisher.publish(Float64MultiArray(data={values}))
+rospy.sleep(1.0)
+""")
+    assert [command.end for command in result.recording.commands if command.end == "arrived"] == []
+    assert words in result.findings[0]
+
+
 def test_a_robot_in_the_namespace_robot_hears_its_topics_though_it_is_no_baxter(ran):
     result = ran("""
 def turn():

@@ -200,7 +200,7 @@ class SetPoints(TrajectoryNode):
             return
         if joints is None:
             joints = group_joints(self._twin.robot, topic, len(values))
-        if joints is None:
+        if not joints:
             self._refuse_group(topic, len(values))
             return
         self._command(topic, joints, np.array(values), _GROUP_COMMAND)
@@ -244,12 +244,12 @@ class SetPoints(TrajectoryNode):
         """Bring joints to positions, and those that are sent past a limit to that limit.
 
         Controllers of single positions limit what they are sent, or the interface of the joint
-        does. What looks like another unit goes as it was sent, and fails as such.
+        does. What looks like another unit, or is no number, goes as it was sent, and fails as such.
         """
         robot = self._twin.robot
         (reached,), past = stopped_positions(joints, values[None, :], robot)
         in_doubt = any(
-            unit_guess(robot.joint(name), value)
+            not math.isfinite(value) or unit_guess(robot.joint(name), value)
             for name, value in zip(joints, values.tolist(), strict=True)
             if name in past
         )
