@@ -165,6 +165,8 @@ def test_a_robot_of_which_only_the_name_is_named_assumes_the_groups_it_lacks(tmp
         ('arm.set_goal_state("pick")\narm.set_start_state(configuration_name="place")\n', True),
         ('arm.set_named_target("ready")\narm.set_named_target("pickup_two")\n', False),
         ('arm.set_named_target("raedy")\n', False),
+        ('arm.set_named_target("up")\narm.set_named_target("down")\nhand.set_named_target("open")\n', True),
+        ('arm.set_named_target("up")\nhand.set_named_target("open")\n', False),
         ('arm.remember_joint_values("a")\narm.set_named_target("a")\narm.set_named_target("b")\n', False),
         ('arm.set_goal_state("pick", pose_link="place")\n', False),
     ],

@@ -112,11 +112,17 @@ def with_groups_of(
 
     These are groups, by the program's strings, and the named states that it asks for. Whoever
     wrote such a program has a configuration of MoveIt with other names. A single state that the
-    robot lacks may as well be a mistake.
+    robot lacks may as well be a mistake. What grippers have, `open`, says nothing about the arm.
     """
 
-    own = {state for known in robot.named_states.values() for state in known}
-    is_of_another = len(states) > 1 and own.isdisjoint(states)
+    fingers = {joint for gripper in robot.grippers for joint in gripper.joints}
+    of_grippers: set[str] = set()
+    own: set[str] = set()
+    for group, known in robot.named_states.items():
+        joints = robot.groups[group].joints if group in robot.groups else ()
+        is_of_gripper = bool(joints) and fingers.issuperset(joints)
+        (of_grippers if is_of_gripper else own).update(known)
+    is_of_another = len({*states} - of_grippers) > 1 and own.isdisjoint(states)
     return replace(robot, assumes_names=is_of_another or words_in(strings).isdisjoint(robot.groups))
 
 
