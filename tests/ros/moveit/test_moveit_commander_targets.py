@@ -470,3 +470,17 @@ def test_a_finger_of_a_generic_arm_goes_to_the_end_of_its_assumed_range(example)
     verdict = ran.json["verdict"]
     assert verdict["kind"] == "partial", ran.err
     assert any("instead of 1: its range is assumed" in said["words"] for said in verdict["reasons"])
+
+
+@pytest.mark.parametrize("value", ["nan", "inf"])
+def test_a_finger_of_a_generic_arm_goes_to_no_end_for_what_is_no_number(example, value):
+    example.write(
+        "c.py",
+        "import rospy, moveit_commander\n"
+        "rospy.init_node('c')\n"
+        "hand = moveit_commander.MoveGroupCommander('rhand')\n"
+        f"hand.set_joint_value_target([float('{value}')])\n",
+    )
+    ran = example.run("trace", "c.py", "--json")
+    assert ran.json["verdict"]["kind"] == "faulted", ran.err
+    assert f"{value} for joint 'gripper_finger_joint' is outside" in ran.err

@@ -1,5 +1,6 @@
 """The targets of a planning group: joint positions, and poses of links."""
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -136,7 +137,7 @@ class GroupTargets(GroupState):
             joint, value = self._server.robot.joint(name), self._joint_target[name]
             slack = self._joint_tolerance
             if not joint.lower - slack <= value <= joint.upper + slack:
-                if self._is_assumed_finger(name):
+                if math.isfinite(value) and self._is_assumed_finger(name):
                     self._joint_target[name] = self._to_assumed_end(joint, value)
                     continue
                 raise MoveItCommanderException(
