@@ -233,6 +233,14 @@ def test_a_node_runs_in_the_namespace_in_which_its_parameter_file_is_for_it(
     )
 
 
+def test_the_parameters_of_another_namespace_are_not_for_a_node_that_has_one_itself(ros2, given):
+    ros2.write("arm_task/pick.py", f"{ROS2}\nother = Node('pick', namespace='left')\n")
+    ros2.write("config/b.yaml", "/cell/pick:\n  ros__parameters: {speed: 3.0}\n")
+    assert ros2.choose("arm_task/pick.py").setup is None
+    ros2.write("config/b.yaml", "/left/pick:\n  ros__parameters: {speed: 3.0}\n")
+    assert given(ros2.choose("arm_task/pick.py")) == {"speed": 3.0}
+
+
 def test_a_parameter_file_beside_the_tests_is_taken_if_no_other_is_for_the_node(ros2, given):
     ros2.write("test/a.yaml", "pick:\n  ros__parameters: {colour: red}\n")
     assert ros2.choose("arm_task/pick.py").setup is None

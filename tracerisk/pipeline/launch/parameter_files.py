@@ -140,13 +140,21 @@ def _for_node(
     for folder in folders:
         for path in parameter_files(folder, within):
             mine = tuple(
-                parameter for parameter in _parameters(path) if is_meant(parameter, asked.nodes)
+                parameter
+                for parameter in _parameters(path)
+                if is_meant(parameter, asked.nodes) and not _is_of_other_space(parameter, asked)
             )
             if mine:
                 for_node.append(
                     (len(asked.names & {parameter.name for parameter in mine}), path, mine)
                 )
     return for_node
+
+
+def _is_of_other_space(parameter: LaunchParameter, asked: Asked) -> bool:
+    """Return whether a node is meant in another namespace than those that the source gives."""
+    space = str(parameter.node).rpartition("/")[0]
+    return bool(asked.spaces) and bool(space) and "*" not in space and space not in asked.spaces
 
 
 def _is_for_every(parameter: LaunchParameter, _nodes: tuple[str, ...]) -> bool:

@@ -36,6 +36,8 @@ class Asked:
     """All strings in the source."""
     nodes: tuple[str, ...] = ()
     """The names that the source gives its nodes."""
+    spaces: frozenset[str] = frozenset()
+    """The namespaces that the source gives its nodes itself, like `/left`."""
 
 
 def asked_by(controller: Controller, folders: Mapping[str, Path]) -> Asked:
@@ -94,7 +96,8 @@ def _asked_of(tree: ast.Module | None) -> Asked:
         elif called == "declare_parameters":
             names |= set(_declared(call))
     nodes = tuple(_node_names(calls))
-    return Asked(frozenset(names), frozenset(required), frozenset(texts_in(tree)), nodes)
+    spaces = frozenset(_node_spaces(calls))
+    return Asked(frozenset(names), frozenset(required), frozenset(texts_in(tree)), nodes, spaces)
 
 
 def _text(node: ast.expr) -> str | None:
@@ -130,12 +133,25 @@ def _declared(call: ast.Call) -> Iterator[str]:
                 yield f"{space}.{name}" if space else name
 
 
+def _node_spaces(calls: Iterable[ast.Call]) -> Iterator[str]:
+    """Yield the namespaces that calls give the nodes that they make."""
+    for call in calls:
+        if last_name(call.func) in _NODES or _is_base(call):
+            space = (_keyword(call, "namespace") or "").strip("/")
+            if space:
+                yield f"/{space}"
+
+
+def _is_base(call: ast.Call) -> bool:
+    """Return whether a call makes what a class derives from: `super().__init__("x")`."""
+    return last_name(call.func) == "__init__" and isinstance(call.func, ast.Attribute)
+
+
 def _node_names(calls: Iterable[ast.Call]) -> Iterator[str]:
     """Yield what nodes are called: `super().__init__("x")`, `create_node("x")`, `Node("x")`."""
     for call in calls:
-        called = last_name(call.func)
-        is_base = called == "__init__" and isinstance(call.func, ast.Attribute)
-        if called not in _NODES and not is_base:
+        is_base = _is_base(call)
+        if last_name(call.func) not in _NODES and not is_base:
             continue
         arguments = [*call.args[:1], *(call.args[1:2] if is_base else ())]
         name = next((text for argument in arguments if (text := _text(argument)) is not None), None)
