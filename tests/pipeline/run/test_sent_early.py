@@ -341,3 +341,16 @@ def test_a_library_whose_import_makes_all_its_clients_is_connected_by_the_first_
     trace = api.trace_controller(api.load_controller(path), Settings(robot="m0609"))
     assert "sent-early" not in {reason.code for reason in trace.verdict.reasons}
     assert [command.end for command in trace.commands] == ["arrived"]
+
+
+def test_what_a_maker_s_library_sends_when_it_is_made_is_the_author_s_no_fault(tmp_path):
+    script = tmp_path / "arms.py"
+    script.write_text(
+        "import baxter_interface, rospy\n"
+        "rospy.init_node('arms')\n"
+        "for side in ('left', 'right'):\n"
+        "    baxter_interface.Gripper(side).close()\n"
+        "baxter_interface.Limb('left').move_to_neutral()\n"
+    )
+    trace = api.trace_controller(api.load_controller(script), Settings())
+    assert trace.verdict.reasons == ()

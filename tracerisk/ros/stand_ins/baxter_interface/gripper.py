@@ -46,6 +46,10 @@ class Gripper:
             baxter_dataflow.wait_for(
                 test, timeout=5.0, timeout_msg=f"Failed to get {topic} from {space}{topic}"
             )
+        # The robot sends state and properties seldom: when both are here, commands are connected.
+        baxter_dataflow.wait_for(
+            lambda: self._cmd_pub.get_num_connections() > 0, timeout=5.0, raise_on_error=False
+        )
         self.set_parameters(defaults=True)
 
     def _on_gripper_state(self, state: Any) -> None:
