@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from tracerisk.common.geometry.frames import rotation
 from tracerisk.common.geometry.shapes import Shape
 from tracerisk.twin.robots.robot_parts import Gripper, Group, Joint, Link, Servo
 from tracerisk.twin.urdf.srdf import EndEffector, Srdf
@@ -19,6 +23,9 @@ _TURNS_A_HAND = re.compile(r"roll|pitch|yaw|rot|wrist", re.IGNORECASE)
 _TRAVEL = {"prismatic": 0.03, "revolute": 0.8, "continuous": 0.8}  # where the file gives none
 _EFFORT = {"prismatic": (5.0, 100.0), "revolute": (0.5, 10.0)}  # least, greatest [N or N m]
 _SETTLES_S = 0.04  # damping by stiffness
+_MOST_FINGERS = 5  # of a hand whose fingers slide
+_LONGEST_WAY = 0.25  # assumed of a finger that slides and is not called one [m]
+_MEETING = 0.1  # how long the sum of unit vectors may be that are to cancel
 _PAD = (0.01, 0.01, 0.015)  # half lengths of a pad whose finger is a mesh [m]
 
 
@@ -35,7 +42,7 @@ class GripperParts:
 
 
 def is_finger(joint: UrdfJoint, tree: Tree) -> bool:
-    """Return whether a joint moves a finger: by its name, or as one of two that slide side by side.
+    """Return whether a joint moves a finger: by its name, or as one of several that meet.
 
     Whatever carries a joint of another kind is not a finger, nor is what carries several that
     move by themselves: that turns the whole hand.
@@ -66,19 +73,33 @@ def _looks_so(joint: UrdfJoint, tree: Tree) -> bool:
     together = _linkage(joint, tree)
     if len(together) > 1:
         return _is_hand(together, tree)
-    beside = [
+    return joint.type == "prismatic" and _close_on_each_other(joint, tree)
+
+
+def _close_on_each_other(joint: UrdfJoint, tree: Tree) -> bool:
+    """Return whether what slides on a joint's parent are fingers: short ways that meet.
+
+    They open to as many sides, as two opposite ones do, or three all round. Where a range goes as
+    far to both sides, or is missing, a joint may open to either: so only where an arm carries it.
+    """
+    sliders = [
         urdf_joint
         for urdf_joint in tree.below(joint.parent)
-        if urdf_joint.moves and urdf_joint != joint
+        if urdf_joint.moves
+        and urdf_joint.type == "prismatic"
+        and not any(tree.movers_below(urdf_joint.child))
     ]
-    return (
-        joint.type == "prismatic"
-        and not any(tree.movers_below(joint.child))
-        and any(
-            urdf_joint.type == "prismatic" and not any(tree.movers_below(urdf_joint.child))
-            for urdf_joint in beside
-        )
-    )
+    if joint not in sliders or not 2 <= len(sliders) <= _MOST_FINGERS:
+        return False
+    if any(slider.upper - slider.lower > _LONGEST_WAY for slider in sliders):
+        return False
+    sides = [math.copysign(1.0, middle) if middle else 0.0
+             for middle in (slider.lower + slider.upper for slider in sliders)]  # fmt: skip
+    if not all(sides) and not _carrier(joint, tree):
+        return False
+    along = [rotation(slider.rpy) @ slider.axis / np.linalg.norm(slider.axis) for slider in sliders]
+    choices = itertools.product(*((side,) if side else (1.0, -1.0) for side in sides))
+    return any(bool(np.linalg.norm(np.dot(choice, along)) < _MEETING) for choice in choices)
 
 
 def _linkage(joint: UrdfJoint, tree: Tree) -> frozenset[str]:
