@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _S = 1e-9
+_PRESSED = 0.002  # as far past its limit a finger may be measured [m or rad]
 START_TOLERANCE = 0.01
 """How far a trajectory may begin from where the set-points are [rad or m]."""
 
@@ -85,10 +86,18 @@ class TrajectoryNode(TwinNode):
             self._commands.report("one_robot", words, stack, object_name=topic)
 
     def _stopped(self, what: str, asked: JointTrajectory, stack: Stack = None) -> JointTrajectory:
-        """Return a trajectory as the driver takes it, which may stop joints at their limits."""
-        if not self._rules.stop_at_limits:
-            return asked
-        trajectory, past = within_limits(asked, self._twin.robot)
+        """Return a trajectory as the driver takes it, which may stop joints at their limits.
+
+        Fingers stop at theirs, whoever takes it.
+        """
+        robot = self._twin.robot
+        if self._rules.stop_at_limits:
+            trajectory, past = within_limits(asked, robot)
+        else:
+            fingers = {name for gripper in robot.grippers for name in gripper.joints}
+            _, beyond = within_limits(asked, robot, _PRESSED)
+            trajectory = asked
+            past = {joint: words for joint, words in beyond.items() if joint in fingers}
         for joint, words in past.items():
             taken = f"{what} takes joint '{joint}' {words}"
             self._commands.report("stopped_at_limit", taken, stack, object_name=joint)

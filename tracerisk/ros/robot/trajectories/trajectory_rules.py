@@ -41,20 +41,24 @@ class TrajectoryRules:
 
 
 def within_limits(
-    trajectory: JointTrajectory, robot: Robot
+    trajectory: JointTrajectory, robot: Robot, slack: float = _NEAR
 ) -> tuple[JointTrajectory, dict[str, str]]:
-    """Return a trajectory that stops at the joints' limits, and for each joint how it was past."""
-    position, past = stopped_positions(trajectory.joints, trajectory.position, robot)
+    """Return a trajectory that stops at the joints' limits, and for each joint how it was past.
+
+    `slack` is how far past a limit nothing is said [rad or m].
+    """
+    position, past = stopped_positions(trajectory.joints, trajectory.position, robot, slack)
     velocity = np.where(position == trajectory.position, trajectory.velocity, 0.0)
     return replace(trajectory, position=position, velocity=velocity), past
 
 
 def stopped_positions(
-    joints: Sequence[str], asked: Array, robot: Robot
+    joints: Sequence[str], asked: Array, robot: Robot, slack: float = _NEAR
 ) -> tuple[Array, dict[str, str]]:
     """Return positions that stop at the joints' limits, and for each joint how it was past.
 
     `asked` and what is returned: a row for each point, a column for each joint [rad or m].
+    `slack` is as for `within_limits`.
     """
     position = asked.copy()
     past: dict[str, str] = {}
@@ -65,7 +69,7 @@ def stopped_positions(
         position[:, i] = np.clip(asked[:, i], joint.lower, joint.upper)
         beyond = np.abs(asked[:, i] - position[:, i])
         furthest = int(np.argmax(beyond))
-        if beyond[furthest] > _NEAR:
-            words = past_limits(joint, float(asked[furthest, i]), _NEAR)
+        if beyond[furthest] > slack:
+            words = past_limits(joint, float(asked[furthest, i]), slack)
             past[name] = f"to {words}; it stops there"
     return position, past
