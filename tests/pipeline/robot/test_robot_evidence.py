@@ -124,6 +124,24 @@ def test_arms_for_which_as_much_speaks_are_an_open_assumption(tmp_path, name, am
     assert among <= {choice.robot.name, *rivals}
 
 
+@pytest.mark.parametrize(
+    "named",
+    [
+        'rospy.init_node("ur5_joint_motion_node")',
+        'rospy.init_node(name="ur5_joint_motion_node")',
+        'node = rclpy.create_node("ur5_joint_motion_node")',
+        "class Mover(Node):\n    def __init__(self):\n"
+        '        super().__init__("ur5_joint_motion_node")',
+    ],
+    ids=["init_node", "by keyword", "create_node", "a class"],
+)
+def test_the_name_of_a_node_is_no_joint_that_arms_lack(tmp_path, named):
+    source = f"from utils import JOINTS\n{named}\n"
+    choice = chosen(tmp_path, go_DOT_py=source, utils_DOT_py=f"JOINTS = {UR}\n")
+    assert choice.robot.name == "ur5"
+    assert not choice.robot.doubt
+
+
 def test_what_lies_about_decides_where_as_much_speaks_for_two(tmp_path):
     source = f'JOINTS = {UR}\nname = "ur3 or ur5"\n'
     choice = chosen(tmp_path, go_DOT_py=source, README_DOT_md="for the UR5\n")

@@ -35,6 +35,7 @@ _N_JOINTS = 6
 _MOST_JOINTS = 9
 _FINGERS = 2
 _TAKES_JOINTS = frozenset({"go", "set_joint_value_target"})
+_NAMES_A_NODE = frozenset({"init_node", "Node", "create_node", "__init__"})
 _JOINT = re.compile(r"(?=.*joint)[A-Za-z][A-Za-z0-9_]*(?:\d|_joint|joint_\w+)", re.IGNORECASE)
 _NO_JOINT = re.compile(
     r"state|traj|controller|command|name|value|goal|limit|group|position|space|angle|pub|sub|"
@@ -125,7 +126,12 @@ def names_asked(tree: ast.Module | None) -> NamesAsked:
         for node in ast.walk(tree)
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     ]
-    alone = [text for text in strings if _JOINT.fullmatch(text) and not _NO_JOINT.search(text)]
+    of_nodes = frozenset(_nodes_named(tree))
+    alone = [
+        text
+        for text in strings
+        if _JOINT.fullmatch(text) and not _NO_JOINT.search(text) and text not in of_nodes
+    ]
     joints = list(dict.fromkeys(listed or alone))
     frames = [text for text in strings if _FRAME.fullmatch(text) and not _BASE.search(text)]
     return NamesAsked(
@@ -133,6 +139,16 @@ def names_asked(tree: ast.Module | None) -> NamesAsked:
         tuple(name for name in dict.fromkeys(frames) if name not in joints),
         _counted_joints(tree),
     )
+
+
+def _nodes_named(tree: ast.AST) -> Iterator[str]:
+    """Yield the names that a source gives its nodes: `joint_mover` is no joint."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and _name(node.func) in _NAMES_A_NODE:
+            named = [word.value for word in node.keywords if word.arg in ("name", "node_name")]
+            for value in (*node.args[:1], *named):
+                if isinstance(value, ast.Constant) and isinstance(value.value, str):
+                    yield value.value
 
 
 def _listed(tree: ast.AST) -> Iterator[str]:
