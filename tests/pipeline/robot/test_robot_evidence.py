@@ -327,6 +327,49 @@ def test_of_descriptions_with_the_same_joints_the_one_that_is_named_is_taken(tmp
     assert choice.robot.source.endswith(f"{model}.urdf")
 
 
+@pytest.mark.parametrize(
+    ("srdf", "doubt"),
+    [("cell", True), ("long", False)],
+    ids=["of neither by its name", "of the one that it names"],
+)
+def test_an_srdf_that_goes_with_several_arms_alike_makes_its_arm_an_assumption(
+    tmp_path, srdf, doubt
+):
+    joints = ["axis_1", "axis_2", "axis_3"]
+    group = BIG["big_config__config__big_DOT_srdf"].replace('"big"', f'"{srdf}"', 1)
+    files = {
+        "app__go_DOT_py": 'group = "big"\n',
+        "app__package_DOT_xml": PACKAGE.format("app"),
+        "arms__package_DOT_xml": PACKAGE.format("arms"),
+        "arms__config__arm_DOT_srdf": group,
+        "arms__urdf__long_DOT_urdf": urdf("long", *joints),
+        "arms__urdf__short_DOT_urdf": urdf("short", *joints).replace("0 0 0.2", "0 0 0.1"),
+        "arms__urdf__copy_DOT_urdf": urdf("copy", *joints),
+    }
+    robot = chosen(tmp_path, **files).robot
+    assert robot.source.split(", ")[0].endswith("copy.urdf" if doubt else "long.urdf")
+    assert ("short.urdf in the workspace would fit as well" in robot.doubt) == doubt
+    assert "copy.urdf" not in robot.doubt, "the same arm"
+
+
+def test_an_arm_in_the_place_of_one_that_cannot_be_read_is_an_assumption(tmp_path):
+    joints = ["axis_1", "axis_2", "axis_3"]
+    files = {
+        "app__go_DOT_py": 'group = "big"\n',
+        "app__package_DOT_xml": PACKAGE.format("app"),
+        "arms__package_DOT_xml": PACKAGE.format("arms"),
+        "arms__config__big_DOT_srdf": BIG["big_config__config__big_DOT_srdf"],
+        "arms__urdf__other_DOT_urdf": urdf("other", *joints),
+    }
+    whole = urdf("big", *joints)
+    broken = whole.replace("</robot>", JOINT.format("twice", "root", "axis_3_link") + "</robot>")
+    for name, text, robot in (("whole", whole, "big"), ("broken", broken, "other")):
+        choice = chosen(tmp_path / name, **files, arms__urdf__cell_DOT_urdf=text)
+        assert choice.robot.name == robot
+        said = "cell.urdf has the name of config/big.srdf and cannot be read"
+        assert (said in choice.robot.doubt) == (robot == "other")
+
+
 MOTOMAN = ["joint_1_s", "joint_2_l", "joint_3_u", "joint_4_r", "joint_5_b", "joint_6_t"]
 """As ros-industrial/motoman motoman_gp7_support/urdf/gp7_macro.xacro names them."""
 MYCOBOT = [

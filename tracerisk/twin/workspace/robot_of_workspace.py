@@ -43,7 +43,7 @@ from tracerisk.twin.workspace.srdf_pairing import (
     setup_assistant,
     shipped_with_srdf,
 )
-from tracerisk.twin.workspace.taken_description import Taken, doubted
+from tracerisk.twin.workspace.taken_description import Taken, among_rivals, doubted
 
 _TESTS = frozenset({"test", "tests"})
 _RANKS = {"controller": 0, "package": 1, "named": 2}
@@ -219,6 +219,7 @@ class _Search:
                 *choice.rank(urdf),
             ),
         )
+        broken: list[str] = []
         for urdf in ranked:
             is_near = self._launched_as(urdf) != _UNNAMED or choice.is_near(urdf)
             if not is_near and (self._is_part(urdf) or not choice.is_needed(urdf)):
@@ -230,9 +231,16 @@ class _Search:
             except RobotError as error:
                 # Another arm of the same joints may stand elsewhere, but it is not this one.
                 self._skip(urdf, error.message, is_meant=self._launched_as(urdf) == 0)
+                broken += [urdf.shown] if choice.is_named(urdf) else []
                 continue
             if has_parts_of(robot, srdf, lacks_parts=self._texts.is_without_parts(urdf)):
-                return self._texts.completed(completed_as_ours(robot), urdf), urdf
+                beside = [file for file in ranked if file != urdf and choice.is_near(file)]
+                rivals = () if is_named else self._alike(robot, beside, srdf)
+                completed = self._texts.completed(completed_as_ours(robot), urdf)
+                if broken and not is_named:
+                    words = f"has the name of {file.shown} and cannot be read"
+                    completed = doubted(completed, f"{broken[0]} {words}; name it with --robot")
+                return among_rivals(completed, rivals), urdf
         return None
 
     def _from_urdf(self) -> Taken | None:
@@ -282,20 +290,20 @@ class _Search:
         if taken.left_out:
             origin = f"the controller names its joints without the prefix '{taken.left_out}'"
             completed = doubted(without_prefix(completed, taken.left_out), origin)
-        elif rivals := [*self._rivals_of(taken)]:
-            origin = f"{', '.join(rivals)} in the workspace would fit as well; name it with --robot"
-            completed = doubted(completed, origin)
+        else:
+            equal = self._rank(taken.files[0])[:-1]
+            others = [file for file in self._urdf_files if self._rank(file)[:-1] == equal]
+            completed = among_rivals(completed, self._alike(taken.robot, others))
         origin = f"{taken.files[0].shown} in the workspace ({taken.reason})"
         return replace(taken, robot=completed, reason=origin)
 
-    def _rivals_of(self, taken: Taken) -> Iterator[str]:
-        """Yield the files of other arms with the same joints, for which as much speaks."""
-        (own,) = taken.files
-        for file in self._urdf_files:
-            if file == own or self._rank(file)[:-1] != self._rank(own)[:-1]:
-                continue
+    def _alike(
+        self, robot: Robot, files: Iterable[DescriptionFile], srdf: Srdf | None = None
+    ) -> Iterator[str]:
+        """Yield which of some files are of other arms with the same joints."""
+        for file in files:
             with contextlib.suppress(RobotError):
-                if is_variant(read_urdf(self._texts.of(file), file.shown), taken.robot):
+                if is_variant(read_urdf(self._texts.of(file), file.shown, srdf=srdf), robot):
                     yield file.shown
 
     def _prefixes_of(self, robot: Robot) -> tuple[str, str]:

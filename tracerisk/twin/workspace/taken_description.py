@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from tracerisk.twin.robots.robot import Robot
@@ -34,3 +35,10 @@ class Taken:
 def doubted(robot: Robot, doubt: str) -> Robot:
     """Return a robot with one more doubt about it."""
     return replace(robot, doubt="; ".join(name for name in (robot.doubt, doubt) if name))
+
+
+def among_rivals(robot: Robot, rivals: Iterable[str]) -> Robot:
+    """Return a robot, doubted where files of the workspace describe others as likely."""
+    if named := ", ".join(rivals):
+        return doubted(robot, f"{named} in the workspace would fit as well; name it with --robot")
+    return robot
