@@ -6,6 +6,7 @@ import pytest
 
 from tracerisk.adder.sources.c_source import parse_c
 from tracerisk.adder.sources.lines_of_functions import functions_at
+from tracerisk.pipeline.run.live.compiled import CompiledCalls
 
 pytest.importorskip("tree_sitter_cpp")
 SOURCES = Path(__file__).with_name("sources")
@@ -76,3 +77,21 @@ def test_names_of_symbols_alone_are_those_of_the_source(nodes, name, monkeypatch
         for function in parse_c(path.read_bytes(), str(path)).functions
     }
     assert recorded - IMPLICIT == expected - WITHOUT_COMMAND
+
+
+@pytest.mark.parametrize("name", ["inheritance", "lambdas", "two_files"])
+def test_a_live_run_gives_inlined_functions_their_names_in_the_source(nodes, name):
+    flags = ["-O2", "-g", "-std=c++17", "-fno-optimize-sibling-calls", "-I", str(SOURCES)]
+    nodes.run(nodes.compile(*flags, source=NODES[name], name=name))
+    calls = nodes.log(functions_at).calls
+    met = set()
+    compiled = CompiledCalls(
+        nodes.folder / "calls.jsonl",
+        SOURCES,
+        f"{name}.cpp",
+        lambda function, _line: met.add(function.name),
+        lambda _file, _source: None,
+    )
+    for call in calls:
+        compiled.stack(f"{call.name}/goal" if call.kind == "goal" else call.name, None)
+    assert met == {frame.function for call in calls for frame in call.stack} - IMPLICIT

@@ -8,7 +8,7 @@ from typing import Any
 
 from tracerisk.common.text.bounded import regular_file
 from tracerisk.instrument.native.binaries import Binary
-from tracerisk.instrument.native.calls import Call, Frame, call_of, named_calls
+from tracerisk.instrument.native.calls import Call, Frame, NamesAt, call_of, named_calls
 
 _INSTALLED = ("/usr/", "/bin/", "/sbin/", "/opt/ros/")
 _PIECE = 1 << 16
@@ -18,17 +18,19 @@ _PIECE = 1 << 16
 class CallFollower:
     """Reads the commands that have come since it was asked last.
 
-    A stack is named once, however often it issues a command. `notes` (an attribute) are the
-    sentences of `CallLog` on what is missing, `newer` its sources that have changed, `programs`
-    those that reported, `codes` those with which processes have ended by themselves.
+    A stack is named once, however often it issues a command; `names_at` is that of `read_calls`.
+    `notes` (an attribute) are the sentences of `CallLog` on what is missing, `newer` its sources
+    that have changed, `programs` those that reported, `codes` those with which processes have
+    ended by themselves.
     """
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file: Path, names_at: NamesAt | None = None) -> None:
         self.notes: dict[str, None] = {}
         self.newer: dict[str, str] = {}
         self.programs: dict[str, None] = {}
         self.codes: dict[int, int] = {}
         self._file = file
+        self._names_at = names_at
         self._open: dict[int, int] = {}  # the pieces that may grow, and what is read of each
         self._filled_by: dict[int, int] = {}  # the open piece of each process
         self._n_pieces = 0
@@ -86,7 +88,7 @@ class CallFollower:
             self.codes[pid] = entry["exit"]
 
     def _name(self, unknown: dict[str, dict[str, Any]]) -> None:
-        log = named_calls([*self._modules, *unknown.values()])
+        log = named_calls([*self._modules, *unknown.values()], self._names_at)
         for key, call in zip(unknown, log.calls, strict=True):
             self._known[key] = call.stack
         self.notes.update(dict.fromkeys(log.notes))

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tracerisk.adder.sources.c_source import CFunction, CSource, parse_c
+from tracerisk.adder.sources.lines_of_functions import functions_at
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import InputError, Location, TraceRiskError
@@ -73,7 +74,7 @@ class CompiledCalls:
         on_function: Callable[[FunctionRef, int], None],
         on_source: Callable[[str, bytes], None],
     ) -> None:
-        self._follower = CallFollower(file)
+        self._follower = CallFollower(file, functions_at)
         self._root = root.resolve()
         self._on_function, self._on_source = on_function, on_source
         self._sources: dict[str, CSource | None] = {}
