@@ -267,7 +267,7 @@ def _defines_functions(code: object) -> bool:
 @pytest.mark.parametrize(
     ("source", "where", "what"),
     [
-        (b"print 'x'\nlambda (a), b: 1\n", "c.py:1", "at line 2: Lambda expression"),
+        (b"print 'x'\nNone = 3\n", "c.py:1", "at line 2: cannot assign to None"),
         (b"print 'x'\nprint(1, file=y)\n", "c.py:1", "Python 2 cannot read it either"),
         (b"print 'x'\nz = f'{1}'\n", "c.py:1", "not valid Python: Missing parentheses"),
         (b"def f(:\n  pass\n", "c.py:1:7", "not valid Python: invalid syntax in `def f(:`"),
