@@ -8,7 +8,7 @@ from typing import Any
 
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.python_2.meaning import give_meaning, is_of_python_2
-from tracerisk.instrument.source.python_source import decoded, is_python_2, read_python
+from tracerisk.instrument.source.python_source import decoded, read_python
 
 
 class ConvertingLoader(SourceFileLoader):
@@ -18,12 +18,14 @@ class ConvertingLoader(SourceFileLoader):
         self, data: Any, path: Any, *, _optimization: int = -1
     ) -> CodeType:
         """Return the code of a source."""
-        source = bytes(data)
-        if not is_python_2(source):
+        try:
+            read = read_python(decoded(bytes(data)))
+        except (SyntaxError, ValueError, RecursionError):
+            return super().source_to_code(data, path)  # it says what is wrong
+        if not read.is_python_2:
             return super().source_to_code(data, path)
-        tree = read_python(decoded(source)).tree
-        give_meaning(tree)
-        return compile(tree, path, "exec", dont_inherit=True)
+        give_meaning(read.tree)
+        return compile(read.tree, path, "exec", dont_inherit=True)
 
     @hide
     def exec_module(self, module: ModuleType) -> None:

@@ -12,6 +12,7 @@ from typing import TypeVar, cast
 
 from tracerisk.instrument.marks.calls import is_lazy
 from tracerisk.instrument.marks.endless_loops import begin_of_code
+from tracerisk.instrument.python_2.operators import ATTRIBUTES, CLASS_NAMES
 from tracerisk.instrument.source.python_2_text import TUPLE_PARAMETER, UNPACKED
 
 SIGN = "__tracerisk_python_2__"
@@ -26,29 +27,6 @@ ATTRIBUTE = "__tracerisk_attribute__"
 """The name of the function for attributes that Python 3 has not, or that are others there."""
 CLASS = "__tracerisk_class__"
 """The name of the decorator of classes with methods that have another name in Python 3."""
-
-ATTRIBUTES = frozenset(
-    {
-        *("has_key", "iteritems", "iterkeys", "itervalues", "viewitems", "viewkeys", "viewvalues"),
-        *("keys", "values", "items", "next", "sort", "message", "decode", "encode", "translate"),
-        *("func_name", "func_code", "func_defaults", "func_globals", "func_doc", "func_dict"),
-        *("im_func", "im_self", "im_class", "maxint", "setdefaultencoding", "exc_clear"),
-        *(
-            "exc_type",
-            "exc_value",
-            "isAlive",
-            "getchildren",
-            "getiterator",
-            "tostring",
-            "fromstring",
-        ),
-    }
-)
-"""The attributes whose values may differ."""
-CLASS_NAMES = frozenset(
-    {"__nonzero__", "next", "__div__", "__rdiv__", "__idiv__", "__cmp__", "__eq__"}
-)
-"""What a class may define that Python 3 calls by another name, or in another way."""
 
 _OPERATORS = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
@@ -231,25 +209,18 @@ class _Meaning(ast.NodeTransformer):
 
     def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST:
         self.generic_visit(node)
-        given = {
-            name.id
-            for statement in node.body
-            if isinstance(statement, ast.Assign)
-            for name in statement.targets
-            if isinstance(name, ast.Name)
-        }
-        if "__metaclass__" in given:
-            # The class decorator cannot: a class is made by its metaclass.
-            of_class = next(
-                statement
-                for statement in node.body
-                if isinstance(statement, ast.Assign)
-                and any(getattr(name, "id", "") == "__metaclass__" for name in statement.targets)
-            )
-            if isinstance(of_class.value, ast.Name | ast.Attribute):
-                node.keywords.append(self._like(ast.keyword("metaclass", of_class.value), node))
+        given: dict[str, ast.expr] = {}
+        for statement in node.body:
+            if isinstance(statement, ast.Assign):
+                for name in statement.targets:
+                    if isinstance(name, ast.Name):
+                        given.setdefault(name.id, statement.value)
+        # The class decorator cannot: a class is made by its metaclass.
+        metaclass = given.get("__metaclass__")
+        if isinstance(metaclass, ast.Name | ast.Attribute):
+            node.keywords.append(self._like(ast.keyword("metaclass", metaclass), node))
         defined = {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
-        if CLASS_NAMES & (given | defined):
+        if CLASS_NAMES & (given.keys() | defined):
             node.decorator_list.append(self._like(ast.Name(CLASS, ast.Load()), node))
         return node
 

@@ -283,6 +283,10 @@ _LACKING: dict[str, Callable[[Any], Any]] = {
 }
 
 
+ATTRIBUTES = frozenset({*_SPECIAL, *_INSTEAD, *_LACKING})
+"""The attributes whose values may differ."""
+
+
 def completed_class(kind: type) -> type:
     """Give a class the methods that Python 3 calls in the place of those of Python 2."""
     own = vars(kind)
@@ -305,6 +309,8 @@ _METHODS = {
     "__rdiv__": "__rtruediv__",
     "__idiv__": "__itruediv__",
 }
+CLASS_NAMES = frozenset({*_METHODS, "__cmp__", "__eq__"})
+"""What a class may define that Python 3 calls by another name, or in another way."""
 _BY_ORDER: dict[str, Callable[[int], bool]] = {
     "__lt__": lambda order: order < 0,
     "__le__": lambda order: order <= 0,

@@ -13,6 +13,7 @@ import sys
 import tokenize
 import warnings
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 from tracerisk.common.function_ref import FunctionRef
@@ -148,6 +149,7 @@ def _read_python_2(text: str, file: str) -> ReadPython:
         raise NotConvertibleError(f"{error.msg} in the conversion", error.lineno) from None
 
 
+@lru_cache(maxsize=256)
 def is_python_2(source: bytes) -> bool:
     """Return whether a source can be read, and is read as Python 2."""
     try:

@@ -80,10 +80,11 @@ class MissingModules:
     def _imported(self, files: Iterable[Path]) -> Iterator[str]:
         """Yield the dotted names of the modules that files import, but for guarded imports."""
         for path in files:
-            tree = parsed(source_bytes(path))
+            source = source_bytes(path)
+            tree = parsed(source)
             if tree is None:
                 continue
-            served = RENAMED if is_python_2(source_bytes(path)) else ()
+            served = RENAMED if is_python_2(source) else ()
             for node, is_guarded in walk_with_guards(tree):
                 names: list[str] = []
                 if isinstance(node, ast.Import) and not is_guarded:
