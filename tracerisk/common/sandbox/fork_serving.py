@@ -91,7 +91,7 @@ class _Jobs:
         os._exit(0)
 
     def _asked(self) -> list[int] | None:
-        """Fork what is asked for; return its descriptors in the process that was forked."""
+        """Fork for one request; return its descriptors in the child, `None` in the server."""
         import socket
 
         try:

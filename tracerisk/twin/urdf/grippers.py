@@ -93,8 +93,7 @@ def _close_on_each_other(joint: UrdfJoint, tree: Tree) -> bool:
         return False
     if any(slider.upper - slider.lower > _LONGEST_WAY for slider in sliders):
         return False
-    sides = [math.copysign(1.0, middle) if middle else 0.0
-             for middle in (slider.lower + slider.upper for slider in sliders)]  # fmt: skip
+    sides = [float(np.sign(slider.lower + slider.upper)) for slider in sliders]
     if not all(sides) and not _carrier(joint, tree):
         return False
     along = [rotation(slider.rpy) @ slider.axis / np.linalg.norm(slider.axis) for slider in sliders]

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,10 +55,6 @@ from tracerisk.ros.robot.trajectory_messages import (
 from tracerisk.twin.motion.execution import GOAL_TOLERANCE
 from tracerisk.twin.motion.plausible_units import unit_guess
 from tracerisk.twin.physics.motion import JointTrajectory
-
-if TYPE_CHECKING:
-    pass
-
 
 _FEEDBACK = "joint_states"
 _INDUSTRIAL = "joint_path_command"  # the topic of the drivers of ROS-Industrial
@@ -244,7 +240,8 @@ class SetPoints(TrajectoryNode):
         """Bring joints to positions, and those that are sent past a limit to that limit.
 
         Controllers of single positions limit what they are sent, or the interface of the joint
-        does. What looks like another unit, or is no number, goes as it was sent, and fails as such.
+        does. A value that looks like another unit, or that is not finite, is passed on unchanged,
+        and the command fails.
         """
         robot = self._twin.robot
         (reached,), past = stopped_positions(joints, values[None, :], robot)

@@ -163,6 +163,7 @@ class Clock:
         Raises:
             NotInitializedException: the context is not initialized.
         """
+        # The real one adds the span to a time, which refuses what is no span.
         return self._sleep((self.now() + rel_time).nanoseconds - self.now().nanoseconds, context)
 
     def create_jump_callback(
