@@ -117,7 +117,6 @@ class KnownBlock:
 
     def author_of_value(self, component: str | None, kind: FieldKind, value: Any) -> Author:
         """Return who wrote a value that neither the digest nor the lock knows."""
-
         earlier = self._digest.earlier(kind, value)
 
         def is_it(text: str | None) -> bool:

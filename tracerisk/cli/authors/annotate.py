@@ -44,7 +44,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     controller = api.load_controller(options.controller)
     if options.form is not None:
         return _convert(options, controller)
@@ -103,7 +102,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _convert(options: argparse.Namespace, controller: Controller) -> int:
     """Write the blocks of a controller in the form that was asked for, and nothing else."""
-
     converted = in_form(controller, options.form)
     names = [str(controller.path_of(source.file)) for source in converted.sources]
     if options.diff:

@@ -40,7 +40,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     if options.robot is None and options.controller is None:
         raise InputError("--robot is missing: name the robot that is listened to")
     named = (options.names, options.joint_states)

@@ -61,7 +61,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     projects = Projects()
     return _watch(options, projects) if options.watch else _check(options, projects)
 
@@ -85,7 +84,6 @@ def _paths(options: argparse.Namespace, projects: Projects) -> Sequence[Path]:
 
     Where no file is named, those are among them whose blocks no run wrote.
     """
-
     if options.files:
         return controllers_of(options.files, projects)
     return all_controllers(projects, with_unknown=True)
@@ -93,7 +91,6 @@ def _paths(options: argparse.Namespace, projects: Projects) -> Sequence[Path]:
 
 def _check(options: argparse.Namespace, projects: Projects) -> int:
     """Check the controllers, print what was found, and return the exit code."""
-
     paths = _paths(options, projects)
     if options.files:
         note_without_controllers(options, projects)

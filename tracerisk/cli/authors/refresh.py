@@ -46,7 +46,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     projects = Projects()
     paths = named_or_all(options.files, projects)
     note_without_controllers(options, projects)

@@ -60,7 +60,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     controller = api.load_controller(options.controller)
     settings = api.load_settings(controller, shared.run_settings(options))
     if not options.is_run:

@@ -98,7 +98,6 @@ def run_shown(
 
     Raises HardwareError where the hardware description does not fit it.
     """
-
     hardware = load_hardware(settings, trace.robot)
     evidence = None
     section = run_section(trace, hardware, recorded)
@@ -132,7 +131,6 @@ def report_input(
     far the figure may be off.
     Raises BlockError or SourceError where blocks are malformed.
     """
-
     report = ReportInput(
         assessment=assessment,
         model=model,
@@ -167,7 +165,6 @@ def band_shown(
     run: RunShown | str, model: HybridModel, sources: Mapping[str, bytes], settings: Settings
 ) -> str:
     """Return the sentence on how far a figure may be off; "" where that is not known."""
-
     if isinstance(run, str):
         return ""
     band = figure_band(
@@ -217,7 +214,6 @@ def shown_sources(sources: Mapping[str, bytes]) -> tuple[SourceFile, ...]:
 
     Raises BlockError or SourceError where blocks are malformed.
     """
-
     texts = {file: decoded(source) for file, source in sources.items()}
     pairs = [
         (FunctionRef(file, name), block)
@@ -249,7 +245,6 @@ def _blocks_in(source: bytes, file: str, text: str) -> Iterator[tuple[QualifiedN
 
 def _published(block: RiskBlock, text: str, end: str | None) -> SourceBlock:
     """Return where a block of the published form stands: to its `*/`, or while comments go on."""
-
     lines = text.splitlines()
     first = block.location.line if block.location is not None and block.location.line else 1
     last = first

@@ -97,7 +97,6 @@ def write_report_pictures(
     shown, InputError is raised, and nothing runs. `renamed` gives the later name of functions by
     their earlier one.
     """
-
     if both and isinstance(both, str) and (options.gif or options.mp4):
         raise InputError(f"no film of both runs can be made. {both}", Location(options.files[0]))
     trace = given if given is not None else None if kept is None else kept.trace

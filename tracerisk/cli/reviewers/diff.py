@@ -221,7 +221,6 @@ def _rise(diff: RiskDiff, most: float | None) -> list[str]:
     passes. So does a rise with a fall of the undetected failure that is no smaller: a check stops
     missions that failed unnoticed before.
     """
-
     if most is None or diff.after is None:
         return []
     verdicts = diff.verdicts

@@ -69,7 +69,6 @@ def run_faults(options: argparse.Namespace) -> int:
 
     Raises RunFailedError when the run without them came to a bad end.
     """
-
     recorded = None
     shown = progress_bar(quiet=options.quiet, controller=options.controller)
     is_shown = options.report is not None

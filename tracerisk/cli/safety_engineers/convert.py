@@ -100,7 +100,6 @@ def _converted(
     options: argparse.Namespace, kind: ModelFormat | None, target: ModelFormat
 ) -> dict[str, str]:
     """Return the text of each file to write; the blocks of sources where there is no `kind`."""
-
     constants = _constants(options, kind)
     profile = read_profile(options)
     if profile and kind is not None:

@@ -83,7 +83,6 @@ class _Asked:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     asked = _asked(options)
     find = prime_implicants if options.prime else minimal_cut_sets
     cut_sets = find(asked.tree, max_order=options.max_order)

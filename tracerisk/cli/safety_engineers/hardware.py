@@ -122,7 +122,6 @@ def _show(options: argparse.Namespace) -> int:
 
 def _of_settings() -> str:
     """Return the description that the settings of this folder name."""
-
     project = Project.of(Path("here.py"))
     settings = project.settings()
     if settings.hardware is None:

@@ -153,7 +153,6 @@ def _robots() -> str:
 
 def _sandbox() -> str:
     """Return which parts of the sandbox work here."""
-
     here = support()
     parts = {
         "files": here.landlock > 0,
@@ -174,7 +173,6 @@ def _sandbox() -> str:
 
 def _of_environment() -> str:
     """Return where packages are installed for a controller of either ROS in this folder."""
-
     here = Project(Path.cwd())
     of_both = (here.prefixes(1, Settings()), here.prefixes(2, Settings()))
     return _installed(tuple(dict.fromkeys(prefix for prefixes in of_both for prefix in prefixes)))
@@ -185,7 +183,6 @@ def _installed(prefixes: Sequence[Prefix]) -> str:
 
     Those of one workspace that has a prefix for each package are one.
     """
-
     groups: dict[tuple[str, str], list[Prefix]] = {}
     for prefix in prefixes:
         parent = Path(prefix.path).parent

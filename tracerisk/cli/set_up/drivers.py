@@ -32,7 +32,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     if options.action == "list":
         drivers = (*shipped_drivers(), *read_drivers(installed_files(), Path.cwd()))
     else:

@@ -46,7 +46,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     folder = Path(options.folder)
     if not folder.is_dir():
         raise InputError("is no folder; name that of the repository", Location(str(folder)))

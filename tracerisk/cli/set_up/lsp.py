@@ -22,7 +22,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(_: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
-
     require_lsp()
     from tracerisk.editor.server import serve
 

@@ -44,7 +44,6 @@ def deliver(options: argparse.Namespace, text: str, *, is_new: bool = False) -> 
 
 def write(name: str, text: str, *, is_new: bool = False) -> None:
     """Write a file; raise InputError where one that `is_new` is there already."""
-
     path = Path(name)
     if is_new and path.exists():
         raise InputError("is there already; give another name, or move it away", Location(name))

@@ -73,7 +73,6 @@ def read_recording(path: Path, options: argparse.Namespace, controller: str | No
 
 def check_robot(trace: Trace, name: str | None, path: Path) -> None:
     """Raise InputError where `--robot NAME` is not the robot that a trace is of."""
-
     if name is None or not trace.robot:
         return
     named = named_robot(name, Path(), Settings()).name

@@ -73,7 +73,6 @@ def verdict_json(verdict: Verdict | None) -> dict[str, Any]:
 
 def sources_verdict(files: Sequence[str]) -> SourcesVerdict | None:
     """Return what the locks say of the runs behind sources; `None` for files of a model."""
-
     sources = {name: read_file(name) for name in files}
     if any(text.lstrip().startswith(b"{") for text in sources.values()):
         return None

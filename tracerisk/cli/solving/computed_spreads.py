@@ -129,7 +129,6 @@ def _kept_instances(
     files: Sequence[str], hardware: Hardware
 ) -> tuple[Sequence[ComponentInstances] | None, str]:
     """Return the instances of the last run that is kept of the files, and its robot."""
-
     for file in files:
         kept = kept_run(file)
         if kept.trace is not None:

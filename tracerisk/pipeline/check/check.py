@@ -304,7 +304,6 @@ def _verdict(entry: ControllerLock, sources: Sequence[CheckedSource]) -> Verdict
 
 def _worlds(entry: ControllerLock, sources: Sequence[CheckedSource]) -> list[WorldRun]:
     """Return the runs in worlds that the lock keeps, with the lines that the sources have now."""
-
     from tracerisk.common.worlds.world_run import kept_worlds
 
     line_of = _lines_now(sources)

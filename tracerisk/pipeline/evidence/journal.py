@@ -26,7 +26,6 @@ def journal(path: Path) -> Iterator[Callable[[Iterable[str]], None]]:
 
     Raises InputError where that cannot be written.
     """
-
     try:
         make_kept(path.parent)
     except OSError as error:

@@ -118,7 +118,6 @@ def load_factor_of(robot: str) -> float:
 
     For a robot that is not shipped, or none (""), nothing is known: it is 1.
     """
-
     arm = bare_arm(robot)
     masses = load_robot(arm).masses if arm in robot_names() else None
     return 1.0 if masses is None else masses.error_factor

@@ -228,7 +228,6 @@ def read_launch_files(
 
     Raises LimitError where reading one takes too long or too much memory.
     """
-
     packages = workspace.findable
 
     def read(file: LaunchFile) -> LaunchReading:

@@ -129,7 +129,6 @@ def _serve(packages: dict[str, Path], read: list[Path], robots: list[Described])
 
     What they read goes to `read`, what of that describes a robot to `robots`.
     """
-
     home = f"{__package__}.stand_ins"
     for top in _STAND_INS:
         package = importlib.import_module(f"{home}.{top}")

@@ -84,7 +84,6 @@ def choose_robot(
     not in its source.
     Raises RobotError when the settings name none that is known.
     """
-
     origin = "as the settings say"
     if settings.robot is None:
         from tracerisk.pipeline.robot.search import searched_robot
@@ -114,7 +113,6 @@ def with_groups_of(
     wrote such a program has a configuration of MoveIt with other names. A single state that the
     robot lacks may as well be a mistake. What grippers have, `open`, says nothing about the arm.
     """
-
     fingers = {joint for gripper in robot.grippers for joint in gripper.joints}
     of_grippers: set[str] = set()
     own: set[str] = set()
@@ -128,7 +126,6 @@ def with_groups_of(
 
 def equipped(robot: Robot, controller: Controller) -> Robot:
     """Return a robot, with an assumed gripper if it has none and the controller commands one."""
-
     if not robot.grippers and commands_gripper(controller.tree):
         return with_assumed_gripper(robot, names_asked(controller.tree).joints)
     if ADDED in robot.name:

@@ -36,7 +36,6 @@ def bare_lines(sources: Mapping[str, bytes], shown: Mapping[str, str]) -> Callab
 
     `shown` is how messages call each source.
     """
-
     return line_maps(sources, {}, shown)
 
 
@@ -44,7 +43,6 @@ def block_lines(
     sources: Mapping[str, bytes], shown: Mapping[str, str]
 ) -> Callable[[str, int], int]:
     """Return what gives the line of a source, with its blocks, for one that the lock keeps."""
-
     return line_maps(dict.fromkeys(sources, b""), sources, shown)
 
 

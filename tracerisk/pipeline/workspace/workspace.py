@@ -174,7 +174,6 @@ def workspace_of(controller: Controller, settings: Settings) -> Workspace:
     A package of its workspace that is built for the other ROS gives way to one that is installed,
     or whose messages are shipped, for its own.
     """
-
     workspace, prefixes = controller.workspace, prefixes_of(controller, settings)
     ros = controller.ros_version
     other = {name for name, folder in workspace.packages.items() if is_of_other_ros(folder, ros)}

@@ -132,7 +132,6 @@ class Beta:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
-
         betaincinv: Samples = special().betaincinv(self.alpha, self.beta, shares)
         return betaincinv
 
@@ -164,7 +163,6 @@ class Gamma:
 
     def quantiles(self, shares: Samples, value: float) -> Samples:  # noqa: ARG002 - absolute
         """Return the quantiles at `shares`."""
-
         samples: Samples = special().gammaincinv(self.shape, shares) * self.scale
         return samples
 

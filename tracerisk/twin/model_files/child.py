@@ -165,7 +165,6 @@ def _shapes(model: Any, most: int) -> list[dict[str, Any]]:
 
     A mesh is bounded by its primitive, and drawn with at most `most` faces.
     """
-
     import mujoco  # isort: skip
 
     kinds = {
@@ -211,7 +210,6 @@ def _shapes(model: Any, most: int) -> list[dict[str, Any]]:
 
 def _drawn(bound: Any, vertices: Any, faces: Any, most: int) -> str:
     """Return a mesh in the frame of the primitive that bounds it, coarse and packed."""
-
     inside = (vertices.astype(float) - bound.xyz) @ rotation(bound.rpy)
     return packed(*coarsened(inside, faces.astype(int), most))
 

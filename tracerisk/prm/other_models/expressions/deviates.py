@@ -79,7 +79,6 @@ class NormalDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-
         mean, sigma = arguments
         _check_positive("normal", sigma=float(sigma.min()))
         found: Array = mean + sigma * special().ndtri(uniform)
@@ -155,7 +154,6 @@ class GammaDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-
         shape, scale = arguments
         _check_positive("gamma", shape=float(shape.min()), scale=float(scale.min()))
         found: Array = scale * special().gammaincinv(shape, uniform)
@@ -184,7 +182,6 @@ class BetaDeviate(Deviate):
 
     def quantiles(self, arguments: Sequence[Array], uniform: Array) -> Array:
         """Return the quantiles."""
-
         alpha, beta = arguments
         _check_positive("beta", alpha=float(alpha.min()), beta=float(beta.min()))
         found: Array = special().betaincinv(alpha, beta, uniform)

@@ -87,7 +87,6 @@ def make_replay(
 
 def pose_columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
     """Return the values (n_frames, n_columns) that pose the bodies, and the quantum of each."""
-
     from tracerisk.twin.recording.samples import POSE_EVERY
 
     order = {name: index for index, name in enumerate(samples.header.joints)}

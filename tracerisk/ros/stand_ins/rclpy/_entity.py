@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Coroutine
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from tracerisk.ros.controller.thread import Meaning
 
 from ._handle import Handle
 from ._run import run
 from .callback_groups import CallbackGroup
-
-if TYPE_CHECKING:
-    pass
 
 Call = Callable[[], Coroutine[Any, Any, None]]
 

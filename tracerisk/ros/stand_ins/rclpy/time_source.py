@@ -60,7 +60,6 @@ class TimeSource:
         Raises:
             TypeError: it is no node.
         """
-
         if not isinstance(node, Node):
             raise TypeError("Node must be of type rclpy.node.Node")
         if self._node is not None:

@@ -17,7 +17,6 @@ DEFAULT_MASTER_PORT = 11311
 
 def get_master_uri(env: Mapping[str, str] | None = None, argv: list[str] | None = None) -> str:
     """Return where the master is, from the command line (`__master:=`), else the environment."""
-
     for argument in current().argv if argv is None else argv:
         if argument.startswith("__master:="):
             return argument.removeprefix("__master:=")

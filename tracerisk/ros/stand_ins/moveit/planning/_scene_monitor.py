@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tracerisk.ros.controller.thread import ControllerThread
 from tracerisk.ros.messages.dialect import nanoseconds
@@ -14,9 +14,6 @@ from .._library import HandedOut, library
 from ..core.planning_scene import PlanningScene
 from ..core.robot_model import RobotModel
 from ..core.robot_state import RobotState
-
-if TYPE_CHECKING:
-    pass
 
 _LOCK = "the lock of the planning scene"
 

@@ -191,7 +191,6 @@ class ForEach(Action):
 
     def execute(self, context: Any) -> Any:
         """Return the actions for all values."""
-
         result: list[Any] = []
         for text in text_of(context, self.input_values).strip(" ;").split(";"):
             values = yaml_value("{" + text + "}") if text.strip() else {}
