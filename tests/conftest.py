@@ -102,6 +102,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: (item.path.name not in LONGEST, item.path))
 
 
+RECURSION_LIMIT = sys.getrecursionlimit()
+
+
+def pytest_runtest_setup() -> None:
+    """A controller that a test has left suspended keeps its deeper stack from no other test."""
+    sys.setrecursionlimit(RECURSION_LIMIT)
+
+
 def _from_another_folder_on(worker: str, workers: int) -> list[str]:
     """What to collect, in an order of the worker's own: what one compiles, the others read."""
     tests = Path(__file__).parent
