@@ -42,7 +42,7 @@ from tracerisk.adder.lock.lock import LOCK_NAME, Lock
 from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.config import ProjectSettings
+from tracerisk.common.settings.project_settings import ProjectSettings
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.run_inputs import RunInputs, settings_data
 

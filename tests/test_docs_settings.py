@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from tracerisk.cli.authors import check, run
-from tracerisk.config import ProjectSettings, Settings, loads_toml
+from tracerisk.common.settings.project_settings import ProjectSettings
+from tracerisk.common.settings.settings_file import loads_toml
+from tracerisk.config import Settings
 
 TEXT = (Path(__file__).parents[1] / "docs" / "settings.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| `(\w+)` \| (\S+) \| (.*?) \|", TEXT, re.MULTILINE)

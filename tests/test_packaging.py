@@ -12,8 +12,8 @@ from ruamel.yaml import YAML
 
 from tracerisk.cli.set_up.docs import PACKED, page_names, page_text
 from tracerisk.cli.verbs import VERBS
+from tracerisk.common.settings.settings_file import loads_toml
 from tracerisk.common.version import UNKNOWN
-from tracerisk.config import loads_toml
 
 ROOT = Path(__file__).parents[1]
 WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))

@@ -111,6 +111,7 @@ SUB_ROOMS = {
     ),
     "common": (
         *(
+            "settings",
             "field",
             "evidence",
             "hardware",

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tracerisk.common.dependencies import EXTRAS, MODULES
-from tracerisk.config import loads_toml
+from tracerisk.common.settings.settings_file import loads_toml
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from tracerisk.common.settings.project_settings import ProjectSettings
 from tracerisk.common.verdict import Acceptance, Reason
-from tracerisk.config import ProjectSettings
 from tracerisk.errors import SettingsError
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from workspace_readers import EXPANDED, WORKSPACE
 
 import tracerisk
-from tracerisk import config
 from tracerisk.adder.lock.lock import Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.adder.sources.published import read_c_blocks
@@ -27,6 +26,7 @@ from tracerisk.common.evidence.file import dump_evidence, loads_evidence
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
+from tracerisk.common.settings.project_settings import ProjectSettings
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
 from tracerisk.prm import build_model, solve
@@ -347,7 +347,7 @@ _READERS: dict[str, Reader] = {
     ),
     "srdf": Reader(lambda data, _: read_srdf(data, "arm.srdf"), (SRDF,)),
     "settings": Reader(
-        _file("pyproject.toml", lambda path: config.ProjectSettings(path.parent).of()), (SETTINGS,)
+        _file("pyproject.toml", lambda path: ProjectSettings(path.parent).of()), (SETTINGS,)
     ),
 }
 _READERS |= {name: Reader(*both) for name, both in WORKSPACE.items()}

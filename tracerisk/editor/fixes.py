@@ -9,9 +9,10 @@ from pathlib import Path
 from lsprotocol import types as lsp
 
 from tracerisk.adder.lock.lock import WrittenBlock, lock_key
+from tracerisk.common.settings.settings_file import loads_toml
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.common.verdict_codes import ACCEPTABLE
-from tracerisk.config import controller_root, loads_toml
+from tracerisk.config import controller_root
 from tracerisk.editor.diagnostics import finding_diagnostic
 from tracerisk.editor.pins import CompactValue, ValueLine, pinning, value_at, written_value
 from tracerisk.editor.session import Analysis, Document, Session

@@ -12,7 +12,8 @@ from tracerisk.api import trace_controller
 from tracerisk.common.limits import DEFAULT_LIMITS, Sandbox
 from tracerisk.common.sandbox.kernel.features import Support, support
 from tracerisk.common.sandbox.process import SandboxWarning, is_contained, start
-from tracerisk.config import ProjectSettings, Settings
+from tracerisk.common.settings.project_settings import ProjectSettings
+from tracerisk.config import Settings
 from tracerisk.errors import RobotError, SandboxError
 from tracerisk.pipeline.launch_files.process import read_launch
 from tracerisk.pipeline.workspace.controller import load_controller

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.common import trace_json
-from tracerisk.config import ProjectSettings, Settings
+from tracerisk.common.settings.project_settings import ProjectSettings
+from tracerisk.config import Settings
 from tracerisk.errors import SettingsError
 from tracerisk.pipeline.freshness.run_inputs import run_inputs
 from tracerisk.pipeline.workspace.controller import load_controller

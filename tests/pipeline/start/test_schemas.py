@@ -9,8 +9,10 @@ from typing import get_args
 import jsonschema
 import pytest
 
-from tests.test_config import BAD
-from tracerisk.config import ProjectSettings, Settings, loads_toml
+from tests.common.settings.test_project_settings import BAD
+from tracerisk.common.settings.project_settings import ProjectSettings
+from tracerisk.common.settings.settings_file import loads_toml
+from tracerisk.config import Settings
 from tracerisk.errors import SettingsError
 from tracerisk.pipeline.start.schemas import SchemaName, schema_text, settings_schema
 

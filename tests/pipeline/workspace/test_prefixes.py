@@ -11,7 +11,8 @@ import pytest
 from tests.installed_ros import MANIFEST, Prefix, write
 from tracerisk.common.sandbox.process import passed_environment
 from tracerisk.common.sandbox.ros_prefix import readable_folders, without_ros
-from tracerisk.config import ProjectSettings, Settings
+from tracerisk.common.settings.project_settings import ProjectSettings
+from tracerisk.config import Settings
 from tracerisk.errors import InputError
 from tracerisk.pipeline.workspace import prefixes
 from tracerisk.pipeline.workspace.controller import load_controller

@@ -18,8 +18,9 @@ from tracerisk.adder.sources.placed import PlacedBlock
 from tracerisk.adder.sources.renames import follow_renames, followed_sources
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.settings.settings_file import names_file
 from tracerisk.common.verdict import Verdict
-from tracerisk.config import Settings, controller_root, names_file
+from tracerisk.config import Settings, controller_root
 from tracerisk.errors import BlockError, Location, ModelError, TraceRiskError
 from tracerisk.pipeline.check.against_lock import CheckedSource, blocks_against_lock
 from tracerisk.pipeline.check.finding import Checked, CheckFinding

@@ -13,10 +13,11 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.settings.settings_file import names_file
 from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.version import __version__
-from tracerisk.config import Settings, names_file
+from tracerisk.config import Settings
 from tracerisk.errors import InputError, Location
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c

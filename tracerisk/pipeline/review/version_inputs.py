@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.common.hardware.source_files import has_sysml_name
-from tracerisk.config import Settings, loads_toml
+from tracerisk.common.settings.settings_file import loads_toml
+from tracerisk.config import Settings
 from tracerisk.errors import SettingsError, TraceRiskError
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.language import is_c_like

@@ -15,9 +15,10 @@ from types import UnionType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from tracerisk.common.acceptances import KEYS
+from tracerisk.common.settings.settings_file import FRACTIONS, FROM_ONE, GREATEST_TOLERANCE
 from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.common.worlds.world import ALL, WORLDS, group_names
-from tracerisk.config import FRACTIONS, FROM_ONE, GREATEST_TOLERANCE, Settings
+from tracerisk.config import Settings
 
 SchemaName = Literal["settings", "pyproject", "hardware", "scenario", "driver"]
 """The kinds of files: `settings` is the table `[tool.tracerisk]` alone, `pyproject` a whole

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.settings.settings_file import loads_toml
 from tracerisk.common.text.bounded import file_text
-from tracerisk.config import loads_toml
 
 # Bounded throughout, so that no text takes long.
 # "talker = my_package.talker:main"; the package may be a variable, as in f"{package}.talker:main".

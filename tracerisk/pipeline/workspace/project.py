@@ -7,7 +7,9 @@ from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, Lock
 from tracerisk.adder.lock.reading import read_lock
-from tracerisk.config import ProjectSettings, SettingOrigin, Settings, controller_root
+from tracerisk.common.settings.project_settings import ProjectSettings
+from tracerisk.common.settings.settings_file import SettingOrigin
+from tracerisk.config import Settings, controller_root
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

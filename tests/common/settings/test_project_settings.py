@@ -1,6 +1,7 @@
 import pytest
 
-from tracerisk.config import ProjectSettings, Settings, controller_root
+from tracerisk.common.settings.project_settings import ProjectSettings
+from tracerisk.config import Settings, controller_root
 from tracerisk.errors import SettingsError
 
 

@@ -1,0 +1,1 @@
+"""The settings as files give them: of a project, and of one controller."""
