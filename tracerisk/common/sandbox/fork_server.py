@@ -220,7 +220,7 @@ def forked(
     if sys.platform != "linux" or not hasattr(os, "pidfd_open"):
         return None
     read_once = sorted(item for item in environment.items() if item[0].startswith(READ_ONCE))
-    of_server = {"package": plan["package"], "paths": plan["paths"], "owner": os.getpid()}
+    of_server = {"paths": plan["paths"], "owner": os.getpid()}
     with _KEPT.lock:
         try:
             key = (list(kind), read_once, plan["paths"], _inherited())

@@ -153,7 +153,6 @@ def start(
     """
     paths = _import_paths()
     plan: dict[str, Any] = {
-        "package": str(_PACKAGE),
         "paths": paths,
         "parent": os.getpid(),
         "readable": None,

@@ -25,6 +25,24 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
 
+
+def _import_own() -> None:
+    """Import tracerisk from where this file is, whatever else has its name."""
+    folder = Path(__file__).resolve().parents[2]
+    spec = importlib.util.spec_from_file_location(
+        "tracerisk", folder / "__init__.py", submodule_search_locations=[str(folder)]
+    )
+    if spec is None or spec.loader is None:
+        raise ImportError(f"tracerisk is not installed in {folder}")
+    package = importlib.util.module_from_spec(spec)
+    sys.modules["tracerisk"] = package
+    spec.loader.exec_module(package)
+
+
+if __name__ == "__main__":
+    # The first import of a part of it would take the whole from where Python is set up to look.
+    _import_own()
+
 from tracerisk.common.sandbox import held_files
 from tracerisk.common.sandbox.fork_serving import serve
 from tracerisk.common.sandbox.kernel import control_groups
@@ -40,7 +58,6 @@ def main() -> None:
         plan = json.load(stream)
     module = sys.argv[2]
     sys.argv = sys.argv[2:]
-    _import_own(plan["package"])
     sys.path += [folder for folder in plan["paths"] if folder not in sys.path]
     if "requests" in plan:
         # What follows is done by each process that it forks.
@@ -86,18 +103,6 @@ class _End:
 
             ctypes.CDLL(None).fflush(None)
         leave(self._code)
-
-
-def _import_own(folder: str) -> None:
-    """Import tracerisk from where the parent has it, whatever else has its name."""
-    spec = importlib.util.spec_from_file_location(
-        "tracerisk", Path(folder, "__init__.py"), submodule_search_locations=[folder]
-    )
-    if spec is None or spec.loader is None:
-        raise ImportError(f"tracerisk is not installed in {folder}")
-    package = importlib.util.module_from_spec(spec)
-    sys.modules["tracerisk"] = package
-    spec.loader.exec_module(package)
 
 
 def _stay_behind(plan: dict[str, Any]) -> None:
