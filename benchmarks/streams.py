@@ -22,8 +22,8 @@ import numpy as np
 import quick
 from numpy.typing import NDArray
 
+from tracerisk.common.traced.elements import WEAR_EXPONENTS
 from tracerisk.ros.robot.streams.command_streams import VelocityStream
-from tracerisk.trace import WEAR_EXPONENTS
 from tracerisk.twin.motion.streams import SetPointStream
 from tracerisk.twin.physics.builder import compile_model
 from tracerisk.twin.physics.motion import STEP_S, JointTrajectory

@@ -127,6 +127,7 @@ SUB_ROOMS = {
             "trace_json",
             "trace_log",
             "trace_display",
+            "traced",
             "instance_name",
             "dependencies",
             "geometry",

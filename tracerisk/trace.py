@@ -6,7 +6,6 @@ description: probabilities are computed from it without running anything again.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -14,14 +13,11 @@ from typing import Any, Literal
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.outcome.outcome import Outcome
 from tracerisk.common.trace_display import trace_html, trace_text
+from tracerisk.common.traced.elements import Contact, Element, Exposure, Payload
+from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import Uncovered, Verdict
 from tracerisk.common.worlds.world_run import WorldRun
 from tracerisk.errors import ControllerFailedError, Location, with_file, with_line
-
-_NAMED_LINE = re.compile(r"\bline \d+")
-
-ElementKind = Literal["joint", "gripper", "sensor", "contact", "component"]
-SensorKind = Literal["encoder", "torque", "wrench", "camera"]
 
 DRAFTED = "drafted:"
 """What the assumption of a run begins with whose scenario tracerisk has drafted."""
@@ -35,8 +31,6 @@ LOST = "lost:"
 
 _AT_GOAL_M = 0.003
 """How far from a goal an object may be and still stands at it [m]."""
-WEAR_EXPONENTS: tuple[float, ...] = (1.0, 2.0, 3.0, 10.0 / 3.0, 4.0, 6.0, 9.0)
-"""The exponents k for which a run measures how load ages a drive, see `Exposure.wear`."""
 VisitOutcome = Literal["succeeded", "aborted", "preempted", "unfinished"]
 CommandEnd = Literal[
     "arrived",  # it came to its goal, or fingers came to rest on something
@@ -65,148 +59,7 @@ EndCause = Literal[
     "memory_limit",
     "not_importable",  # a module it imports is missing, or is no Python
 ]
-UNUSED = "unused"
-"""The kind of a finding on what of a scenario nobody made use of; `object` is an entry that nobody
-has confirmed."""
-NOTHING_TO_GRASP = "nothing_to_grasp"
-"""The kind of a finding on where a gripper closed on nothing, and that was no fault."""
-NOTES: frozenset[str] = frozenset(
-    {
-        "assumed_name",
-        "assumed_setting",
-        "assumed_start",
-        "concurrent_owners",
-        "distro_assumed",
-        "handled_late",
-        "not_simulated",
-        NOTHING_TO_GRASP,
-        "other_frame",
-        "other_link",
-        "qos_misfit",
-        "removed_name",
-        "stopped_nothing",
-        "too_fast",
-        "unlikely_turn",
-        "unlikely_unit",
-        UNUSED,
-    }
-)
-"""The kinds of findings by which nothing went wrong: what was assumed, is not simulated, or did
-nothing, and what may be meant otherwise."""
-REPORTED: frozenset[str] = frozenset(
-    {
-        "attach_failure",
-        "execution_failure",
-        "fk_failure",
-        "goal_rejected",
-        "ik_failure",
-        "lookup_failure",
-        "path_cut",
-        "planning_failure",
-        "service_refused",
-    }
-)
-"""The kinds of findings that an interface reports to the controller."""
 GOOD_ENDS: frozenset[EndCause] = frozenset({"ended", "quiescent", "cycles", "idle", "duration"})
-
-
-@dataclass(frozen=True, slots=True, order=True)
-class Element:
-    """A part of the robot that the twin watches."""
-
-    name: str
-    """The joint, gripper, sensor, contact or component, unique in the trace."""
-    kind: ElementKind
-    """What sort of part it is; `component` only in a log of another tool."""
-    sensor: SensorKind | None = None
-    """What a sensor measures; `None` for all other elements."""
-    part: str | None = None
-    """The joint or link that a sensor is mounted on, or the link that touches; else `None`."""
-    actuators: tuple[str, ...] = ()
-    """The actuators that drive a joint or gripper, where the model names them separately."""
-
-
-@dataclass(frozen=True, slots=True)
-class Exposure:
-    """What one element did over some span of time.
-
-     `moving_s` and `holding_s` are disjoint, `grasping_s` may overlap either. An uninterrupted
-    stretch that fills the span, or an unbroken part of it, counts from its begin to its end in the
-    run. `travel_s` and `wear` add up over visits. Torque and speed are fractions of the rated ones.
-    """
-
-    moving_s: float = 0.0
-    """The time in motion [s]."""
-    holding_s: float = 0.0
-    """The time at rest under a torque above the threshold [s]."""
-    grasping_s: float = 0.0
-    """The time with something grasped, or touched in the case of a contact [s]."""
-    active_s: float = 0.0
-    """The time in any of moving, holding or grasping [s]."""
-    longest_moving_s: float = 0.0
-    """The longest uninterrupted motion [s]."""
-    longest_active_s: float = 0.0
-    """The longest uninterrupted stretch of activity [s]."""
-    starts: int = 0
-    """The number of motions begun."""
-    grasps: int = 0
-    """The number of grasps closed."""
-    torque_rms: float = 0.0
-    """The root mean square of the torque over the active time, as a fraction of the limit."""
-    torque_cubic: float = 0.0
-    """The speed-weighted cubic mean of the torque over the moving time, as a fraction."""
-    borderline: bool = False
-    """Whether a deciding value lay within a factor of two of its threshold."""
-    releases: int = 0
-    """The number of grasps opened."""
-    grasping_moving_s: float = 0.0
-    """The time in which it moved and grasped at once [s]."""
-    reading_s: float = 0.0
-    """The time in which the controller read it, for a sensor [s]."""
-    travel_s: float = 0.0
-    """The time that the motion would take at rated speed: the integral of |v| over it [s]."""
-    wear: tuple[float, ...] = ()
-    """The integral of |v| L^k over the motion, v speed, L torque, k = `WEAR_EXPONENTS[i]` [s],
-    (n_exponents,); empty where nothing moved."""
-
-
-@dataclass(frozen=True, slots=True)
-class Payload:
-    """What a gripper held during a visit."""
-
-    gripper: str
-    """The gripper that held it, or the link that it was welded to."""
-    object: str
-    """The object's name in the scene."""
-    mass_kg: float
-    """The object's mass [kg]."""
-    held_s: float
-    """The time for which it was held in the visit [s]."""
-    pad_force_n: float
-    """The lesser of the forces on the two pads, averaged over the time held [N]."""
-    most_pad_force_n: float
-    """The greatest value of the same force [N]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """A touch during a visit: a link of the robot, or a thing it holds, and another body."""
-
-    link: str
-    """The robot's link, or the object that it holds."""
-    other: str
-    """The body that was touched."""
-    start_s: float
-    """The simulated time at which the touch began [s]."""
-    touching_s: float
-    """The time for which it lasted within the visit [s]."""
-    force_n: float
-    """The greatest normal force [N]."""
-    expected: bool
-    """Whether the other body is grasped, or meant to be."""
-    from_grasp_s: float | None = None
-    """How long before (negative) or after its gripper holds the other body the touch is [s]:
-    zero while it is held; `None` where it never is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,60 +116,6 @@ class TracedCommand:
     """Which fraction of its way was done then, by the joint that had the farthest to go."""
     replaced_by: int | None = None
     """The place in `Trace.commands`, from 0, of the command that replaced it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """Something the run showed that a user should know; not an error."""
-
-    kind: str
-    """The kind of finding, such as `planning_failure`; `NOTES` lists the harmless ones."""
-    message: str
-    """The finding in one sentence, for the user."""
-    time_s: float | None = None
-    """The simulated time at which it occurred [s]; `None` where it has no time."""
-    location: Location | None = None
-    """The line of the controller that it concerns; `None` where none is known."""
-    function: str = ""
-    """The qualified name of the function in which it happened; empty where none is known."""
-    object: str = ""
-    """What it is about: a frame, a service, a joint, a group, a gripper, a thing of the scene."""
-    target: tuple[float, ...] = ()
-    """The goal of what failed: joint positions [rad or m], or a position [m]."""
-    recovered_s: float | None = None
-    """When a retry of what failed succeeded [s]; `None` where none did."""
-    called_from: Location | None = None
-    """The line that called the function in which it happened; `None` where none is known."""
-    named: tuple[Location, ...] = ()
-    """The places whose lines the message names, as in `line 12`, in the order of the message."""
-
-    def with_lines(self, line_of: Callable[[str, int], int]) -> Finding:
-        """Return the finding with other lines, those that its message names included."""
-        named = tuple(
-            moved_place for place in self.named if (moved_place := with_line(place, line_of))
-        )
-        lines = iter(named)
-
-        def moved(match: re.Match[str]) -> str:
-            place = next(lines, None)
-            return match[0] if place is None else f"line {place.line}"
-
-        return replace(
-            self,
-            message=_NAMED_LINE.sub(moved, self.message),
-            location=with_line(self.location, line_of),
-            called_from=with_line(self.called_from, line_of),
-            named=named,
-        )
-
-    def with_files(self, file_of: Callable[[str], str]) -> Finding:
-        """Return the finding with other names of files; `file_of` takes a file."""
-        return replace(
-            self,
-            location=with_file(self.location, file_of),
-            called_from=with_file(self.called_from, file_of),
-            named=tuple(replace(place, file=file_of(place.file)) for place in self.named),
-        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,8 @@ import pytest
 from lxml import html
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.common.traced.elements import Element, Exposure
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 
 def trace_of(*visits, elements=("joint1", "hand"), end_s=10.0):

@@ -5,20 +5,11 @@ import pytest
 from tracerisk.common import trace_json
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.trace_log import read_log, write_log
+from tracerisk.common.traced.elements import Contact, Element, Exposure, Payload
+from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import Uncovered
 from tracerisk.errors import Location, LogError
-from tracerisk.trace import (
-    Contact,
-    Element,
-    Exposure,
-    Finding,
-    ObjectOffset,
-    Payload,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import ObjectOffset, RunEnd, Trace, TracedFunction, Visit
 
 PUBLISHED = """\
 Function:init()

@@ -27,6 +27,7 @@ from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.sysml.sysml_reader import read_sysml
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.common.settings.project_settings import ProjectSettings
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.workspace.console_scripts import console_scripts
 from tracerisk.prm import build_model, solve
@@ -40,7 +41,7 @@ from tracerisk.prm.other_models.properties import ask, parse_properties
 from tracerisk.ros.graph.parameter_files import read_parameters
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.vendors.description_reader import read_driver
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 from tracerisk.twin.robots.robot_reader import read_robot
 from tracerisk.twin.urdf.srdf import read_srdf
 

@@ -4,13 +4,13 @@ from pathlib import Path
 import pytest
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.traced.findings import Finding
 from tracerisk.errors import Location, LogError
 from tracerisk.instrument.commands import Command, traced_commands
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.recording import Recording, read_recording
 from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import Finding
 
 MODULE = FunctionRef("c.py", QualifiedName("<module>"))
 PICK = FunctionRef("c.py", QualifiedName("Node.pïck"))

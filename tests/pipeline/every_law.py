@@ -13,7 +13,7 @@ from tracerisk.adder.quantify.evidence_shares import EvidenceShares
 from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
-from tracerisk.trace import Exposure
+from tracerisk.common.traced.elements import Exposure
 
 CELLS = 40
 MODES = {"gripper": ("no_force", "stuck"), "joint": ("dead", "jam")}

@@ -13,11 +13,12 @@ from tracerisk.common.hardware.redundancy import ALL_NEEDED
 from tracerisk.common.hardware.sources import assumed_sources
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
 from tracerisk.common.text.paper import Paper
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.prm import solve
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.report.run_figures import run_figures
 from tracerisk.report.tables import render_parts
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))
 

@@ -17,8 +17,9 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.traced.elements import Element
 from tracerisk.errors import Location, LogError, one_of
-from tracerisk.trace import Element, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 _FUNCTION = "Function:"
 _COMPONENTS = "ActiveComponents:"

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.instance_name import instance_name
+from tracerisk.common.traced.findings import Finding
 from tracerisk.errors import Location
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.helper_rule import helper_rule
 from tracerisk.instrument.recording import Recording
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import CommandEnd, Finding, TracedFunction, VisitOutcome
+from tracerisk.trace import CommandEnd, TracedFunction, VisitOutcome
 
 _SECOND_NS = 1_000_000_000
 _MOST_INSTANCES = 50  # of one function; with more, their names are taken to be generated

@@ -9,11 +9,12 @@ from typing import Any, Literal, cast, get_args
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.text.bounded import MOST_OF_A_RUN, file_bytes, loads_json
+from tracerisk.common.traced.findings import Finding
 from tracerisk.errors import Location, LogError, one_of
 from tracerisk.instrument.commands import Command
 from tracerisk.instrument.source.python_source import FunctionSite
 from tracerisk.instrument.tracer import Frame
-from tracerisk.trace import CommandEnd, EndCause, Finding
+from tracerisk.trace import CommandEnd, EndCause
 
 _SECOND_NS = 1_000_000_000
 

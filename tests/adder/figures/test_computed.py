@@ -8,17 +8,9 @@ import pytest
 from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
+from tracerisk.common.traced.elements import WEAR_EXPONENTS, Element, Exposure
 from tracerisk.errors import HardwareError
-from tracerisk.trace import (
-    WEAR_EXPONENTS,
-    Cycle,
-    Element,
-    Exposure,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import Cycle, RunEnd, Trace, TracedFunction, Visit
 
 
 def ref(name: str) -> FunctionRef:

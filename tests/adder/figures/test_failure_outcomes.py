@@ -18,9 +18,10 @@ from tracerisk.common.hardware.model import (
     Hardware,
     TwinBinding,
 )
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.hybrid.solve import solve_figures
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 RATE = FailureFigure("failure_rate", 3.6e-3, Basis.HOUR)
 MOTOR = Component("motor", (RATE,), twin=TwinBinding(joints=("joint_1",)))

@@ -5,10 +5,11 @@ import pytest
 from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.pipeline.trace.summary import trace_summary
 from tracerisk.prm import solve
 from tracerisk.prm.hybrid.from_blocks import build_model
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))
 PLACE = FunctionRef("cell.py", QualifiedName("place"))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tracerisk.common.hardware.load import UnitLoad, mean_speed, wear_s
 from tracerisk.common.hardware.model import LoadLaw
 from tracerisk.common.hardware.use import UnknownUseError
-from tracerisk.trace import WEAR_EXPONENTS, Exposure
+from tracerisk.common.traced.elements import WEAR_EXPONENTS, Exposure
 
 loads = st.floats(0.05, 1.5)
 speeds = st.floats(0.02, 1.2)

@@ -22,16 +22,8 @@ from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.binding import BoundComponent
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, FailureMode, LoadLaw
 from tracerisk.common.hardware.use import UnknownUseError
-from tracerisk.trace import (
-    WEAR_EXPONENTS,
-    Cycle,
-    Element,
-    Exposure,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.common.traced.elements import WEAR_EXPONENTS, Element, Exposure
+from tracerisk.trace import Cycle, RunEnd, Trace, TracedFunction, Visit
 
 STEP = FunctionRef("cell.py", QualifiedName("step"))
 OVERLAPS = (

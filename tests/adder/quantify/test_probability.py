@@ -12,7 +12,7 @@ from tracerisk.adder.quantify.probability import (
 from tracerisk.common.hardware.load import UnitLoad
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, FailureMode, LoadLaw
 from tracerisk.common.hardware.use import UnknownUseError, Use
-from tracerisk.trace import Exposure
+from tracerisk.common.traced.elements import Exposure
 
 PER_MINUTE = FailureFigure("probability", 6.674e-08, Basis.MINUTE)
 HOURLY = FailureFigure("failure_rate", 3.6, Basis.HOUR)

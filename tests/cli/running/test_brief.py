@@ -11,10 +11,11 @@ import pytest
 from tests.conftest import program
 from tracerisk.cli.running.shown import _caution, _following
 from tracerisk.common.text.paper import Paper
+from tracerisk.common.traced.findings import NOTHING_TO_GRASP, Finding
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.prm.hybrid.solve import solve
 from tracerisk.report.terminal import render_assessment, render_brief
-from tracerisk.trace import NOTHING_TO_GRASP, Finding, RunEnd, Trace
+from tracerisk.trace import RunEnd, Trace
 
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 

@@ -9,8 +9,9 @@ from tracerisk.adder.blocks.values import DONE
 from tracerisk.common import trace_json
 from tracerisk.common.field.file import dump_field, read_field
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.pipeline.recordings.field_profile import gather_field
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 PICK, PLACE = (FunctionRef("cell.py", name) for name in ("pick", "place"))
 LOG = """\

@@ -23,7 +23,7 @@ from tracerisk.common.hardware.units import (
     DataSheet,
     Temperature,
 )
-from tracerisk.trace import WEAR_EXPONENTS
+from tracerisk.common.traced.elements import WEAR_EXPONENTS
 
 SOURCES = st.none() | st.text(max_size=12) | st.just("assumed: as the others")
 NAMES = st.from_regex(

@@ -6,8 +6,8 @@ from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware, TwinBinding
 from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.common.hardware.shipped import fitting_words, shipped_hardware
+from tracerisk.common.traced.elements import Element
 from tracerisk.errors import HardwareError, Location
-from tracerisk.trace import Element
 
 FIGURES = (FailureFigure("probability", 1e-7, Basis.MINUTE),)
 PANDA = (*(Element(f"j{i}", "joint") for i in range(1, 8)), Element("hand", "gripper"))

@@ -8,6 +8,7 @@ import pytest
 from tracerisk.common.evidence.cells import Cell
 from tracerisk.common.evidence.share_interval import clopper_pearson, weighted_interval
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.traced.elements import Exposure
 from tracerisk.pipeline.evidence.campaign import (
     LEAST_IN_BATCH,
     MOST_IN_BATCH,
@@ -16,7 +17,7 @@ from tracerisk.pipeline.evidence.campaign import (
 )
 from tracerisk.pipeline.evidence.draw import LEAST_DRAWN, LEAST_IN_TABLE, Target, draw_cells
 from tracerisk.pipeline.evidence.unit_use import UnitUse
-from tracerisk.trace import Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 STEP_S = 0.002
 STEPS = 5000

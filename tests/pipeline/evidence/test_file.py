@@ -15,10 +15,10 @@ from tracerisk.common.evidence.file import (
     parse_cell,
     read_evidence,
 )
+from tracerisk.common.traced.elements import Exposure
 from tracerisk.errors import InputError, Location
 from tracerisk.pipeline.freshness.evidence_lines import at_lines_now
 from tracerisk.pipeline.workspace.controller import load_controller
-from tracerisk.trace import Exposure
 
 CELL = Cell(
     component="motor",

@@ -6,21 +6,14 @@ import pytest
 
 from tracerisk.common.evidence.cells import Cell
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.traced.elements import Contact
+from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.errors import Location
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.mission_run import MissionRun
 from tracerisk.pipeline.run.fault_run import FaultRun
-from tracerisk.trace import (
-    Contact,
-    Finding,
-    ObjectOffset,
-    RunEnd,
-    Trace,
-    TracedCommand,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import ObjectOffset, RunEnd, Trace, TracedCommand, TracedFunction, Visit
 from tracerisk.twin.faults.fault import Fault
 
 PICK, PLACE = FunctionRef("cell.py", "pick"), FunctionRef("cell.py", "place")

@@ -7,6 +7,7 @@ import pytest
 from tests.pipeline.evidence.test_judgement import CELL, PICK, PLACE, run, visit
 from tracerisk.common.evidence.advice import advice_of
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.errors import Location
 from tracerisk.instrument.commands import Command
@@ -15,7 +16,7 @@ from tracerisk.instrument.recording import SIGN, Note, Recording
 from tracerisk.instrument.tracer import Frame
 from tracerisk.pipeline.evidence.judgement import judge
 from tracerisk.pipeline.evidence.reaction import reaction_to
-from tracerisk.trace import Finding, RunEnd
+from tracerisk.trace import RunEnd
 
 SECOND = 1_000_000_000
 

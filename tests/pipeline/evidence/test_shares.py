@@ -22,7 +22,8 @@ from tracerisk.common.hardware.model import (
     TwinBinding,
 )
 from tracerisk.common.hardware.redundancy import Redundancy
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.common.traced.elements import Element, Exposure
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 
 @pytest.fixture(autouse=True)

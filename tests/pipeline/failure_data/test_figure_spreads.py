@@ -13,13 +13,14 @@ from tracerisk.api import build
 from tracerisk.common.evidence.cells import Cell, Evidence
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.pipeline.failure_data.figure_spreads import hardware_spreads, with_distributions
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.prm.numbers.distributions import Lognormal
 from tracerisk.prm.other_models.formats import linked_json
 from tracerisk.prm.other_models.linked import linked
 from tracerisk.prm.questions.uncertainty import propagate
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))
 SEEN = Exposure(moving_s=60.0, active_s=60.0, longest_moving_s=9, longest_active_s=9, starts=3,

@@ -4,9 +4,9 @@ import pytest
 
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.shipped import GENERIC, hardware_of, shipped_names
+from tracerisk.common.traced.elements import Element
 from tracerisk.config import Settings
 from tracerisk.pipeline.trace.sensors import elements_of
-from tracerisk.trace import Element
 from tracerisk.twin.robots.robot import load_robot
 
 

@@ -23,12 +23,12 @@ from tests.pipeline.recordings.conftest import (
     text,
 )
 from tracerisk.common import trace_json
+from tracerisk.common.traced.elements import WEAR_EXPONENTS
 from tracerisk.errors import LogError, SettingsError
 from tracerisk.pipeline.recordings.declared import Declared, parse_effort_unit
 from tracerisk.pipeline.recordings.joint_states import _differentiated
 from tracerisk.pipeline.recordings.measured import measured_trace
 from tracerisk.pipeline.recordings.probed import is_motion
-from tracerisk.trace import WEAR_EXPONENTS
 
 NM = Declared(effort_unit=parse_effort_unit("Nm"))
 

@@ -6,7 +6,8 @@ import re
 import pytest
 
 from tracerisk.common import trace_json
-from tracerisk.trace import NOTES, Trace
+from tracerisk.common.traced.findings import NOTES
+from tracerisk.trace import Trace
 from tracerisk.twin.physics.scene import SHIPPED_SCENES
 
 RAISED = 0.1

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import Acceptance, Coverage, Uncovered, verdict_line
 from tracerisk.common.verdict_codes import ACCEPTABLE, CODES
 from tracerisk.errors import Location
@@ -16,7 +17,7 @@ from tracerisk.pipeline.trace.recorded_run import (
     RecordedRun,
     UnmetNeed,
 )
-from tracerisk.trace import Finding, RunEnd
+from tracerisk.trace import RunEnd
 
 GOOD = RunEnd("ended", "the controller ended", 10.0)
 HERE = Location("cell.py", 12)

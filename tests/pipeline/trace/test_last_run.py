@@ -6,6 +6,7 @@ import random
 import pytest
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.traced.elements import Contact
 from tracerisk.common.verdict import Uncovered
 from tracerisk.pipeline.trace.last_run import (
     Touches,
@@ -16,7 +17,7 @@ from tracerisk.pipeline.trace.last_run import (
     kept_uncovered,
     last_run_summary,
 )
-from tracerisk.trace import Contact, RunEnd, Trace, Visit
+from tracerisk.trace import RunEnd, Trace, Visit
 
 
 def ref(name, file="arm.py"):

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from tracerisk.common import trace_json
-from tracerisk.trace import WEAR_EXPONENTS, Trace
+from tracerisk.common.traced.elements import WEAR_EXPONENTS
+from tracerisk.trace import Trace
 from tracerisk.twin.physics.scene import SHIPPED_SCENES
 
 HEAVY_KG = 0.5

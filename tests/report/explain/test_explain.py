@@ -14,18 +14,10 @@ from tracerisk.adder.figures.derive import derive_function, function_named
 from tracerisk.common import trace_json
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
+from tracerisk.common.traced.elements import WEAR_EXPONENTS, Element, Exposure
 from tracerisk.errors import InputError
 from tracerisk.report.explain.function import render_derivation
-from tracerisk.trace import (
-    WEAR_EXPONENTS,
-    Cycle,
-    Element,
-    Exposure,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import Cycle, RunEnd, Trace, TracedFunction, Visit
 
 CARRY = FunctionRef("cell.py", QualifiedName("carry"))
 REST = FunctionRef("cell.py", QualifiedName("rest"))

@@ -8,22 +8,14 @@ from lxml import html as lxml_html
 from tracerisk.adder.blocks.override import Override
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.model import Basis, Component, FailureFigure, Hardware
+from tracerisk.common.traced.elements import Contact, Element, Exposure, Payload
 from tracerisk.common.verdict import Uncovered
 from tracerisk.errors import Location
 from tracerisk.prm import BasicEvent, FaultTree, HybridModel, solve
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
 from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import ReportInput, SourceBlock, SourceFile
-from tracerisk.trace import (
-    Contact,
-    Element,
-    Exposure,
-    Payload,
-    RunEnd,
-    Trace,
-    TracedFunction,
-    Visit,
-)
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 HOSTILE = (
     "</script><script>window.pwned = 1</script>",

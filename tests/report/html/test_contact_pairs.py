@@ -5,9 +5,10 @@ from dataclasses import replace
 import pytest
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.traced.elements import Contact, Element, Payload
 from tracerisk.report.html.figures import NOTHING
 from tracerisk.report.html.report import render_report
-from tracerisk.trace import Contact, Element, Payload, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 HEADINGS = [
     "function",

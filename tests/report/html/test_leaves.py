@@ -8,13 +8,14 @@ import pytest
 from tracerisk.adder.figures.computed import compute_blocks
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.prm import solve
 from tracerisk.prm.hybrid.from_blocks import build_model
 from tracerisk.report.html.model.leaves import leaves_of
 from tracerisk.report.html.report import render_report
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.run_figures import run_figures
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))
 HARDWARE = """components:

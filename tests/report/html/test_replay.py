@@ -8,6 +8,7 @@ import pytest
 
 from tracerisk.common.geometry.rotation import quaternion_of, rotated
 from tracerisk.common.geometry.shapes import Shape
+from tracerisk.common.traced.findings import Finding
 from tracerisk.errors import Location, LogError
 from tracerisk.pipeline.pictures.run_section import recorded_run
 from tracerisk.report.html.run.joining import with_joins
@@ -16,7 +17,7 @@ from tracerisk.report.html.run.replay import BODIES, FRAMES, RecordedRun, replay
 from tracerisk.report.html.run.replay_frames import unpack_frames
 from tracerisk.report.html.run.replay_model import Body, scene_bodies
 from tracerisk.report.html.run.timeline import TIMELINE, timeline_section
-from tracerisk.trace import Finding, RunEnd, Trace
+from tracerisk.trace import RunEnd, Trace
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples

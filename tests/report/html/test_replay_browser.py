@@ -15,6 +15,8 @@ from markupsafe import Markup
 from tracerisk.common import trace_json
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.shipped import hardware_of
+from tracerisk.common.traced.elements import Contact
+from tracerisk.common.traced.findings import Finding
 from tracerisk.pipeline.pictures.run_section import recorded_run
 from tracerisk.report.html.page import page as page_text
 from tracerisk.report.html.run.recorded_replay import make_replay
@@ -24,7 +26,7 @@ from tracerisk.report.html.run.risk_shares import RISK
 from tracerisk.report.html.run.timeline import timeline_section
 from tracerisk.report.html.run.timeline_segments import GRASPING, HOLDING, MOVING, SOMEWHEN
 from tracerisk.report.html.section import Data, Section
-from tracerisk.trace import Contact, Finding, Trace
+from tracerisk.trace import Trace
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.robots.robot import load_robot, robot_names

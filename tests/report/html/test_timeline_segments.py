@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.report.html.run.timeline_segments import (
     BORDERLINE,
     GRASPING,
@@ -21,7 +22,7 @@ from tracerisk.report.html.run.timeline_segments import (
     timeline_rows,
     visit_spans,
 )
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 from tracerisk.twin.recording.activity import ElementActivity
 
 PICK = FunctionRef("cell.py", QualifiedName("pick"))

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.report.html.run.replay import RecordedRun
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 from tracerisk.twin.physics.scene import load_scene
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, Samples
 from tracerisk.twin.robots.robot import load_robot

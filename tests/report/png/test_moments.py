@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tracerisk.common.traced.elements import Element
 from tracerisk.report.png.moments import FrameCounts, function_moments
-from tracerisk.trace import Element
 from tracerisk.twin.recording.activity import ElementActivity
 
 FRAME, STRIDE = 0.04, 20

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from tests.traced_run import quiet_end, run_traced
+from tracerisk.common.traced.findings import NOTES
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
-from tracerisk.trace import NOTES
 
 ROS_1 = """\
 import moveit_commander, message_filters, rospy

@@ -6,10 +6,10 @@ import pytest
 
 from tests.slow import slow_but
 from tests.traced_run import quiet_end, run_traced
+from tracerisk.common.traced.findings import NOTES
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
 from tracerisk.ros.vendors.driver_search import definitions_of, shipped_drivers
-from tracerisk.trace import NOTES
 
 MOVEIT = """\
 import rospy

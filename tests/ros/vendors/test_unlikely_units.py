@@ -2,7 +2,7 @@
 
 import pytest
 
-from tracerisk.trace import NOTES
+from tracerisk.common.traced.findings import NOTES
 
 KINOVA = """
 import rospy

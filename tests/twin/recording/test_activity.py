@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tracerisk.common.traced.elements import WEAR_EXPONENTS, Element
 from tracerisk.errors import LogError
-from tracerisk.trace import WEAR_EXPONENTS, Element
 from tracerisk.twin.recording.activity import (
     ElementActivity,
     debounce,

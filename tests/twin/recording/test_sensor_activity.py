@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracerisk.trace import Element, Exposure
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.twin.recording.activity import ElementActivity
 from tracerisk.twin.recording.exposure import exposure
 from tracerisk.twin.recording.sensor_activity import ReadingSpan, sensor_activity, sensor_exposures

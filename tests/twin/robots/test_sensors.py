@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tracerisk.common.traced.elements import Element
 from tracerisk.errors import RobotError
-from tracerisk.trace import Element
 from tracerisk.twin.robots.file import dump_robot, read_dumped_robot
 from tracerisk.twin.robots.known_arms import completed_as_ours
 from tracerisk.twin.robots.prefix import with_prefix

@@ -12,7 +12,8 @@ from tracerisk.common.hardware.model import Basis, Component
 from tracerisk.common.hardware.units import DANGEROUS_KINDS
 
 if TYPE_CHECKING:
-    from tracerisk.trace import Element, Trace
+    from tracerisk.common.traced.elements import Element
+    from tracerisk.trace import Trace
 
 
 def assumptions_of(used: Sequence[ComponentUse]) -> tuple[str, ...]:

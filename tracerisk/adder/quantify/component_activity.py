@@ -23,8 +23,9 @@ from tracerisk.common.hardware.use import (
     time_counted,
     time_in_use,
 )
+from tracerisk.common.traced.elements import ElementKind, Exposure
 from tracerisk.config import ActiveMode
-from tracerisk.trace import ElementKind, Exposure, Trace, Visit
+from tracerisk.trace import Trace, Visit
 
 SHORTEST_ACTIVITY_S = 0.05
 """A component counts as active in a function if a state lasted this long [s]."""

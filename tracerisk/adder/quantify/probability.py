@@ -33,7 +33,7 @@ from tracerisk.common.hardware.use import (
     time_counted,
     usual_demand,
 )
-from tracerisk.trace import ElementKind
+from tracerisk.common.traced.elements import ElementKind
 
 Counted = Literal["time in use", "standby", "demands", "visits"]
 """What a term multiplies its rate with."""

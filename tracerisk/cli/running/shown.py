@@ -36,12 +36,13 @@ from tracerisk.cli.shared.run_report import (
 from tracerisk.cli.shared.verdict import print_verdict, verdict_exit, verdict_json
 from tracerisk.cli.solving.figure_options import print_what_if, what_if_data
 from tracerisk.common import trace_json
+from tracerisk.common.traced.findings import NOTHING_TO_GRASP
 from tracerisk.common.verdict import GAPS
 from tracerisk.errors import ExitCode
 from tracerisk.prm.formats import model_json
 from tracerisk.prm.formats.assessment_json import assessment_to_json
 from tracerisk.report.terminal import render_assessment, render_brief
-from tracerisk.trace import NOTHING_TO_GRASP, Trace
+from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.assessed import Assessed

@@ -14,9 +14,11 @@ from tracerisk.cli.shared.output import note, place_data, scenario_advice, write
 from tracerisk.common.function_ref import QualifiedName
 from tracerisk.common.outcome.outcome import moved_line
 from tracerisk.common.trace_log import write_log
+from tracerisk.common.traced.elements import Element
+from tracerisk.common.traced.findings import NOTES, Finding
 from tracerisk.config import FailOn, controller_root, from_here
 from tracerisk.errors import ExitCode, InputError, Location
-from tracerisk.trace import NOTES, Element, Finding, Trace
+from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.computed import ComputedBlocks

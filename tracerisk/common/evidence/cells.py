@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, get_args
 
 from tracerisk.common.evidence.share_interval import clopper_pearson
-from tracerisk.trace import Exposure
+from tracerisk.common.traced.elements import Exposure
 
 Effect = Literal[
     "collision",

@@ -27,8 +27,8 @@ from tracerisk.common.evidence.cells import (
 )
 from tracerisk.common.text.bounded import file_text
 from tracerisk.common.text.digests import sha256
+from tracerisk.common.traced.elements import WEAR_EXPONENTS, Exposure
 from tracerisk.errors import InputError, Location, one_of
-from tracerisk.trace import WEAR_EXPONENTS, Exposure
 
 _NO_USE = Exposure()
 _VERSION = 3

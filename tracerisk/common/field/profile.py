@@ -14,7 +14,7 @@ QUANTITIES = (
     *("active_s", "moving_s", "holding_s", "grasping_s"),
     *("starts", "grasps", "releases"),
 )
-"""What a unit does in a visit: seconds and counts, as in `tracerisk.trace.Exposure`."""
+"""What a unit does in a visit: seconds and counts, as in `Exposure` of the trace."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ from typing import NoReturn
 from tracerisk.common.hardware.checks import check_required
 from tracerisk.common.hardware.model import Component, Hardware, TwinBinding
 from tracerisk.common.hardware.shipped import fitted_to
+from tracerisk.common.traced.elements import Element
 from tracerisk.errors import HardwareError, one_of
-from tracerisk.trace import Element
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from tracerisk.common.hardware.model import LoadLaw
 from tracerisk.common.hardware.use import UnknownUseError
-from tracerisk.trace import WEAR_EXPONENTS, Exposure
+from tracerisk.common.traced.elements import WEAR_EXPONENTS, Exposure
 
 
 @dataclass(frozen=True, slots=True)

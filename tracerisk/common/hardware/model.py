@@ -9,8 +9,8 @@ from typing import Literal, cast
 
 from tracerisk.common.hardware.redundancy import ALL_NEEDED, Detection, Redundancy, Repair
 from tracerisk.common.hardware.units import SHEET_KINDS, DataSheet
+from tracerisk.common.traced.elements import ElementKind, SensorKind
 from tracerisk.errors import Location
-from tracerisk.trace import ElementKind, SensorKind
 
 
 class Basis(enum.Enum):
@@ -136,7 +136,7 @@ class LoadLaw:
     wearing_share: float
     """phi, the share of failures that wear causes, from 0 to 1."""
     exponent: float = 3.0
-    """k, one of `tracerisk.trace.WEAR_EXPONENTS`."""
+    """k, one of `tracerisk.common.traced.elements.WEAR_EXPONENTS`."""
     reference_speed: float | None = None
     """The speed at which the figures hold, as a fraction of the rated one [1]; `None` for the mean
     speed of the mission."""

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from tracerisk.common.hardware.model import Component, Hardware
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
+from tracerisk.common.traced.elements import Element
 from tracerisk.errors import HardwareError, one_of
-from tracerisk.trace import Element
 
 _FOLDER = Path(__file__).parent / "robots"
 _SHOWN_FOLDER = "tracerisk/common/hardware/robots/"

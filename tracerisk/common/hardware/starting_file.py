@@ -22,7 +22,7 @@ from tracerisk.common.hardware.redundancy import Redundancy
 from tracerisk.common.hardware.shipped import fitted_to
 from tracerisk.common.hardware.sysml.writer import write_sysml
 from tracerisk.common.hardware.yaml.writer import component_lines, head_lines, key_line
-from tracerisk.trace import Element, SensorKind
+from tracerisk.common.traced.elements import Element, SensorKind
 
 SCHEMA_NAME = "hardware.schema.json"
 """The file, beside the description, in which its head line says that editors find the schema."""

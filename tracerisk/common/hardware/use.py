@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from tracerisk.common.hardware.model import Demand, FailureMode, State
+from tracerisk.common.traced.elements import ElementKind, Exposure
 from tracerisk.config import ActiveMode
-from tracerisk.trace import ElementKind, Exposure
 
 STATES: tuple[State, ...] = ("moving", "holding", "grasping")
 DEMANDS: tuple[Demand, ...] = ("start", "grasp", "release")

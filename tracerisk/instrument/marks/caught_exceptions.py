@@ -16,6 +16,7 @@ from types import TracebackType
 
 import tracerisk
 from tracerisk.common.replaced_names import replaced
+from tracerisk.common.traced.findings import Finding
 from tracerisk.errors import Location
 from tracerisk.instrument.code_positions import source_position
 from tracerisk.instrument.marks.call_log import Calls
@@ -24,7 +25,7 @@ from tracerisk.instrument.marks.endless_loops import import_into
 from tracerisk.instrument.marks.tried_again import is_tried_until_success
 from tracerisk.instrument.source.dotted_names import last_name
 from tracerisk.instrument.source.python_source import parsed
-from tracerisk.trace import Finding, RunEnd
+from tracerisk.trace import RunEnd
 
 CAUGHT = "__tracerisk_caught__"
 """The name of the report in instrumented code; not mangled in classes, hidden from `*`."""

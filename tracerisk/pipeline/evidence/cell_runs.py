@@ -20,6 +20,7 @@ from tracerisk.common import trace_json
 from tracerisk.common.evidence.cells import Cell, Effect
 from tracerisk.common.evidence.file import cell_line
 from tracerisk.common.sandbox.scratch import new_scratch, scratch
+from tracerisk.common.traced.findings import REPORTED
 from tracerisk.config import Settings
 from tracerisk.errors import ControllerFailedError, InputError, LogError
 from tracerisk.instrument.recording import Recording, read_recording
@@ -37,7 +38,6 @@ from tracerisk.pipeline.trace.run_files import DECIDED, EVENTS, RunBeside
 from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.success import Condition
-from tracerisk.trace import REPORTED
 from tracerisk.twin.faults.fault import Fault, fault_named
 from tracerisk.twin.recording.samples import Samples
 

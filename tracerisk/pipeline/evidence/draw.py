@@ -11,8 +11,9 @@ import numpy as np
 
 from tracerisk.common.evidence.cells import Cell
 from tracerisk.common.hardware.model import State
+from tracerisk.common.traced.elements import Exposure
 from tracerisk.pipeline.evidence.unit_use import Flags, UnitUse
-from tracerisk.trace import Exposure, Trace
+from tracerisk.trace import Trace
 
 LEAST_DRAWN = 3
 """How many cells each unit and mode has at least, of those that are drawn."""

@@ -9,12 +9,13 @@ from itertools import zip_longest
 
 from tracerisk.common.evidence.cells import EFFECTS, UNDETECTED, Cell, Effect, Fate
 from tracerisk.common.hardware.model import CONTROL, mode_and_duration
+from tracerisk.common.traced.elements import Contact
 from tracerisk.common.verdict import MISSION_MISSED, Reason
 from tracerisk.pipeline.evidence.missed_checks import missed_check
 from tracerisk.pipeline.evidence.mission_run import MissionRun, Position
 from tracerisk.pipeline.evidence.reaction import Reaction, reaction_to
 from tracerisk.pipeline.run.fault_run import new_reports
-from tracerisk.trace import GOOD_ENDS, Contact, ObjectOffset, RunEnd, Visit
+from tracerisk.trace import GOOD_ENDS, ObjectOffset, RunEnd, Visit
 
 FALLS = frozenset({"object-dropped", "object-knocked", "object-slipped", "object-tipped"})
 ARRIVAL = 0.02

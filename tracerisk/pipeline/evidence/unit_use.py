@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from tracerisk.common.evidence.cells import Use
 from tracerisk.common.hardware.model import State
 from tracerisk.common.hardware.use import STATES
+from tracerisk.common.traced.elements import Exposure
 from tracerisk.instrument.ownership import attribute
 from tracerisk.instrument.recording import read_recording
 from tracerisk.pipeline.trace.run_files import EVENTS, MISSION_END
 from tracerisk.pipeline.trace.sensors import reading_spans
-from tracerisk.trace import Exposure
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.exposure import exposure
 from tracerisk.twin.recording.samples import read_samples

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.errors import LogError
 from tracerisk.instrument.commands import Command, traced_commands
 from tracerisk.instrument.ownership import attribute
@@ -23,7 +24,7 @@ from tracerisk.pipeline.recordings.messages import RecordingFile, open_recording
 from tracerisk.pipeline.recordings.probed import Boundaries
 from tracerisk.pipeline.trace.run_trace import exposures_of
 from tracerisk.pipeline.trace.sensors import RunActivity, with_sensors
-from tracerisk.trace import LOST, MEASURED, Element, Exposure, RunEnd, Trace
+from tracerisk.trace import LOST, MEASURED, RunEnd, Trace
 from tracerisk.twin.recording.activity import ElementActivity, joint_activity
 from tracerisk.twin.recording.joint_motion import LEVER_M, motion_steps
 from tracerisk.twin.recording.samples import Samples, between

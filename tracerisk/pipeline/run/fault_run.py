@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from tracerisk.common.traced.findings import NOTES, REPORTED, Finding
 from tracerisk.common.verdict import Reason
 from tracerisk.config import Settings
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
@@ -12,7 +13,7 @@ from tracerisk.pipeline.run.attempts import trace_attempts
 from tracerisk.pipeline.run.controller_run import run_again
 from tracerisk.pipeline.run.ended_run import PLAIN, ControllerRun, RunOptions
 from tracerisk.pipeline.workspace.controller import Controller
-from tracerisk.trace import NOTES, REPORTED, Finding, Trace
+from tracerisk.trace import Trace
 from tracerisk.twin.faults.fault import Fault, check_faults
 from tracerisk.twin.robots.robot import Robot
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from tracerisk.common.dependencies import require_linux
 from tracerisk.common.sandbox.fork_server import several_come
 from tracerisk.common.sandbox.scratch import scratch
+from tracerisk.common.traced.findings import UNUSED
 from tracerisk.config import Settings
 from tracerisk.errors import DriverError, ScenarioError, TraceRiskError
 from tracerisk.pipeline.launch.program import program_of
@@ -58,7 +59,7 @@ from tracerisk.ros.drafts.shifted_poses import shifted
 from tracerisk.ros.scenario.file.lines import entry_lines
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.scenario import Scenario
-from tracerisk.trace import UNUSED, CommandEnd, Trace
+from tracerisk.trace import CommandEnd, Trace
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.run.ended_run import Progress

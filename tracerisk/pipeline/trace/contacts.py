@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.traced.elements import Exposure
+from tracerisk.common.traced.findings import Finding
 from tracerisk.errors import Location
 from tracerisk.instrument.ownership import Attribution
 from tracerisk.pipeline.trace.last_run import contact_text, unexpected_contacts
 from tracerisk.pipeline.trace.sensors import RunActivity
-from tracerisk.trace import Exposure, Finding, Visit
+from tracerisk.trace import Visit
 from tracerisk.twin.recording.contact_log import read_contacts
 from tracerisk.twin.recording.contact_pairs import moved_by
 from tracerisk.twin.recording.contacts import (

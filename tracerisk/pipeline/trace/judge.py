@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import (
     MISSED_CALL,
     MISSION_MISSED,
@@ -33,7 +34,6 @@ from tracerisk.pipeline.trace.recorded_run import (
     RecordedRun,
 )
 from tracerisk.pipeline.trace.unfinished import retry_of, unfinished
-from tracerisk.trace import Finding
 
 _OF_FINDING = {
     "execution_failure": "command-aborted",

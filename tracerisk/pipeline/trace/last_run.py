@@ -15,7 +15,8 @@ from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.text.plain_data import MismatchError, read_plain
 
 if TYPE_CHECKING:
-    from tracerisk.trace import Contact, Trace, Visit
+    from tracerisk.common.traced.elements import Contact
+    from tracerisk.trace import Trace, Visit
 
 _UNCOVERED, _CONTACTS, _TOUCHES = "uncovered", "unexpected_contacts", "touches"
 _WHOLE_N = 10.0  # forces from here on are given in whole newtons

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import Coverage
 from tracerisk.errors import Location
-from tracerisk.trace import CommandEnd, Finding, RunEnd
+from tracerisk.trace import CommandEnd, RunEnd
 
 if TYPE_CHECKING:
     from tracerisk.config import Settings

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tracerisk.common.hardware.shipped import fitting_words, hardware_of, is_shipped
+from tracerisk.common.traced.elements import Exposure
+from tracerisk.common.traced.findings import Finding
 from tracerisk.common.verdict import Coverage
 from tracerisk.config import Settings
 from tracerisk.errors import UnsafeRewriteError
@@ -43,7 +45,7 @@ from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.pipeline.workspace.libraries import Libraries
 from tracerisk.pipeline.workspace.like_commands import like_commands
 from tracerisk.ros.scenario.objects import simulated_scene
-from tracerisk.trace import Cycle, Exposure, Finding, ObjectOffset, Trace, Visit
+from tracerisk.trace import Cycle, ObjectOffset, Trace, Visit
 from tracerisk.twin.physics.declared_log import read_declared
 from tracerisk.twin.recording.activity import ElementActivity, element_activity
 from tracerisk.twin.recording.contacts import RunContacts

@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tracerisk.common.traced.findings import NOTHING_TO_GRASP, UNUSED, Finding
 from tracerisk.common.verdict import Acceptance, Coverage, Verdict
 from tracerisk.errors import Location
 from tracerisk.instrument.commands import Command
@@ -36,7 +37,7 @@ from tracerisk.pipeline.trace.run_files import GIVEN, GRAPH_USE, OBJECTS, UNMET
 from tracerisk.pipeline.workspace.controller import from_root, function_of
 from tracerisk.ros.scenario.file.marks import Unconfirmed
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
-from tracerisk.trace import NOTHING_TO_GRASP, UNUSED, EndCause, Finding, Visit
+from tracerisk.trace import EndCause, Visit
 from tracerisk.twin.motion.plausible_units import past_limits
 from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts

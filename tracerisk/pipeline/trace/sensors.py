@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.ros.graph.sensor_reading import CHANNEL, SPAN
 from tracerisk.ros.scenario.file.scenario_reader import read_scenario
 from tracerisk.ros.scenario.sensor_topics import scenario_elements
-from tracerisk.trace import Element, Exposure, Visit
+from tracerisk.trace import Visit
 from tracerisk.twin.recording.sensor_activity import ReadingSpan, sensor_activity, sensor_exposures
 
 if TYPE_CHECKING:

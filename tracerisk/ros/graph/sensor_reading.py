@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tracerisk.common.traced.elements import SensorKind
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.ros.graph.topic_ends import Publication, Subscription
-    from tracerisk.trace import SensorKind
     from tracerisk.twin.robots.sensors import Sensor
 
 CHANNEL = "sensor_channel"

@@ -11,10 +11,10 @@ from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.messages import TwinMessages
 
 if TYPE_CHECKING:
+    from tracerisk.common.traced.elements import SensorKind
     from tracerisk.ros.graph.graph import Change
     from tracerisk.ros.graph.runtime import Runtime
     from tracerisk.ros.graph.topic_ends import Publication
-    from tracerisk.trace import SensorKind
     from tracerisk.twin.simulation.twin import Twin
 
 JOINTS: tuple[SensorKind, ...] = ("encoder", "torque")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tracerisk.trace import Element, SensorKind
+from tracerisk.common.traced.elements import Element, SensorKind
 
 if TYPE_CHECKING:
     from tracerisk.ros.scenario.scenario import Published, Scenario

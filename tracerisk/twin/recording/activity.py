@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tracerisk.common.traced.elements import Element
 from tracerisk.errors import LogError
-from tracerisk.trace import Element
 from tracerisk.twin.motion.execution import servo_lead
 from tracerisk.twin.motion.gripper_track import FINGER_LENGTH_M
 from tracerisk.twin.recording.contact_pairs import between_pads, borne_by

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.trace import Contact, Element, Payload
+from tracerisk.common.traced.elements import Contact, Element, Payload
 from tracerisk.twin.recording.activity import LIMITS, ElementActivity, hysteresis
 from tracerisk.twin.recording.contact_log import ContactLog, LoggedBody
 from tracerisk.twin.recording.contact_pairs import (

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.trace import WEAR_EXPONENTS, Exposure
+from tracerisk.common.traced.elements import WEAR_EXPONENTS, Exposure
 from tracerisk.twin.recording.activity import LIMITS, ElementActivity
 from tracerisk.twin.recording.joint_motion import runs
 

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracerisk.common.text.read_back import read_back
+from tracerisk.common.traced.elements import Element
 from tracerisk.errors import Location, LogError
-from tracerisk.trace import Element
 from tracerisk.twin.physics.declared_log import POSE, DeclaredChange, LoggedShape
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.recording.activity import ElementActivity

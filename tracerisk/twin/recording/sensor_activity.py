@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.trace import Element, Exposure
+from tracerisk.common.traced.elements import Element, Exposure
 from tracerisk.twin.recording.activity import ElementActivity
 from tracerisk.twin.recording.exposure import longest_of_owners
 from tracerisk.twin.robots.sensors import IN_JOINTS

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tracerisk.common.traced.elements import Element
 from tracerisk.errors import RobotError, one_of
-from tracerisk.trace import Element
 from tracerisk.twin.robots.robot_parts import (
     Attachment,
     Controller,

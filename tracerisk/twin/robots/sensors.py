@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from tracerisk.common.text.yaml_reader import YamlMap
-from tracerisk.trace import Element, SensorKind
+from tracerisk.common.traced.elements import Element, SensorKind
 
 IN_JOINTS: tuple[SensorKind, ...] = ("encoder", "torque")
 

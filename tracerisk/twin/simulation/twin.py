@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.trace import Element, ObjectOffset
+from tracerisk.common.traced.elements import Element
+from tracerisk.trace import ObjectOffset
 from tracerisk.twin.faults.fault import Fault, check_faults
 from tracerisk.twin.motion.clearance import Clearance
 from tracerisk.twin.motion.kinematics import Kinematics

@@ -8,7 +8,8 @@ import pytest
 from tracerisk.common import trace_json
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.hardware.yaml.hardware_reader import read_hardware
-from tracerisk.trace import Element, Exposure, RunEnd, Trace, TracedFunction, Visit
+from tracerisk.common.traced.elements import Element, Exposure
+from tracerisk.trace import RunEnd, Trace, TracedFunction, Visit
 
 STEPS = ("init", "pick_position", "pick", "place_position", "place")
 CONTROLLER = "\n\n".join(f"def {name}():\n    pass" for name in STEPS) + "\n"

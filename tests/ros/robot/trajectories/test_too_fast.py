@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from tests.traced_run import quiet_end, run_traced
+from tracerisk.common.traced.findings import NOTES
 from tracerisk.ros.messages.ros1 import Interfaces
-from tracerisk.trace import NOTES
 
 PROGRAM = """\
 import actionlib, rospy

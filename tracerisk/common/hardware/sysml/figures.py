@@ -38,8 +38,8 @@ from tracerisk.common.hardware.units import (
     Temperature,
     rate_from_fit,
 )
+from tracerisk.common.traced.elements import WEAR_EXPONENTS
 from tracerisk.errors import HardwareError
-from tracerisk.trace import WEAR_EXPONENTS
 
 _VALUES = ("probability", "rate", "weibull", *SHEET_KINDS)
 _SPANS = {60.0: Basis.MINUTE, 3600.0: Basis.HOUR}

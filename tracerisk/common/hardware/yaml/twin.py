@@ -7,8 +7,8 @@ from typing import Literal
 from tracerisk.common.hardware.model import NOT_OPTIONAL, TwinBinding
 from tracerisk.common.hardware.yaml.figures import words
 from tracerisk.common.text.yaml_reader import YamlMap
+from tracerisk.common.traced.elements import SensorKind
 from tracerisk.errors import HardwareError, one_of
-from tracerisk.trace import SensorKind
 
 _SEEN_KEYS = frozenset({"joints", "gripper", "actuators", "sensors", "contacts"})
 _TWIN_KEYS = _SEEN_KEYS | {"optional"}

@@ -16,8 +16,8 @@ from tracerisk.common.hardware.model import (
 )
 from tracerisk.common.hardware.yaml.figures import word_of, words
 from tracerisk.common.text.yaml_reader import YamlMap
+from tracerisk.common.traced.elements import WEAR_EXPONENTS
 from tracerisk.errors import HardwareError, one_of
-from tracerisk.trace import WEAR_EXPONENTS
 
 USES: Mapping[str, State | Demand] = words(State) | words(Demand)
 """The words for the uses in which a failure mode can matter."""

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from tracerisk.common.traced.findings import REPORTED
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.branching.flow import flow_key
 from tracerisk.pipeline.trace.run_files import DECIDED, RunBeside
 from tracerisk.ros.time.scheduler import Scheduler
-from tracerisk.trace import REPORTED
 from tracerisk.twin.faults.armed import first_step
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.recording.contact_log import LoggedBody

@@ -7,12 +7,13 @@ from itertools import groupby
 
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.traced.elements import Contact, Payload
 from tracerisk.report.html import figures
 from tracerisk.report.html.page import rendered
 from tracerisk.report.html.report_input import ReportInput
 from tracerisk.report.html.section import Section
 from tracerisk.report.html.tables import Cell, Column, Row, Table, row_of, texts
-from tracerisk.trace import Contact, Payload, Trace
+from tracerisk.trace import Trace
 
 MOST_UNFOLDED = 12
 """How many rows a table of what is as it should be has before it is folded."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.blocks.model_names import model_names
 from tracerisk.common.function_ref import FunctionRef
+from tracerisk.common.traced.elements import Contact, Exposure
 from tracerisk.report.html.page import asset, rendered
 from tracerisk.report.html.run.replay import Replay, replay_data
 from tracerisk.report.html.run.timeline_segments import (
@@ -21,7 +22,7 @@ from tracerisk.report.html.run.timeline_segments import (
 )
 from tracerisk.report.html.section import Data, Section
 from tracerisk.report.html.tables import Cell, Column, Table, row_of, texts
-from tracerisk.trace import Contact, Exposure, Trace, Visit
+from tracerisk.trace import Trace, Visit
 
 if TYPE_CHECKING:
     from tracerisk.twin.faults.fault import Fault

@@ -10,7 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tracerisk.trace import Exposure, Trace, Visit
+from tracerisk.common.traced.elements import Exposure
+from tracerisk.trace import Trace, Visit
 from tracerisk.twin.robots.sensors import IN_JOINTS
 
 if TYPE_CHECKING:

@@ -19,8 +19,8 @@ from tracerisk.ros.vendors.niryo.places import Handler, filled
 from tracerisk.twin.physics.motion import PlanningError, Pose
 
 if TYPE_CHECKING:
+    from tracerisk.common.traced.elements import SensorKind
     from tracerisk.ros.graph.runtime import Runtime
-    from tracerisk.trace import SensorKind
 
 _MESSAGES = "niryo_robot_msgs"
 _STATE = f"{_MESSAGES}/RobotState"  # the pose of the tool
