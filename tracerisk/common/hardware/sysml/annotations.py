@@ -183,7 +183,7 @@ def metadata(symbol: Symbol) -> Metadata:
     scope = symbol.scope()
     hit = scope.lookup(node.type)
     if hit is None:
-        if scope.may_import(node.type, WITH_METADATA):
+        if scope.imports.may_bring(node.type, WITH_METADATA):
             return Metadata(symbol, None, None)
         raise scope.unknown(node.type)
     standards = [hit] if isinstance(hit, Standard) else list(ancestors(hit))

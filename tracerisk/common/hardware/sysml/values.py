@@ -119,7 +119,7 @@ def _sequence(context: Context, node: Sequence) -> Meaning:
 def _reference(context: Context, node: Reference) -> Meaning:
     hit = context.scope.lookup(node)
     if hit is None:
-        for space in context.scope.open_imports():
+        for space in context.scope.imports.open_libraries():
             if len(node.name) == 1 and not node.steps:
                 return Standard((*space.path, node.name[0]))
         raise context.scope.unknown(node)

@@ -1,28 +1,24 @@
-"""Find what a name stands for: members, inherited members, imports, files beside, libraries."""
+"""Find what a name stands for: members, inherited members, what is imported, files beside."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from typing import TypeAlias
 
+from tracerisk.common.hardware.sysml.language.imports import Imports
 from tracerisk.common.hardware.sysml.language.standard_names import (
     OF_ITEMS,
-    OURS,
-    RISK,
     WITH_PARTS,
     Standard,
-    known_members,
 )
 from tracerisk.common.hardware.sysml.language.syntax import (
     Alias,
     Annotation,
     Element,
-    Import,
     Member,
     Name,
     Package,
     Reference,
-    Skipped,
     SourceText,
 )
 from tracerisk.errors import HardwareError, Location, one_of
@@ -40,8 +36,8 @@ class Symbol:
     """
 
     __slots__ = (
-        "_active", "_asked", "_by_name", "_generals", "_imports", "_members", "_seen",
-        "find_package", "has_unknown_general", "kin", "node", "owner", "source",
+        "_active", "_by_name", "_generals", "_members", "_seen", "find_package",
+        "has_unknown_general", "imports", "kin", "node", "owner", "source",
     )  # fmt: skip
 
     def __init__(
@@ -58,11 +54,10 @@ class Symbol:
         self._members: tuple[Symbol, ...] | None = None
         self._by_name: dict[str, Symbol] | None = None
         self._generals: tuple[Found, ...] | None = None
-        self._imports: list[tuple[Import, Found]] | None = None
         self._active = False
         self.kin: tuple[Found, ...] | None = None
         self._seen: dict[str, Found | None] = {}
-        self._asked: set[str] = set()
+        self.imports = Imports(self)
         self.has_unknown_general = False
 
     def location(self, at: int | None = None) -> Location:
@@ -195,7 +190,7 @@ class Symbol:
     def _resolve_general(self, target: Reference) -> Found | None:
         hit = self.scope().lookup(target)
         if hit is None:
-            if self.is_structural and not self.scope().may_import(target, WITH_PARTS):
+            if self.is_structural and not self.scope().imports.may_bring(target, WITH_PARTS):
                 raise self.unknown(target)
             self.has_unknown_general = True
         return None if hit is self else hit
@@ -214,7 +209,7 @@ class Symbol:
         hit = self.qualified(target.name)
         for step in target.steps:
             for name in step:
-                hit = None if hit is None else member_of(hit, name)
+                hit = None if hit is None else hit.member(name)
         return hit
 
     def qualified(self, name: Name) -> Found | None:
@@ -226,7 +221,7 @@ class Symbol:
             if isinstance(hit, Symbol) and isinstance(hit.node, Package):
                 hit = hit.exported(segment)
             else:
-                hit = member_of(hit, segment)
+                hit = hit.member(segment)
             if index >= MAX_CHAIN:
                 return None
         return hit
@@ -245,7 +240,7 @@ class Symbol:
         """Return what `name` is in this namespace alone: own, inherited, then imported."""
         if name in self._seen:
             return self._seen[name]
-        hit = _own(self, name) or self.inherited(name) or self._imported(name)
+        hit = _own(self, name) or self.inherited(name) or self.imports.named(name)
         if hit is not None:
             self._seen[name] = hit
         return hit
@@ -271,124 +266,21 @@ class Symbol:
         if isinstance(hit, Symbol) and isinstance(hit.node, Alias):
             return _aliased(hit)
         if hit is None and isinstance(self.node, Package):
-            hit = self._imported(name, public_only=True)
+            hit = self.imports.named(name, public_only=True)
         return hit
 
-    def _imported(self, name: str, *, public_only: bool = False) -> Found | None:
-        spaces = self._spaces()
-        if name in self._asked:
-            return None  # packages that import each other
-        self._asked.add(name)
-        try:
-            for item, space in spaces:
-                if not (public_only and item.is_private):
-                    hit = _through(item, space, name)
-                    if hit is not None:
-                        return hit
-        finally:
-            self._asked.remove(name)
-        return None
-
-    def _spaces(self) -> list[tuple[Import, Found]]:
-        """Return the imports of this namespace with what they name.
-
-        An import may name what another one brings. Raises HardwareError at one that names
-        nothing.
-        """
-        if self._imports is not None:
-            return self._imports
-        # What is found so far helps to find the rest.
-        imports = self._imports = []
-        try:
-            waiting = [member for member in self.nodes if isinstance(member, Import)]
-            while waiting:
-                left = []
-                for item in waiting:
-                    space = self.lookup(item.target)
-                    if space is not None:
-                        imports.append((item, space))
-                    elif not self._is_skipped(item.target.name):
-                        left.append(item)
-                if len(left) == len(waiting):
-                    raise self.unknown(left[0].target)
-                waiting = left
-        except HardwareError:
-            self._imports = None  # the next to ask gets the error as well
-            raise
-        return imports
-
-    def _is_skipped(self, name: Name) -> bool:
-        """Whether a name leads into an element that is not read, such as an action."""
-        spaces: list[Found | None] = [self]
-        owner = self.owner
-        while owner is not None:
-            spaces.append(owner)
-            owner = owner.owner
-        for index, segment in enumerate(name):
-            for space in spaces:
-                nodes = () if not isinstance(space, Symbol) else space.nodes
-                if any(isinstance(node, Skipped) and node.name == segment for node in nodes):
-                    return True
-            spaces = [self.qualified(name[: index + 1])]
-        return False
-
-    def open_imports(self) -> Iterator[Standard]:
-        """Yield the library packages that are imported here or around, not all names known."""
-        scope: Symbol | None = self
-        seen: set[Symbol] = set()
-        while scope is not None:
-            yield from scope._open_imports(seen, public_only=False)
-            scope = scope.owner
-
-    def _open_imports(self, seen: set[Symbol], *, public_only: bool) -> Iterator[Standard]:
-        """Yield those of this namespace, and of the packages that it imports."""
-        seen.add(self)
-        for item, space in self._spaces():
-            if (public_only and item.is_private) or not (item.every or item.recursive):
-                continue
-            if isinstance(space, Standard):
-                if not space.is_closed:
-                    yield space
-                continue
-            waiting = [space]
-            while waiting:
-                package = waiting.pop()
-                if package in seen or isinstance(package.node, Alias):
-                    continue
-                yield from package._open_imports(seen, public_only=not item.overrides_private)
-                waiting += package.members if item.recursive else ()
-
-    def may_import(self, target: Reference, packages: frozenset[str]) -> bool:
-        """Whether one of some library packages that are imported here may have the name."""
-        known = known_members((OURS,)) + known_members((RISK,))
-        return (
-            len(target.name) == 1
-            and target.name[0] not in known
-            and any(open_import.path[0] in packages for open_import in self.open_imports())
-        )
+    def member(self, name: str) -> Found | None:
+        """Return the member of this element by that name, its own or inherited."""
+        hit = _own(self, name) or self.inherited(name)
+        if hit is None and isinstance(self.node, Package):
+            hit = self.exported(name)
+        return hit
 
     def unknown(self, target: Reference) -> HardwareError:
         """Return the error for a name that stands for nothing."""
         from tracerisk.common.hardware.sysml.language.unknown_names import unknown_name
 
         return HardwareError(unknown_name(self, target), self.location(target.at))
-
-
-def _through(each: Import, space: Found, name: str) -> Found | None:
-    """Return what an import brings by a name."""
-    if not (each.every or each.recursive):
-        if each.target.name[-1] == name:
-            return space
-        is_named = isinstance(space, Symbol) and not isinstance(space.node, Annotation)
-        return space if is_named and space.node.short == name else None  # type: ignore[union-attr]
-    if isinstance(space, Standard):
-        return space.member(name) if space.offers(name) else None
-    if each.recursive:
-        return _below(space, name)
-    if not isinstance(space.node, Package):
-        return member_of(space, name)
-    hit = space.exported(name)
-    return space._imported(name) if hit is None and each.overrides_private else hit
 
 
 def _own(space: Symbol, name: str) -> Found | None:
@@ -408,28 +300,6 @@ def _aliased(alias: Symbol) -> Found | None:
         raw: Found | None = scope.own(target.name[0]) if len(target.name) == 1 else None
         hit = raw if raw is not None else scope.lookup(target)
     raise HardwareError(f"alias '{alias.name}' refers to itself", alias.location())
-
-
-def _below(space: Symbol, name: str) -> Found | None:
-    """Return what is called `name` in a namespace or in a package below it."""
-    waiting = [space]
-    while waiting:
-        each = waiting.pop(0)
-        hit = each.exported(name)
-        if hit is not None:
-            return hit
-        waiting += [member for member in each.members if isinstance(member.node, Package)]
-    return None
-
-
-def member_of(space: Found, name: str) -> Found | None:
-    """Return the member of an element by that name, its own or inherited."""
-    if isinstance(space, Standard):
-        return space.member(name)
-    hit = _own(space, name) or space.inherited(name)
-    if hit is None and isinstance(space.node, Package):
-        hit = space.exported(name)
-    return hit
 
 
 def ancestors(symbol: Symbol) -> tuple[Found, ...]:

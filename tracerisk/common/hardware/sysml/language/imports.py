@@ -1,0 +1,160 @@
+"""What a namespace imports: members of packages, packages below them, of libraries or files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from tracerisk.common.hardware.sysml.language.standard_names import (
+    OURS,
+    RISK,
+    Standard,
+    known_members,
+)
+from tracerisk.common.hardware.sysml.language.syntax import (
+    Alias,
+    Annotation,
+    Import,
+    Name,
+    Package,
+    Reference,
+    Skipped,
+)
+from tracerisk.errors import HardwareError
+
+if TYPE_CHECKING:
+    from tracerisk.common.hardware.sysml.language.name_resolution import Found, Symbol
+
+
+class Imports:
+    """The imports of one namespace, and what they name."""
+
+    __slots__ = ("_asked", "_found", "_space")
+
+    def __init__(self, space: Symbol) -> None:
+        self._space = space
+        self._found: list[tuple[Import, Found]] | None = None
+        self._asked: set[str] = set()
+
+    def named(self, name: str, *, public_only: bool = False) -> Found | None:
+        """Return what is imported by a name; `None` for nothing."""
+        spaces = self._spaces()
+        if name in self._asked:
+            return None  # packages that import each other
+        self._asked.add(name)
+        try:
+            for item, space in spaces:
+                if not (public_only and item.is_private):
+                    hit = _through(item, space, name)
+                    if hit is not None:
+                        return hit
+        finally:
+            self._asked.remove(name)
+        return None
+
+    def _spaces(self) -> list[tuple[Import, Found]]:
+        """Return the imports of this namespace with what they name.
+
+        An import may name what another one brings. Raises HardwareError at one that names
+        nothing.
+        """
+        if self._found is not None:
+            return self._found
+        # What is found so far helps to find the rest.
+        imports = self._found = []
+        try:
+            waiting = [member for member in self._space.nodes if isinstance(member, Import)]
+            while waiting:
+                left = []
+                for item in waiting:
+                    space = self._space.lookup(item.target)
+                    if space is not None:
+                        imports.append((item, space))
+                    elif not self._is_skipped(item.target.name):
+                        left.append(item)
+                if len(left) == len(waiting):
+                    raise self._space.unknown(left[0].target)
+                waiting = left
+        except HardwareError:
+            self._found = None  # the next to ask gets the error as well
+            raise
+        return imports
+
+    def _is_skipped(self, name: Name) -> bool:
+        """Whether a name leads into an element that is not read, such as an action."""
+        spaces: list[Found | None] = [self._space]
+        owner = self._space.owner
+        while owner is not None:
+            spaces.append(owner)
+            owner = owner.owner
+        for index, segment in enumerate(name):
+            for space in spaces:
+                nodes = () if space is None or isinstance(space, Standard) else space.nodes
+                if any(isinstance(node, Skipped) and node.name == segment for node in nodes):
+                    return True
+            spaces = [self._space.qualified(name[: index + 1])]
+        return False
+
+    def open_libraries(self) -> Iterator[Standard]:
+        """Yield the library packages that are imported here or around, not all names known."""
+        scope: Symbol | None = self._space
+        seen: set[Symbol] = set()
+        while scope is not None:
+            yield from scope.imports._open(seen, public_only=False)
+            scope = scope.owner
+
+    def _open(self, seen: set[Symbol], *, public_only: bool) -> Iterator[Standard]:
+        """Yield those of this namespace, and of the packages that it imports."""
+        seen.add(self._space)
+        for item, space in self._spaces():
+            if (public_only and item.is_private) or not (item.every or item.recursive):
+                continue
+            if isinstance(space, Standard):
+                if not space.is_closed:
+                    yield space
+                continue
+            waiting = [space]
+            while waiting:
+                package = waiting.pop()
+                if package in seen or isinstance(package.node, Alias):
+                    continue
+                yield from package.imports._open(seen, public_only=not item.overrides_private)
+                waiting += package.members if item.recursive else ()
+
+    def may_bring(self, target: Reference, packages: frozenset[str]) -> bool:
+        """Whether one of some library packages that are imported here may have the name."""
+        known = known_members((OURS,)) + known_members((RISK,))
+        return (
+            len(target.name) == 1
+            and target.name[0] not in known
+            and any(library.path[0] in packages for library in self.open_libraries())
+        )
+
+
+def _through(item: Import, space: Found, name: str) -> Found | None:
+    """Return what an import brings by a name."""
+    if not (item.every or item.recursive):
+        if item.target.name[-1] == name:
+            return space
+        is_named = not isinstance(space, Standard) and not isinstance(space.node, Annotation)
+        return space if is_named and space.node.short == name else None  # type: ignore[union-attr]
+    if isinstance(space, Standard):
+        return space.member(name) if space.offers(name) else None
+    if item.recursive:
+        return _below(space, name)
+    if not isinstance(space.node, Package):
+        return space.member(name)
+    hit = space.exported(name)
+    return space.imports.named(name) if hit is None and item.overrides_private else hit
+
+
+def _below(space: Symbol, name: str) -> Found | None:
+    """Return what is called `name` in a namespace or in a package below it."""
+    waiting = [space]
+    while waiting:
+        package = waiting.pop(0)
+        hit = package.exported(name)
+        if hit is not None:
+            return hit
+        waiting += [member for member in package.members if isinstance(member.node, Package)]
+    return None
