@@ -26,7 +26,8 @@ from tracerisk.instrument.python_2.meaning import (
     SIGN,
     give_meaning,
 )
-from tracerisk.instrument.source.python_2_text import NotConvertibleError, converted
+from tracerisk.instrument.source.python_2 import NotConvertibleError
+from tracerisk.instrument.source.python_2_text import converted
 from tracerisk.instrument.source.python_source import decoded
 
 

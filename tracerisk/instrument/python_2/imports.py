@@ -14,7 +14,8 @@ from importlib.util import find_spec
 from types import ModuleType
 from typing import Any
 
-from tracerisk.instrument.python_2.library import CHANGED, RENAMED, changed_names
+from tracerisk.instrument.python_2.library import CHANGED, changed_names
+from tracerisk.instrument.source.python_2 import RENAMED
 
 
 class View(ModuleType):

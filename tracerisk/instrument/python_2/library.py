@@ -4,49 +4,11 @@ from __future__ import annotations
 
 import importlib
 import types
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from tracerisk.instrument.python_2.operators import divided, to_bytes, to_text, translated
-
-RENAMED: Mapping[str, Sequence[str]] = {
-    "BaseHTTPServer": ("http.server",),
-    "ConfigParser": ("configparser",),
-    "Cookie": ("http.cookies",),
-    "Dialog": ("tkinter.dialog",),
-    "HTMLParser": ("html.parser",),
-    "Queue": ("queue",),
-    "ScrolledText": ("tkinter.scrolledtext",),
-    "SimpleHTTPServer": ("http.server",),
-    "SimpleXMLRPCServer": ("xmlrpc.server",),
-    "SocketServer": ("socketserver",),
-    "StringIO": ("io",),
-    "Tkinter": ("tkinter",),
-    "UserDict": ("collections",),
-    "__builtin__": ("builtins",),
-    "anydbm": ("dbm",),
-    "cPickle": ("pickle",),
-    "cStringIO": ("io",),
-    "commands": ("subprocess",),
-    "cookielib": ("http.cookiejar",),
-    "copy_reg": ("copyreg",),
-    "dummy_thread": ("_thread",),
-    "exceptions": ("builtins",),
-    "httplib": ("http.client",),
-    "md5": ("hashlib",),
-    "sets": (),
-    "sha": ("hashlib",),
-    "thread": ("_thread",),
-    "tkFileDialog": ("tkinter.filedialog",),
-    "tkFont": ("tkinter.font",),
-    "tkMessageBox": ("tkinter.messagebox",),
-    "tkSimpleDialog": ("tkinter.simpledialog",),
-    "ttk": ("tkinter.ttk",),
-    "urllib2": ("urllib.request", "urllib.error"),
-    "urlparse": ("urllib.parse",),
-    "xmlrpclib": ("xmlrpc.client",),
-}
-"""The modules that have another name now, each with those that hold what it held."""
+from tracerisk.instrument.source.python_2 import RENAMED
 
 
 def _of(module: str, name: str) -> Any:

@@ -13,7 +13,7 @@ from typing import TypeVar, cast
 from tracerisk.instrument.marks.calls import is_lazy
 from tracerisk.instrument.marks.endless_loops import begin_of_code
 from tracerisk.instrument.python_2.operators import ATTRIBUTES, CLASS_NAMES
-from tracerisk.instrument.source.python_2_text import TUPLE_PARAMETER, UNPACKED
+from tracerisk.instrument.source.python_2 import TUPLE_PARAMETER, UNPACKED
 
 SIGN = "__tracerisk_python_2__"
 """A name that code of such a source loads first; by it is known how the code has to be run."""

@@ -1,19 +1,54 @@
-"""What shows that a source that Python 3 can parse was written for Python 2."""
+"""What shows that a source that Python 3 can parse was written for Python 2; its own names."""
 
 from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Mapping, Sequence
 
-MODULES = frozenset(
-    {
-        *("BaseHTTPServer", "ConfigParser", "Cookie", "HTMLParser", "Queue", "SimpleHTTPServer"),
-        *("SocketServer", "StringIO", "Tkinter", "UserDict", "__builtin__", "anydbm", "cPickle"),
-        *("cStringIO", "commands", "cookielib", "copy_reg", "dummy_thread", "exceptions"),
-        *("httplib", "md5", "sets", "sha", "thread", "tkFileDialog", "tkMessageBox", "urllib2"),
-        *("urlparse", "xmlrpclib"),
-    }
+RENAMED: Mapping[str, Sequence[str]] = {
+    "BaseHTTPServer": ("http.server",),
+    "ConfigParser": ("configparser",),
+    "Cookie": ("http.cookies",),
+    "Dialog": ("tkinter.dialog",),
+    "HTMLParser": ("html.parser",),
+    "Queue": ("queue",),
+    "ScrolledText": ("tkinter.scrolledtext",),
+    "SimpleHTTPServer": ("http.server",),
+    "SimpleXMLRPCServer": ("xmlrpc.server",),
+    "SocketServer": ("socketserver",),
+    "StringIO": ("io",),
+    "Tkinter": ("tkinter",),
+    "UserDict": ("collections",),
+    "__builtin__": ("builtins",),
+    "anydbm": ("dbm",),
+    "cPickle": ("pickle",),
+    "cStringIO": ("io",),
+    "commands": ("subprocess",),
+    "cookielib": ("http.cookiejar",),
+    "copy_reg": ("copyreg",),
+    "dummy_thread": ("_thread",),
+    "exceptions": ("builtins",),
+    "httplib": ("http.client",),
+    "md5": ("hashlib",),
+    "sets": (),
+    "sha": ("hashlib",),
+    "thread": ("_thread",),
+    "tkFileDialog": ("tkinter.filedialog",),
+    "tkFont": ("tkinter.font",),
+    "tkMessageBox": ("tkinter.messagebox",),
+    "tkSimpleDialog": ("tkinter.simpledialog",),
+    "ttk": ("tkinter.ttk",),
+    "urllib2": ("urllib.request", "urllib.error"),
+    "urlparse": ("urllib.parse",),
+    "xmlrpclib": ("xmlrpc.client",),
+}
+"""The modules that have another name now, each with those that hold what it held."""
+_OF_OTHERS = frozenset(
+    {"Dialog", "ScrolledText", "SimpleXMLRPCServer", "tkFont", "tkSimpleDialog", "ttk"}
 )
+"""Those whose names modules of any other author may have as well."""
+MODULES = frozenset(RENAMED) - _OF_OTHERS
 """Modules that only the library of Python 2 has."""
 NAMES = frozenset(
     {"basestring", "execfile", "long", "raw_input", "reload", "unichr", "unicode", "xrange"}
@@ -21,15 +56,28 @@ NAMES = frozenset(
 """Built-in functions and types that only Python 2 has."""
 METHODS = frozenset({"has_key", "iteritems", "iterkeys", "itervalues"})
 """Methods of dictionaries that only Python 2 has."""
+TUPLE_PARAMETER = "tracerisk_tuple_"
+"""How the names of parameters begin that stand for a tuple of names."""
+UNPACKED = "tracerisk_unpacked_"
+"""The name of the call in an `except` clause, and how the name begins that it binds."""
 _VERSIONS = frozenset(
     {"PY2", "PY3", "TYPE_CHECKING", "hexversion", "python_version", "version", "version_info"}
 )
-
-
 _INTERPRETER = re.compile(r"#!.*\bpython([23])")
 _WORDS = re.compile(
     rf"^#!.*python2|\b({'|'.join(sorted(MODULES | NAMES | METHODS))})\b|\bprint\s*>>"
 )
+
+
+class NotConvertibleError(Exception):
+    """A source that cannot be converted: the reason, and the line where one is known."""
+
+    def __init__(self, reason: str, line: int | None = None) -> None:
+        super().__init__(reason)
+        self.reason = reason
+        """What is wrong, in words that go behind "it cannot be converted in memory: "."""
+        self.line = line
+        """The line, from 1; `None` where none is known."""
 
 
 def may_be_python_2(text: str) -> bool:

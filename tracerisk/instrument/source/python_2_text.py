@@ -8,38 +8,42 @@ clause unpacks an exception into is the second argument of a call that names the
 
 from __future__ import annotations
 
+import io
 import re
+import sys
 from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tracerisk.common.dependencies import missing_extra
+from tracerisk.instrument.source.python_2 import TUPLE_PARAMETER, UNPACKED, NotConvertibleError
 
-if TYPE_CHECKING:
-    from fissix.refactor import RefactoringTool
+try:
+    import fissix  # noqa: F401 - it puts the loader of the grammar into its driver
+    from fissix.pgen2 import driver, pgen, token, tokenize
+    from fissix.pgen2.parse import ParseError
+    from fissix.pgen2.tokenize import TokenError
+except ImportError as error:
+    raise missing_extra("python2", "reading a source of Python 2") from error
 
-TUPLE_PARAMETER = "tracerisk_tuple_"
-"""How the names of parameters begin that stand for a tuple of names."""
-UNPACKED = "tracerisk_unpacked_"
-"""The name of the call in an `except` clause, and how the name begins that it binds."""
+
+def _grammar(path: str, *_: object, **__: object) -> Any:
+    # Its own loader writes into the user's cache, which a run may not.
+    return pgen.generate_grammar(path)
+
+
+driver.load_grammar = _grammar
+
+from fissix.pygram import python_symbols as symbols  # noqa: E402 - it loads the grammar
+from fissix.pytree import Leaf, Node  # noqa: E402
+from fissix.refactor import RefactoringTool  # noqa: E402
 
 _FIXERS = (*("except", "exec", "ne", "numliterals", "paren", "print", "raise", "repr", "throw"),)
 _NEW_KEYWORDS = frozenset({"async", "await", "nonlocal"})
 _FIRST_TAB = re.compile(r"^[ \f]*\t", re.MULTILINE)
 _INDENT = re.compile(r"[ \t]*")
 _TAB = 8  # the width that Python 2 gives to a tab
-
-
-class NotConvertibleError(Exception):
-    """A source that cannot be converted: the reason, and the line where one is known."""
-
-    def __init__(self, reason: str, line: int | None = None) -> None:
-        super().__init__(reason)
-        self.reason = reason
-        """What is wrong, in words that go behind "it cannot be converted in memory: "."""
-        self.line = line
-        """The line, from 1; `None` where none is known."""
 
 
 @lru_cache(maxsize=64)
@@ -52,7 +56,6 @@ def converted(text: str) -> str:
 
     Raises:
         NotConvertibleError: Python 2 cannot read it either, or a line would not keep its place.
-        DependencyError: fissix, which converts, is not installed.
     """
     tool = _tool()
     plain = text.replace("\r\n", "\n").replace("\r", "\n")
@@ -70,20 +73,6 @@ def converted(text: str) -> str:
 @lru_cache(maxsize=1)
 def _tool() -> RefactoringTool:
     """Return what converts, made once: it takes a third of a second."""
-    try:
-        import fissix  # noqa: F401 - it puts the loader of the grammar into its driver
-        from fissix.pgen2 import driver, pgen, token
-        from fissix.pgen2.parse import ParseError
-        from fissix.pgen2.tokenize import TokenError
-    except ImportError as error:
-        raise missing_extra("python2", "reading a source of Python 2") from error
-
-    def grammar(path: str, *_: object, **__: object) -> Any:
-        # Its own loader writes into the user's cache, which a run may not.
-        return pgen.generate_grammar(path)
-
-    driver.load_grammar = grammar
-    from fissix.refactor import RefactoringTool
 
     class Tool(RefactoringTool):  # type: ignore[misc,unused-ignore]
         """Converts one source after the other."""
@@ -102,8 +91,6 @@ def _tool() -> RefactoringTool:
             return bool(super().refactor_tree(tree, name))
 
         def log_error(self, msg: str, *args: object, **_: object) -> None:
-            import sys
-
             error = sys.exc_info()[1]
             if isinstance(error, ParseError):
                 raise NotConvertibleError(
@@ -133,10 +120,6 @@ def _string(literal: str, *, is_unicode: bool) -> str:
 
 def _name_tuples(tree: Any) -> None:
     """Make each parameter of a `def` that is a tuple a name, annotated with the tuple."""
-    from fissix.pgen2 import token
-    from fissix.pygram import python_symbols as symbols
-    from fissix.pytree import Leaf
-
     functions = [node for node in tree.pre_order() if node.type == symbols.funcdef]
     for number, node in enumerate(
         parameter
@@ -150,10 +133,6 @@ def _name_tuples(tree: Any) -> None:
 
 def _name_tuples_of_lambdas(tree: Any) -> None:
     """Make each parameter of a lambda that is a tuple a name, which a comprehension unpacks."""
-    from fissix.pgen2 import token
-    from fissix.pygram import python_symbols as symbols
-    from fissix.pytree import Leaf, Node
-
     kinds = (symbols.lambdef, symbols.old_lambdef)
     lambdas = [node for node in tree.pre_order() if node.type in kinds and len(node.children) == 4]
     for number, node in enumerate(reversed(lambdas)):
@@ -173,10 +152,6 @@ def _name_tuples_of_lambdas(tree: Any) -> None:
 
 def _name_unpacked(tree: Any) -> None:
     """Make the target of an `except` clause a name, where it is a tuple or an attribute."""
-    from fissix.pgen2 import token
-    from fissix.pygram import python_symbols as symbols
-    from fissix.pytree import Leaf
-
     clauses = [node for node in tree.pre_order() if node.type == symbols.except_clause]
     for number, node in enumerate(clauses):
         if len(node.children) != 4 or node.children[3].type == token.NAME:
@@ -190,10 +165,6 @@ def _name_unpacked(tree: Any) -> None:
 
 def _star_imports(tree: Any) -> None:
     """Make an import of all names within a function one of the module, as no other is allowed."""
-    from fissix.pgen2 import token
-    from fissix.pygram import python_symbols as symbols
-    from fissix.pytree import Leaf
-
     for node in list(tree.pre_order()):
         if node.type != symbols.import_from or node.children[-1].type != token.STAR:
             continue
@@ -234,8 +205,6 @@ def _marks(text: str) -> Counter[tuple[int, int, str]]:
 
     The column of a comment is 0: what stands before it may have become longer.
     """
-    from fissix.pgen2 import token
-
     space = {token.INDENT, token.DEDENT, token.COMMENT}
     marks: Counter[tuple[int, int, str]] = Counter()
     is_begin = True
@@ -252,9 +221,6 @@ def _marks(text: str) -> Counter[tuple[int, int, str]]:
 
 
 def _tokens(text: str) -> Iterator[tuple[int, str, tuple[int, int], tuple[int, int], str]]:
-    import io
-
-    from fissix.pgen2 import tokenize
 
     try:
         yield from tokenize.generate_tokens(io.StringIO(text).readline)

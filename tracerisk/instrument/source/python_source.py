@@ -19,8 +19,12 @@ from typing import NamedTuple
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.errors import DependencyError, Location, SourceError
 from tracerisk.instrument.source.function_definitions import definitions
-from tracerisk.instrument.source.python_2 import is_only_python_3, may_be_python_2, shows_python_2
-from tracerisk.instrument.source.python_2_text import NotConvertibleError, converted
+from tracerisk.instrument.source.python_2 import (
+    NotConvertibleError,
+    is_only_python_3,
+    may_be_python_2,
+    shows_python_2,
+)
 
 _PYTHON_2_REASONS = (
     "Missing parentheses in call to 'print'",
@@ -142,6 +146,8 @@ def read_python(text: str, file: str = "<unknown>") -> ReadPython:
 
 
 def _read_python_2(text: str, file: str) -> ReadPython:
+    from tracerisk.instrument.source.python_2_text import converted
+
     plain = converted(text)
     try:
         return ReadPython(plain, ast.parse(plain, file), is_python_2=True)

@@ -9,8 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from tracerisk.errors import SourceError, TraceRiskError
-from tracerisk.instrument.python_2.library import RENAMED
-from tracerisk.instrument.source.python_2 import walk_with_guards
+from tracerisk.instrument.source.python_2 import RENAMED, walk_with_guards
 from tracerisk.instrument.source.python_source import is_python_2, parse_source, parsed
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes

@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from tracerisk.common.text.bounded import file_bytes
+from tracerisk.config import PACKAGE_FILE
 
 _SUFFIX = "Config"
 _DEEPEST = 3  # a module of a package stands at most in `<package>/src/<package>`
@@ -45,7 +46,7 @@ def _cfg_folder(path: Sequence[str]) -> Path | None:
     for name in path:
         folder = Path(name)
         for above in (folder, *folder.parents[:_DEEPEST]):
-            if (above / "package.xml").is_file():
+            if (above / PACKAGE_FILE).is_file():
                 return above / "cfg" if any((above / "cfg").glob("*.cfg")) else None
     return None
 

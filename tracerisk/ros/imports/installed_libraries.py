@@ -18,12 +18,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import NoReturn
 
+from tracerisk.config import PACKAGE_FILE
 from tracerisk.instrument.python_2.loader import ConvertingLoader
 from tracerisk.ros.imports.vendor_libraries import is_installed
 
 _GENERATED = frozenset({"msg", "srv", "action"})
 _COMPILED = (*EXTENSION_SUFFIXES, ".so")
-_PACKAGE_FILE = "package.xml"
 _MODULE = re.compile(r"([A-Za-z_]\w*)(\.py)?")
 
 
@@ -90,7 +90,7 @@ class InstalledLibraries(MetaPathFinder):
         """
         tops: dict[str, list[str]] = {}
         for folder in self._folders:
-            is_source = Path(folder, _PACKAGE_FILE).is_file()
+            is_source = Path(folder, PACKAGE_FILE).is_file()
             for name in _names_in(folder):
                 match = _MODULE.fullmatch(name)
                 if match is None or (is_source and not Path(folder, name, "__init__.py").is_file()):

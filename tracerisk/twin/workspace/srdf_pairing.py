@@ -9,6 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from tracerisk.common.text.bounded import file_text
+from tracerisk.config import PACKAGE_FILE
 from tracerisk.twin.robots.prefix import with_prefix
 from tracerisk.twin.robots.robot import Robot, load_robot
 from tracerisk.twin.urdf.groups import groups_of, states_of
@@ -66,7 +67,7 @@ def needed_packages(srdf: Path, packages: Mapping[str, Path]) -> tuple[Path, ...
     if own is None:
         return ()
     try:
-        text = file_text(own / "package.xml", errors="replace")
+        text = file_text(own / PACKAGE_FILE, errors="replace")
     except OSError:
         return ()
     words = frozenset(re.findall(r">\s*([\w.-]+)\s*<", text))

@@ -17,6 +17,7 @@ from moveit_msgs.msg import (
     RobotTrajectory,
 )
 
+from tracerisk.config import PACKAGE_FILE
 from tracerisk.errors import one_of
 from tracerisk.ros.graph.runtime import current
 from tracerisk.ros.moveit import messages
@@ -128,7 +129,7 @@ def _moveit_release() -> tuple[int, ...] | None:
     folder = runtime.findable.get("moveit_commander")
     if not text and folder is not None:
         with contextlib.suppress(OSError):
-            text = (folder / "package.xml").read_text(encoding="utf-8", errors="replace")
+            text = (folder / PACKAGE_FILE).read_text(encoding="utf-8", errors="replace")
     matched = re.search(r"<version>\s*(\d+)\.(\d+)\.(\d+)", text)
     if matched is None:
         return _BEFORE_NOETIC if runtime.distro.precedes_noetic else None
