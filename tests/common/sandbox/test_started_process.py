@@ -56,5 +56,5 @@ def test_a_process_has_all_its_modules_from_where_its_parent_has_them(tmp_path):
         text=True,
         check=True,
     ).stdout
-    assert str(copy / "common" / "sandbox" / "held_files.py") in said
+    assert str(copy / "common" / "sandbox" / "files" / "held_files.py") in said
     assert str(here) not in said

@@ -4,7 +4,7 @@ import pytest
 from rosbags.rosbag1 import Reader, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from tracerisk.common.sandbox.moved_files import MovedFiles
+from tracerisk.common.sandbox.files.moved_files import MovedFiles
 
 
 @pytest.fixture

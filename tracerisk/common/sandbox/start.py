@@ -43,7 +43,7 @@ if __name__ == "__main__":
     # The first import of a part of it would take the whole from where Python is set up to look.
     _import_own()
 
-from tracerisk.common.sandbox import held_files
+from tracerisk.common.sandbox.files import held_files
 from tracerisk.common.sandbox.fork_serving import serve
 from tracerisk.common.sandbox.kernel import control_groups
 from tracerisk.common.sandbox.kernel import features as kernel

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from tracerisk.common.sandbox.overlay import Overlay
+from tracerisk.common.sandbox.files.overlay import Overlay
 from tracerisk.ros.robot.bring_up.launched import LaunchedControllers
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from tracerisk.common.sandbox.noted_reads import NotedReads
+from tracerisk.common.sandbox.files.noted_reads import NotedReads
 from tracerisk.common.worlds.world import NOMINAL, world_named
 from tracerisk.errors import Location
 from tracerisk.instrument.import_finder import foreign_folders

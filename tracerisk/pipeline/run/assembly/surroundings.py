@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from tracerisk.common.sandbox.moved_files import MovedFiles
-from tracerisk.common.sandbox.overlay import BOUND, Overlay
+from tracerisk.common.sandbox.files.moved_files import MovedFiles
+from tracerisk.common.sandbox.files.overlay import BOUND, Overlay
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.instrument.import_finder import controller_imports
 from tracerisk.instrument.loader import prepared_controller

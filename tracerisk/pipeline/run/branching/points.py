@@ -18,9 +18,9 @@ from collections.abc import Callable
 from pathlib import Path
 from time import sleep
 
+from tracerisk.common.sandbox.files.overlay import Overlay
 from tracerisk.common.sandbox.forking import NotForkableError, fork_apart, open_descriptors
 from tracerisk.common.sandbox.limited_process import POLL_S, lower_limit
-from tracerisk.common.sandbox.overlay import Overlay
 from tracerisk.pipeline.run.branching.fate import FateWatch
 from tracerisk.pipeline.run.controller_end import ControllerEnd
 from tracerisk.pipeline.trace.run_files import (

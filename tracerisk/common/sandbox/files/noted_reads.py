@@ -17,7 +17,7 @@ _DATABASE = "sqlite3.connect"
 _CACHES = frozenset({"__pycache__", "node_modules", "site-packages", "dist-packages"})
 _CODE = (".py", ".pyc", ".pyi", ".so")
 
-_TOOL = f"{Path(__file__).parents[2]}{os.sep}"
+_TOOL = f"{Path(__file__).parents[3]}{os.sep}"
 _BETWEEN = tuple(f"{_TOOL}common{os.sep}{name}{os.sep}" for name in ("sandbox", "text"))
 _FOR_CONTROLLERS = tuple(
     f"{_TOOL}ros{os.sep}{name}" for name in ("stand_ins", f"graph{os.sep}parameter_files.py")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import quick_controller
-from tracerisk.common.sandbox.overlay import Overlay
+from tracerisk.common.sandbox.files.overlay import Overlay
 
 HOME = "/home/ann-of-nowhere"
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import quick_controller
-from tracerisk.common.sandbox.moved_files import MovedFiles
+from tracerisk.common.sandbox.files.moved_files import MovedFiles
 from tracerisk.pipeline.workspace.package_folders import name_of
 
 THEIRS = "/home/ann-of-nowhere/arm_ws"

@@ -7,22 +7,26 @@ kernel. A program that goes past Python's own functions for files is refused wha
 
 from __future__ import annotations
 
-import builtins
 import contextlib
 import functools
 import io
 import os
-import pathlib
 import shutil
 import sys
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from tracerisk.common.replaced_names import replaced
-from tracerisk.common.sandbox.held_files import has_opener
+from tracerisk.common.sandbox.files.noted_reads import unnoted
+from tracerisk.common.sandbox.files.replaced_functions import (
+    OS_NAMES,
+    Entries,
+    inside,
+    is_inside,
+    places_of,
+    standing_for,
+)
 from tracerisk.common.sandbox.loopback import address_text, is_of_run
-from tracerisk.common.sandbox.noted_reads import unnoted
 
 BOUND = "bound to"
 """What a run could not do to an address where it has no network of its own."""
@@ -36,6 +40,7 @@ _WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 _SYSTEM = ("/dev/", "/proc/", "/sys/")
 _HOMES = ("home", "Users")
 _MOST_COPIED = 1024**3
+_DESCRIPTORS = ("dir_fd", "src_dir_fd", "dst_dir_fd")
 
 Denied = Callable[[str, str], None]
 """Called with what was refused: a verb in its past form (`read`), and a path or an address."""
@@ -58,7 +63,7 @@ class Overlay:
         self._denied = denied
         self._is_used = False
         self._gone: set[str] = set()
-        self._real = {name: getattr(os, name) for name in _OS_NAMES}
+        self._real = {name: getattr(os, name) for name in OS_NAMES}
         self._open = io.open
 
     def moved(self, folder: str) -> None:
@@ -68,30 +73,16 @@ class Overlay:
     @contextlib.contextmanager
     def active(self) -> Iterator[None]:
         """Redirect while this is open, and report addresses to which nothing could be sent."""
-        functions = self._functions()
-        # Python 3.10 has bound them there.
-        accessor = getattr(pathlib, "_NormalAccessor", None)
-        bound = {} if accessor is None else {**functions, "open": functions["io.open"]}
-        replacements = (
-            *((owner, "open", functions["io.open"]) for owner in (builtins, io)),
-            *((os, name, functions[name]) for name in _OS_NAMES),
-            *((accessor, name, staticmethod(item)) for name, item in bound.items()
-              if name in vars(accessor)),
-            *_kept_by_numpy(functions["io.open"]),
-        )  # fmt: skip
-        with replaced(replacements):
+        with replaced(places_of(self._functions())):
             self._watch_network()
             yield
 
     def _watch_network(self) -> None:
         def watch(event: str, arguments: tuple[Any, ...]) -> None:
-            if event in _NETWORK and len(arguments) > 1 and not getattr(_inside, "is_so", False):
-                _inside.is_so = True
-                try:
+            if event in _NETWORK and len(arguments) > 1 and not is_inside():
+                with inside():
                     if not is_of_run(event, *arguments[:2]):
                         self._denied(_NETWORK[event], address_text(arguments[1]))
-                finally:
-                    _inside.is_so = False
 
         sys.addaudithook(watch)
 
@@ -115,7 +106,7 @@ class Overlay:
         for name in ("truncate", "utime", "chmod"):
             callables[name] = functools.partial(self._within, self._changing, name)
         return {
-            name: _named_as(self._real.get(name, self._open), function, self._by_the_given_path)
+            name: standing_for(self._real.get(name, self._open), function, self._by_the_given_path)
             for name, function in callables.items()
         }
 
@@ -364,68 +355,4 @@ class Overlay:
                     if item.name in left:
                         left.discard(item.name)
                         entries.append(item)
-        return _Entries(entries)
-
-
-def _named_as(
-    real: Callable[..., Any],
-    function: Callable[..., Any],
-    on_error: Callable[[OSError, tuple[Any, ...]], None],
-) -> Callable[..., Any]:
-    """Return a plain function that stands for a real one, but for what it calls itself."""
-
-    @functools.wraps(real)
-    def replacement(*args: Any, **more: Any) -> Any:
-        # What an opener calls is redirected by itself.
-        if getattr(_inside, "is_so", False) or has_opener(args[1:], more):
-            return real(*args, **more)
-        _inside.is_so = True
-        try:
-            return function(*args, **more)
-        except OSError as error:
-            on_error(error, args)
-            raise
-        finally:
-            _inside.is_so = False
-
-    return replacement
-
-
-class _Entries:
-    """What `os.scandir` returns: entries, to be closed."""
-
-    def __init__(self, entries: list[Any]) -> None:
-        self._entries = iter(entries)
-
-    def __iter__(self) -> Iterator[Any]:
-        return self
-
-    def __next__(self) -> Any:
-        return next(self._entries)
-
-    def __enter__(self) -> _Entries:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Do nothing: all was read."""
-
-
-_inside = threading.local()
-_DESCRIPTORS = ("dir_fd", "src_dir_fd", "dst_dir_fd")
-_OS_NAMES = (
-    *("access", "chdir", "chmod", "link", "listdir", "lstat", "mkdir", "mkfifo", "open"),
-    *("readlink", "remove", "rename", "replace", "rmdir", "scandir", "stat", "symlink"),
-    *("truncate", "unlink", "utime"),
-)
-
-
-def _kept_by_numpy(opens: Callable[..., Any]) -> Iterator[tuple[Any, str, Any]]:
-    """Yield what replaces the function with which NumPy reads and writes texts, if it is there."""
-    source = sys.modules.get("numpy.lib._datasource")
-    openers = getattr(source, "_file_openers", None)
-    kept = getattr(openers, "_file_openers", None)
-    if isinstance(kept, dict):
-        yield openers, "_file_openers", {**kept, None: opens}
+        return Entries(entries)

@@ -29,7 +29,7 @@ from tracerisk.common.replaced_names import replaced
 
 _LOOKED_AT = ("stat", "lstat", "access", "open")
 _REMOVES = ("remove", "unlink")
-_OURS = f"{Path(__file__).parents[2]}/"
+_OURS = f"{Path(__file__).parents[3]}/"
 _STAND_INS = f"{_OURS}ros/stand_ins/"
 _PYTHON = (f"{Path(os.__file__).parent}/", "<frozen ")
 _MODULES = (".py", ".pyc", ".so")

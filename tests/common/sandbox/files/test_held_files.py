@@ -5,7 +5,7 @@ import os
 import pytest
 
 from tests.forked import in_child
-from tracerisk.common.sandbox import held_files
+from tracerisk.common.sandbox.files import held_files
 from tracerisk.common.sandbox.kernel.features import restrict, support
 
 pytestmark = pytest.mark.skipif(bool(support().missing), reason="needs Landlock and seccomp")

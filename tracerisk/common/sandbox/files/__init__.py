@@ -1,0 +1,1 @@
+"""Files as a contained controller sees them, and which of them it reads."""
