@@ -8,7 +8,6 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tracerisk.common.geometry.shapes import is_round
 from tracerisk.common.outcome.outcome import FLOOR
 from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.faults.armed import ArmedFaults
@@ -28,9 +27,10 @@ from tracerisk.twin.recording.contact_watch import (
     Touched,
     points,
 )
-from tracerisk.twin.recording.samples import POSE_EVERY, SampleHeader, SampleWriter
+from tracerisk.twin.recording.samples import POSE_EVERY, SampleWriter
 from tracerisk.twin.robots.robot import Robot
 from tracerisk.twin.robots.sensors import Sensor
+from tracerisk.twin.simulation.sample_header import sample_header
 
 # After the builder, which says that no window is needed.
 import mujoco  # isort: skip
@@ -104,7 +104,7 @@ class Simulation:
         nothing by more than a fraction of a millimetre."""
         self.faults, self._sensors = ArmedFaults(robot), SensorFaults(robot)
         if samples is not None:
-            samples.begin(self._header())
+            samples.begin(sample_header(robot, scene, model, self.actuator))
             self._watch = ContactWatch(robot, samples.contacts(), overlaps)
             self._watch.use(model, self._declared, 0)
 
@@ -361,33 +361,6 @@ class Simulation:
             self._samples.declared().change(self._steps, simulated)
         if self._watch is not None:
             self._watch.use(self._model, self._declared, self._steps)
-
-    def _header(self) -> SampleHeader:
-        robot = self.robot
-        return SampleHeader(
-            robot=robot.name,
-            scene=self.scene.name,
-            step_ns=STEP_NS,
-            controls=tuple(sorted(self.actuator, key=self.actuator.__getitem__)),
-            joints=tuple(self.joint_index),
-            pads=tuple(pad for gripper in robot.grippers for pad in gripper.pads),
-            n_pose=self._n_pose,
-            free_bodies=tuple(thing.name for thing in self.scene.objects),
-            free_at=tuple(
-                int(self._model.jnt_qposadr[self._model.body(thing.name).jntadr[0]])
-                for thing in self.scene.objects
-            ),
-            round_bodies=tuple(
-                thing.name for thing in self.scene.objects if all(map(is_round, thing.shapes))
-            ),
-            balls=tuple(
-                thing.name
-                for thing in self.scene.objects
-                if all(shape.kind == "sphere" for shape in thing.shapes)
-            ),
-            base_xyz=self.scene.robot_xyz,
-            base_rpy=self.scene.robot_rpy,
-        )
 
     def _body_pose(self, name: str) -> Pose:
         # Where it is moved by a joint, the joint is the newer: bodies are one step behind.
