@@ -8,6 +8,7 @@ import numpy as np
 
 from tracerisk.report.html.run.appearance import with_looks
 from tracerisk.report.html.run.joining import with_joins
+from tracerisk.report.html.run.replay import RecordedRun, Replay
 from tracerisk.report.html.run.replay_declared import MOST_BODIES, declared_bodies
 from tracerisk.report.html.run.replay_frames import MOST_FRAMES, pack_frames
 from tracerisk.report.html.run.replay_model import FREE_COLUMNS, scene_bodies
@@ -19,11 +20,7 @@ if TYPE_CHECKING:
     from tracerisk.twin.recording.samples import Samples
     from tracerisk.twin.robots.robot import Robot
 
-from tracerisk.report.html.run.replay import RecordedRun, Replay
-
 _JOINT_QUANTUM = 1e-4  # [rad or m]; half of it is 0.05 mm at the end of a link of 1 m
-
-
 _FREE_QUANTA = [1e-4] * 3 + [2e-4] * 4  # position [m], parts of a quaternion
 
 
@@ -87,8 +84,6 @@ def make_replay(
 
 def pose_columns(samples: Samples, robot: Robot, scene: Scene) -> tuple[Any, Any]:
     """Return the values (n_frames, n_columns) that pose the bodies, and the quantum of each."""
-    from tracerisk.twin.recording.samples import POSE_EVERY
-
     order = {name: index for index, name in enumerate(samples.header.joints)}
     joints = samples.position[::POSE_EVERY, [order[joint.name] for joint in robot.joints]]
     n_free = FREE_COLUMNS * len(scene.objects)
