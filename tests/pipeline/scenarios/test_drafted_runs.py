@@ -711,3 +711,33 @@ def test_what_the_bring_up_serves_is_not_drafted_before_the_controller_reaches_i
     assert "service /light" in asked
     assert "/apply_planning_scene" not in asked
     assert "service /apply_planning_scene (moveit_msgs/ApplyPlanningScene)" in had
+
+
+@pytest.mark.parametrize(
+    "absent",
+    [
+        "from cell_msgs.msg import part\nfrom cell_msgs.srv import Grip\n"
+        "rospy.ServiceProxy('/grip', Grip)(width=0.02)\n"
+        "seen = []\n"
+        "def take(message):\n    seen.append(message.label)\n"
+        "rospy.Subscriber('/parts', part, take)\nturn(0.1)\n",
+        "import cell_controller.msg\nturn(0.1)\n",
+        "from cell_controller.msg import *\nstate = State(level=3)\nturn(0.1)\n",
+    ],
+)
+def test_messages_that_nobody_has_are_made_of_how_the_program_uses_them(example, absent):
+    example.write("c.py", HEAD + absent)
+    outcome = example.run("run", "c.py", "--robot", "panda", "--json")
+    assert outcome.code == 0, outcome.err
+    verdict = outcome.json["verdict"]
+    assert verdict["kind"] == "partial"
+    words = " ".join(reason["words"] for reason in verdict["reasons"])
+    assert "its messages hold what the program uses of them" in words
+
+
+def test_a_missing_package_of_messages_and_code_has_no_draft(example):
+    source = "from cell_tools.msg import State\nfrom cell_tools.arm import go\nturn(0.1)\n"
+    example.write("c.py", HEAD + source)
+    outcome = example.run("run", "c.py", "--robot", "panda")
+    assert outcome.code == 2
+    assert "No module named 'cell_tools'" in outcome.err

@@ -9,10 +9,13 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from tracerisk.errors import SourceError, TraceRiskError
+from tracerisk.instrument.python_2.library import RENAMED
+from tracerisk.instrument.source.definitions.used_interfaces import imports_interfaces
 from tracerisk.instrument.source.python_2 import RENAMED, walk_with_guards
 from tracerisk.instrument.source.python_source import is_python_2, parse_source, parsed
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
+from tracerisk.ros.controller.needs import FROM_USE
 from tracerisk.ros.imports.vendor_libraries import may_stand_in, remedy
 
 _INTERFACES = frozenset({"msg", "srv", "action"})
@@ -47,16 +50,23 @@ class MissingModules:
         """Return the modules that are missing where a placeholder may stand for each, else none.
 
         Each comes with what to do about it. A library that moves the robot, or is of ROS, has
-        effects that no placeholder has.
+        effects that no placeholder has. Of a package of messages, the program shows what it needs.
         """
         files = self._files()
         names = self._missing(failed, files)
         imported = [name.split(".") for name in self._imported(files)]
         # What is in `parts.srv` are definitions of a service, whatever the package is called.
         interfaces = {top for top, *below in imported if below[:1] and below[0] in _INTERFACES}
-        if not all(may_stand_in(name, self.provided) for name in names) or interfaces & {*names}:
+        of_messages = {name for name in interfaces if imports_interfaces(imported, name)}
+        if not all(
+            name in of_messages or (name not in interfaces and may_stand_in(name, self.provided))
+            for name in names
+        ):
             return {}
-        return {name: _remedy_words(name, self.provided) for name in names}
+        return {
+            name: f"{FROM_USE if name in of_messages else ''}{_remedy_words(name, self.provided)}"
+            for name in names
+        }
 
     def _missing(self, failed: str, files: Iterable[Path]) -> list[str]:
         """Return the top modules that are missing, the one whose import failed first."""
@@ -71,10 +81,7 @@ class MissingModules:
             return path.name
 
     def _files(self) -> Sequence[Path]:
-        try:
-            return (self.script, *own_modules(load_controller(self.script)))
-        except TraceRiskError:
-            return (self.script,)
+        return program_files(self.script)
 
     def _imported(self, files: Iterable[Path]) -> Iterator[str]:
         """Yield the dotted names of the modules that files import, but for guarded imports."""
@@ -89,8 +96,25 @@ class MissingModules:
                 if isinstance(node, ast.Import) and not is_guarded:
                     names = [alias.name for alias in node.names]
                 elif isinstance(node, ast.ImportFrom) and not is_guarded and not node.level:
-                    names = [node.module or ""]
+                    names = _modules_named(node)
                 yield from (name for name in names if name not in served)
+
+
+def program_files(script: Path) -> Sequence[Path]:
+    """Return the files of a program: the script, and the modules of its own that it imports."""
+    try:
+        return (script, *own_modules(load_controller(script)))
+    except TraceRiskError:
+        return (script,)
+
+
+def _modules_named(node: ast.ImportFrom) -> list[str]:
+    """Return the dotted names of the modules that a statement names: `parts.msg`."""
+    module = node.module or ""
+    parts = [alias.name for alias in node.names if alias.name in _INTERFACES]
+    if len(parts) == len(node.names) and "." not in module:
+        return [f"{module}.{part}" for part in parts]
+    return [module]
 
 
 def _unreadable(path: Path, shown: str) -> str | None:

@@ -26,6 +26,8 @@ WINDOW_MODULES = frozenset({
     "tkinter", "ttkbootstrap",
 })  # fmt: skip
 """The libraries for windows, by their top names."""
+FROM_USE = "its messages hold what the program uses of them, of the types that it shows; "
+"""How the remedy of a package begins whose definitions are made of how the program uses them."""
 _ASKED_IN_VAIN = 10
 _ERRORS_KEPT = 50
 _WORD = re.compile(r"\w+")

@@ -18,7 +18,7 @@ from tracerisk.instrument.source.literals.compared_values import (
 )
 from tracerisk.instrument.source.literals.filled_messages import largest_given, listed_names
 from tracerisk.instrument.source.literals.known_keys import known_keys
-from tracerisk.ros.controller.needs import KEYS, WINDOW_MODULES, Need, NeedKind
+from tracerisk.ros.controller.needs import FROM_USE, KEYS, WINDOW_MODULES, Need, NeedKind
 from tracerisk.ros.drafts.asked_results import used_as
 from tracerisk.ros.drafts.commanding_messages import commands_something
 from tracerisk.ros.drafts.draft import WELL
@@ -236,7 +236,7 @@ def _guess(asked: Asked, reply: Mapping[str, Any], lack: Lack) -> Guess | None:
     if asked.type_name in COMMANDING:
         if not commands_something(asked.name, asked.type_name, asked.request):
             return None
-    elif package not in interfaces.workspace and asked.type_name not in _OF_DRIVERS:
+    elif not (interfaces.is_own(package) or asked.type_name in _OF_DRIVERS):
         return None
     group = None if values.group is None else values.group[0]
     tree = source_tree(lack.place)
@@ -352,6 +352,8 @@ def _module(lack: Lack) -> _Made:
         words = f"windows of {lack.need.name} without a screen: each button is pressed once, "
         words += "in the order in which they were made, and the window is closed"
         return {"module": lack.need.name}, words
+    if lack.need.type_name.startswith(FROM_USE):
+        return {"module": lack.need.name}, lack.need.type_name
     words = f"a placeholder, whose numbers are a posture of {lack.values.robot.name}"
     remedy = f"; {lack.need.type_name}" if lack.need.type_name else ""
     return {"module": lack.need.name}, f"{words}{remedy}"

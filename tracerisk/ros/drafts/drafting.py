@@ -57,7 +57,12 @@ def drafts(
     `with_others`: what holds a pose comes with entries that hold other ones.
     """
     made_in_turn: list[Draft] = []
+    missed = tuple(missed)
+    # What is asked for in messages of a module that is not here follows once it is.
+    absent = {lacking.need.name for lacking in missed if lacking.need.kind == "module"}
     for lacking in missed:
+        if lacking.need.type_name.partition("/")[0] in absent:
+            continue
         draft = drafted_entry(lacking, interfaces, values)
         if with_others and draft.value is not None:
             made = (

@@ -229,6 +229,15 @@ class InterfaceStore:
         self._services: dict[str, Any] = {}
         self._actions: dict[str, Any] = {}
         self._listed: dict[tuple[str, str], dict[str, Definition]] = {}
+        self.from_use: frozenset[str] = frozenset()
+
+    def also(self, texts: Iterable[InterfaceText]) -> None:
+        """Add definitions of packages that are not here, made of how the program uses them."""
+        texts = tuple(texts)
+        self._more = {**self._more, **by_package(texts)}
+        self.from_use = frozenset(text.package for text in texts)
+        # Which packages there are was asked before.
+        vars(self).pop("packages", None)
 
     @cached_property
     def packages(self) -> tuple[str, ...]:
@@ -241,6 +250,10 @@ class InterfaceStore:
     def workspace(self) -> Mapping[str, Path]:
         """The folders of the controller's own packages."""
         return self._workspace
+
+    def is_own(self, package: str) -> bool:
+        """Return whether a package is the controller's own, be it here or made of its use."""
+        return package in self._workspace or package in self.from_use
 
     def service_names(self, package: str) -> tuple[str, ...]:
         """Return the names of a package's services, sorted."""

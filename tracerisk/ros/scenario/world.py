@@ -37,6 +37,7 @@ class ScenarioWorld:
         self._parameters = scenario.parameters
         self._unconfirmed = scenario.unconfirmed
         self._modules = scenario.modules
+        self._interfaces = interfaces
         self._asked = runtime.graph.parameters
         into_tree(runtime.parameters, runtime.graph.parameters)
         self._services = [
@@ -90,7 +91,7 @@ class ScenarioWorld:
             *(
                 (f"no placeholder was needed for module {name}", place)
                 for name, place in self._modules
-                if not is_placeholder(name)
+                if not is_placeholder(name) and not self._interfaces.is_used(name)
             ),
         ]
         return tuple(

@@ -43,8 +43,8 @@ from tracerisk.ros.vendors.description_keys import (
 )
 from tracerisk.ros.vendors.value_reader import ValueReader, check_path, plain_value
 
-_TYPE = re.compile(r"(?:[a-z]\w*/)?[A-Z]\w*")
-_DEFINITION = re.compile(r"[a-z]\w*/(?:msg|srv|action)/[A-Z]\w*")
+_TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*|[A-Z]\w*")
+_DEFINITION = re.compile(r"[A-Za-z]\w*/(?:msg|srv|action)/[A-Za-z]\w*")
 _GREATEST_RATE = 1000.0
 
 

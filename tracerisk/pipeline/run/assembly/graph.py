@@ -11,13 +11,17 @@ from tracerisk.common.worlds.world import NOMINAL, world_named
 from tracerisk.errors import Location
 from tracerisk.instrument.import_finder import foreign_folders
 from tracerisk.instrument.recorder import Recorder
+from tracerisk.instrument.source.definitions.used_interfaces import used_definitions
+from tracerisk.instrument.source.python_source import parsed
 from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.launch.left_open import filled
 from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.mission.asked_calls import AskedCalls
 from tracerisk.pipeline.run.assembly.world import SimulatedWorld
 from tracerisk.pipeline.run.companions.companion_run import Companions
+from tracerisk.pipeline.run.missing_modules import program_files
 from tracerisk.pipeline.trace.run_files import DISTRO, GIVEN, RunRequest
+from tracerisk.pipeline.workspace.own_modules import source_bytes
 from tracerisk.pipeline.workspace.prefixes import readable_of, with_interfaces
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import Workspace
@@ -88,6 +92,7 @@ def build_graph(request: RunRequest, project: Project, world: SimulatedWorld) ->
         if ros == 2
         else Interfaces(own, more, installed, reads.add)
     )
+    _define_from_use(Path(request.controller), scenario, interfaces)
     _serve_twin(runtime, interfaces, drivers)
     state_reads = (
         StateReads(interfaces.message(JOINT_STATE_TYPE))
@@ -106,6 +111,26 @@ def build_graph(request: RunRequest, project: Project, world: SimulatedWorld) ->
         served,
         companions,
         cell,
+    )
+
+
+def _define_from_use(
+    script: Path, scenario: Scenario, interfaces: Interfaces | Interfaces2
+) -> None:
+    """Define what the program uses of packages that the scenario names and nobody has."""
+    absent = [name for name, _ in scenario.modules if name not in interfaces.packages]
+    if not absent:
+        return
+    trees = [tree for path in program_files(script) if (tree := parsed(source_bytes(path)))]
+
+    def known_names(package: str, kind: str) -> Sequence[str]:
+        is_known = package in interfaces.packages and kind in interfaces.kinds
+        return interfaces.module_names(package, kind) if is_known else ()
+
+    interfaces.also(
+        InterfaceText(name, kind, stem, text)
+        for name in absent
+        for (kind, stem), text in used_definitions(trees, name, known_names).items()
     )
 
 

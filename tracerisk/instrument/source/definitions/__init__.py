@@ -1,0 +1,1 @@
+"""Definitions of messages, services and actions that a source uses and that are not here."""
