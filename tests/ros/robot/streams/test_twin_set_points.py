@@ -313,6 +313,32 @@ rospy.sleep(1.0)
     assert words in result.findings[0]
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_numbered_topics_that_name_no_joint_are_for_the_joints_in_order(ran, first):
+    result = ran(f"""
+publishers = [
+    rospy.Publisher(f"/axis_{{number}}_position_controller/command", Float64, queue_size=1)
+    for number in range({first}, {first} + 7)
+]
+rospy.sleep(0.5)
+publishers[0].publish(0.3)
+rospy.sleep(2.0)
+here = measured()["panda_joint1"]
+""")
+    assert result["here"] == pytest.approx(0.3, abs=0.005)
+    assert "go to joint 'panda_joint1', by their number, which is assumed" in result.findings[0]
+
+
+def test_one_numbered_topic_that_names_no_joint_moves_nothing(ran):
+    result = ran("""
+publisher = rospy.Publisher("/axis_1_position_controller/command", Float64, queue_size=1)
+rospy.sleep(0.5)
+publisher.publish(0.3)
+rospy.sleep(2.0)
+""")
+    assert "no joint of the robot is meant" in result.findings[0]
+
+
 def test_a_robot_in_the_namespace_robot_hears_its_topics_though_it_is_no_baxter(ran):
     result = ran("""
 def turn():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 from tracerisk.ros.robot.grippers import gripper_of
@@ -16,6 +17,7 @@ GROUP = "std_msgs/Float64MultiArray"
 SINGLE = "std_msgs/Float64"
 JOINT_STATE_TYPE = "sensor_msgs/JointState"
 _COMMANDS = ("command", "commands")
+_NUMBER = re.compile(r"\d+")
 SAYS_COMMANDS = re.compile(r"^(joints?|arm|positions?|joint_positions?)_(commands?|cmd)$")
 _TAKES_STATES = re.compile(r"(^|_)(commands?|cmd)$|^fake_controller_joint_states$")
 
@@ -80,4 +82,24 @@ def single_joint(robot: Robot, topic: str) -> str | None:
         gripper = gripper_of(robot, topic)
         if gripper is not None:
             return gripper.joints[0]
+    return None
+
+
+def joint_by_number(robot: Robot, topic: str, topics: Collection[str]) -> str | None:
+    """Return the joint of the arm at the place that a topic's number gives it among its kind.
+
+    `topics` are all topics of one value that are commanded. Those of one kind differ in a number
+    alone, which counts from 0 or from 1; the robot has no joint that any of them names.
+    """
+    arm = [joint.name for joint in robot.arm_joints]
+    for match in reversed(list(_NUMBER.finditer(topic))):
+        kind = re.compile(
+            rf"{re.escape(topic[: match.start()])}(\d+){re.escape(topic[match.end() :])}"
+        )
+        alike = {name: int(same[1]) for name in topics if (same := kind.fullmatch(name))}
+        if len(alike) < 2 or any(single_joint(robot, name) for name in alike):
+            continue
+        first = min(alike.values())
+        place = alike.get(topic, len(arm)) - min(first, 1)
+        return arm[place] if place < len(arm) else None
     return None

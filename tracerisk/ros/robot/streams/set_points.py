@@ -40,6 +40,7 @@ from tracerisk.ros.robot.streams.command_topics import (
     TRAJECTORY,
     group_joints,
     is_command_topic,
+    joint_by_number,
     single_joint,
 )
 from tracerisk.ros.robot.trajectories.controllers import TrajectoryController, TrajectoryControllers
@@ -304,6 +305,12 @@ class SetPoints(TrajectoryNode):
 
     def _take_single(self, topic: str, message: Any) -> None:
         joint = self._declared_joint(topic) or single_joint(self._twin.robot, topic)
+        if joint is None and not self._declares_own():
+            joint = joint_by_number(self._twin.robot, topic, self._heard)
+            if joint is not None:
+                words = f"go to joint '{joint}', by their number, which is assumed"
+                said = f"messages on {topic} {words}: no joint of the robot is named so"
+                self._commands.report("answer_assumed", said, object_name=topic)
         if joint is None:
             names = ", ".join(item.name for item in self._twin.robot.joints)
             self._refuse(topic, f"no joint of the robot is meant; it has {names}")
@@ -316,6 +323,11 @@ class SetPoints(TrajectoryNode):
         named = [part for part in topic.split("/")[:-1] if part in declared]
         joints = declared[named[-1]].joints if named else ()
         return joints[0] if len(joints) == 1 else None
+
+    def _declares_own(self) -> bool:
+        """Return whether the workspace has controllers for joints that the robot has."""
+        joints = (joint.name for joint in self._twin.robot.joints)
+        return any(declared.joints for declared in self._declared.of_robot(joints).values())
 
     def _take_states(self, topic: str, message: Any) -> None:
         robot = self._twin.robot
