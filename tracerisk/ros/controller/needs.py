@@ -22,7 +22,7 @@ NeedKind = Literal[
 KEYS = "keys that are pressed"
 """The name of the need of keys at a terminal."""
 WINDOW_MODULES = frozenset({
-    "PyQt4", "PyQt5", "PyQt6", "PySide2", "PySide6", "customtkinter", "python_qt_binding",
+    "PyQt4", "PyQt5", "PyQt6", "PySide", "PySide2", "PySide6", "customtkinter", "python_qt_binding",
     "tkinter", "ttkbootstrap",
 })  # fmt: skip
 """The libraries for windows, by their top names."""
