@@ -116,6 +116,24 @@ def test_the_workspace_is_read_once_for_all_runs(tmp_path, monkeypatch):
     assert counts == {"choose_launch": 1, "choose_launched_robot": 1, "run_controller": 3}
 
 
+FRAMES = (
+    HEAD.replace("import sys", "import sys, tf")
+    + "places = tf.TransformListener()\nrospy.sleep(1.0)\nturn(0.1)\n"
+    "places.lookupTransform('panda_link0', 'pickup', rospy.Time(0))\nturn(0.1)\n"
+    "places.lookupTransform('panda_link0', 'place', rospy.Time(0))\nturn(0.1)\n"
+    "places.lookupTransform('panda_link0', 'panda_hand', rospy.Time(0))\n"
+)
+
+
+def test_all_frames_that_a_script_names_are_drafted_together(tmp_path, monkeypatch):
+    counts: Counter[str] = Counter()
+    monkeypatch.setattr(attempts, "run_controller", _counted(attempts, "run_controller", counts))
+    draft = _drafted(tmp_path, FRAMES)
+    assert [each.key for each in draft.given] == ["pickup", "place"]
+    assert draft.trace.verdict.kind == "partial"
+    assert counts == {"run_controller": 2}
+
+
 def _counted(module, name, counts):
     called = getattr(module, name)
 

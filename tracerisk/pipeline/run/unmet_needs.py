@@ -22,6 +22,7 @@ from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.graph.actions import Actions
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.robot.bring_up.system import SystemState
+from tracerisk.ros.scenario.asked_frames import further_frames
 from tracerisk.ros.scenario.file.lines import scenario_lines
 from tracerisk.trace import GOOD_ENDS, EndCause
 
@@ -278,7 +279,8 @@ class UnmetNeeds:
             left_off = (*left_off, needs.came_nowhere)
         # Of what the script asks for by name, what comes later is given with what comes first.
         later = () if shows_risk else self._further(self.in_source(self.script))
-        beside = (*self._further(self._beside()), *later)
+        frames = further_frames(lacking.values(), self.in_source(self.script), self.runtime)
+        beside = (*self._further(self._beside()), *later, *frames)
         obeyed = self._may_be_obeyed(shows_risk=shows_risk)
         unserved, uncalled = map(self._as_of_end, (self._unserved, self._uncalled))
         # Of a library's many clients only those are in use that are waited for or called.
