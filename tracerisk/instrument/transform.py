@@ -23,7 +23,7 @@ from tracerisk.instrument.marks.calls import COMPILING_DECORATORS, mark_calls
 from tracerisk.instrument.marks.caught_exceptions import CAUGHT, mark_handlers
 from tracerisk.instrument.marks.endless_loops import MARKER, begin_of_code, mark_endless_loops
 from tracerisk.instrument.python_2.meaning import give_meaning
-from tracerisk.instrument.source.python_2_text import UNPACKED
+from tracerisk.instrument.source.python_2 import UNPACKED
 from tracerisk.instrument.source.python_source import FunctionSite, ParsedSource, parse_source
 
 TRACER_MODULE = "__tracerisk__"

@@ -9,7 +9,6 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from tracerisk.errors import SourceError, TraceRiskError
-from tracerisk.instrument.python_2.library import RENAMED
 from tracerisk.instrument.source.definitions.used_interfaces import imports_interfaces
 from tracerisk.instrument.source.python_2 import RENAMED, walk_with_guards
 from tracerisk.instrument.source.python_source import is_python_2, parse_source, parsed
