@@ -155,7 +155,6 @@ def test_nothing_is_written_by_a_live_run_itself():
     [
         (("run", "steps.py", "--speed", "2"), "--speed goes with --live"),
         (("run", "steps.py", "--live", "--check"), "--check goes with runs that can be repeated"),
-        (("trace", "two.py", "--live"), "is written for ROS 2, and --live runs nodes of ROS 1"),
         (("run", "two.cpp", "--live", "--", "true"), "annotate two.cpp --log LOG"),
         (("trace", "steps.py", "--live", "--sandbox", "require"), "the sandbox is required"),
         (("attach",), "--robot is missing"),

@@ -59,7 +59,7 @@ def test_nothing_but_loopback_is_left():
 def test_a_network_with_others_is_left_or_is_not_there(
     monkeypatch, may_leave, interfaces, is_alone
 ):
-    monkeypatch.setattr(loopback, "leave_network", lambda: may_leave)
+    monkeypatch.setattr(loopback, "leave_network", lambda *, also_memory: may_leave)
     monkeypatch.setattr(loopback, "interfaces", lambda: interfaces)
     assert loopback.leaves_others() == is_alone
 

@@ -25,7 +25,6 @@ from tracerisk.common.sandbox.process import (
 )
 from tracerisk.common.sandbox.process import start as start_process
 from tracerisk.config import Settings
-from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.run.child_output import PassingOn, stopped_at
 from tracerisk.pipeline.run.ended_run import (
     PLAIN,
@@ -268,8 +267,8 @@ def _run_child(
     sandbox = Sandbox(mode="off") if is_live else settings.limits.sandbox
     start = StartMark()
     own = start.environment(Limit("cpu_limit_s", settings.cpu_limit_s))
-    if is_live and is_c(request.controller):
-        # Nodes run as if the user had started them; ours do not see it.
+    if is_live:
+        # Compiled nodes, and those of ROS 2, find packages where the user's own do.
         own[COMMAND_ENVIRONMENT] = json.dumps(dict(os.environ))
     if request.written is not None:
         temporary = Path(request.written, TEMPORARY)

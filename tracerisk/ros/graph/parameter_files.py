@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from datetime import date
@@ -156,6 +157,21 @@ def private_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str, Any], ...]
         or (parameter.node is None and parameter.name.startswith("~"))
     }
     return tuple(table.items())
+
+
+def write_overrides(parameters: tuple[Parameter, ...], path: Path) -> str | None:
+    """Write a parameter file of ROS 2 of what is set for nodes; return its path, None for none."""
+    nodes: dict[str, dict[str, Any]] = {}
+    for node, name, value in overrides_of(parameters):
+        if value not in (None, []):  # neither has a type, and rcl refuses them
+            nodes.setdefault(node or EVERY_NODE, {})[name] = value
+    if not nodes:
+        return None
+    # JSON is YAML; what is everybody's comes first, for the last one counts.
+    ordered = sorted(nodes, key=lambda node: (node != EVERY_NODE, node))
+    content = {node: {"ros__parameters": nodes[node]} for node in ordered}
+    path.write_text(json.dumps(content), encoding="utf-8")
+    return str(path)
 
 
 def overrides_of(parameters: tuple[Parameter, ...]) -> tuple[tuple[str | None, str, Any], ...]:

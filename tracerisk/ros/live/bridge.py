@@ -19,19 +19,24 @@ from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.topic_ends import Publication, Subscription
+from tracerisk.ros.live.hooks import digest
 from tracerisk.ros.live.link import Link
-from tracerisk.ros.live.rospy_hooks import digest
-from tracerisk.ros.messages.ros1_wire import encode
+from tracerisk.ros.live.ros2.action_bridge import ActionBridge
+from tracerisk.ros.live.wire import wire_of
+from tracerisk.ros.messages.dialect import set_time
 from tracerisk.ros.time.clock import EPOCH_NS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from tracerisk.ros.messages.ros1 import Interfaces
+    from tracerisk.ros.messages.ros2 import Interfaces2
 
 CLOCK = "/clock"
 _CLOCK_TYPE = "rosgraph_msgs/Clock"
 _OF_LOGGING = ("/rosout", "/rosout_agg")
+_TO_SERVERS = ("/goal", "/cancel")
+"""The ends of the topics that servers of actions subscribe to in ROS 1."""
 
 
 def frames_of(data: list[list[Any]]) -> tuple[Frame, ...]:
@@ -61,7 +66,7 @@ class Bridge:
     def __init__(
         self,
         runtime: Runtime,
-        interfaces: Interfaces,
+        interfaces: Interfaces | Interfaces2,
         relay: Link,
         report: Callable[[str], None],
         acts: Callable[[int], None],
@@ -69,6 +74,7 @@ class Bridge:
         self._runtime = runtime
         self._graph = runtime.graph
         self._interfaces = interfaces
+        self._wire = wire_of(interfaces)
         self._relay = relay
         self._report = report
         self._acts = acts
@@ -81,6 +87,9 @@ class Bridge:
         self._subscriptions: dict[tuple[str, str], Subscription] = {}
         self._advertised: set[str] = set()
         self._served: set[str] = set()
+        self._heard: set[str] = set()
+        self._own_services: set[str] = set()
+        self._qualities: dict[str, dict[str, Any]] = {}
         self._types: dict[str, str] = {}
         self._silent: set[str] = set()
         tracer: Any = runtime.tracer
@@ -88,30 +97,62 @@ class Bridge:
         # Whoever comes gets the time at once, although the clock may stand still.
         self._advertise(CLOCK, _CLOCK_TYPE, latch=True)
         self._graph.watch(self._on_change)
+        self.actions = ActionBridge(runtime, interfaces, relay, self._say_once)
+        """What passes on the actions of ROS 2; in ROS 1 they are topics."""
 
     # What the controller's process sends
 
-    def sent(self, stack: tuple[Frame, ...], thread: int, of: str) -> None:
-        """Note that a message or request of this digest was sent with this stack."""
-        self._stacks.setdefault(of, deque()).append((stack, thread))
+    def sent(self, header: dict[str, Any], body: bytes) -> None:
+        """Note which functions sent a message, a request or a goal, known by its content."""
+        of = header.get("digest") or self._digest(header, body)
+        if of is not None:
+            stack = frames_of(header["stack"])
+            self._stacks.setdefault(of, deque()).append((stack, header["thread"]))
+
+    def _digest(self, header: dict[str, Any], body: bytes) -> str | None:
+        """Return what stands for a message of ROS 2; None where the twin does not hear it."""
+        name, kind, type_name = header["name"], header["kind"], header["type"]
+        if kind == "message":
+            if name not in self._heard:
+                return None
+            of = self._interfaces.message(type_name)
+        elif kind == "call":
+            if name not in self._served:
+                return None
+            of, _ = self._wire.parts(self._interfaces.service(type_name))
+        else:
+            of = self.actions.goal_class(name)
+        return None if of is None else digest(self._wire.content(body, of))
 
     def service_client(self, name: str, type_name: str) -> None:
         """Note that the controller has a client of a service."""
+        if name in self._own_services:
+            return
         self._types[name] = type_name
         self._graph.services.become_caller(name, type_name)
         self._offer(name)
 
-    # What the relay sends
+    def serves(self, name: str) -> None:
+        """Note that the controller serves a name itself: the twin leaves it to it."""
+        self._own_services.add(name)
+        if name in self._served:
+            self._served.discard(name)
+            self._relay.send({"do": "close", "name": name})
+
+    # What the relay sends, or in ROS 2 the controller, which has no master
 
     def take(self, header: dict[str, Any], body: bytes) -> None:
         """Take a frame of the relay."""
         what = header["is"]
         if what == "message":
             self._message(header["topic"], header["caller"], body)
+        elif what in ("goal", "cancel"):
+            self._goal(header, body)
         elif what == "publisher":
+            self._qualities.setdefault(header["name"], header.get("quality", {}))
             self._publisher(header["name"], header["caller"], header["type"])
         elif what == "subscriber":
-            self._subscriber(header["name"], header["caller"], header["type"])
+            self._subscriber(header)
         elif what == "no_publisher":
             self._leave(self._publications, header)
         elif what == "no_subscriber":
@@ -123,17 +164,25 @@ class Bridge:
             self._call(header["name"], header["number"], body)
         elif what == "parameter":
             self._graph.parameters.set(header["name"], header["value"])
+        elif what == "lacks":
+            self._lacks(header["name"], header["message"])
+
+    @property
+    def now_ns(self) -> int:
+        """The time of ROS [ns]."""
+        return EPOCH_NS + self._runtime.scheduler.now_ns
 
     def tick(self) -> None:
         """Publish the clock."""
         message: Any = self._interfaces.message(_CLOCK_TYPE)()
-        now_ns = EPOCH_NS + self._runtime.scheduler.now_ns
-        message.clock.secs, message.clock.nsecs = divmod(now_ns, 1_000_000_000)
-        self._relay.send({"do": "publish", "topic": CLOCK}, _bytes(message))
+        set_time(message.clock, self.now_ns)
+        self._relay.send({"do": "publish", "topic": CLOCK}, self._wire.encode(message))
 
     def listen(self, topic: str) -> None:
         """Receive in real ROS what is published on a topic."""
-        self._relay.send({"do": "subscribe", "topic": topic})
+        self._heard.add(topic)
+        known = {"type": self._types.get(topic), **self._qualities.get(topic, {})}
+        self._relay.send({"do": "subscribe", "topic": topic, **known})
 
     def give_parameters(self) -> None:
         """Set all parameters of the graph at the master, and what the twin offers besides."""
@@ -167,20 +216,13 @@ class Bridge:
             return
         self._advertised.add(topic)
         self._relay.send(
-            {
-                "do": "advertise",
-                "topic": topic,
-                "type": kind._type,
-                "md5": kind._md5sum,
-                "text": kind._full_text,
-                "latch": latch,
-            }
+            {"do": "advertise", "topic": topic, "latch": latch, **self._wire.message(kind)}
         )
 
     def _publisher(self, topic: str, caller: str, type_name: str) -> None:
         if topic in _OF_LOGGING or self._class(topic, type_name) is None:
             return
-        if topic.endswith(("/goal", "/cancel")) and self._is_own_server(topic):
+        if self._wire.ros == 1 and topic.endswith(_TO_SERVERS) and self._is_own_server(topic):
             return
         self._making = True
         try:
@@ -209,7 +251,8 @@ class Bridge:
         ):
             self.listen(topic)
 
-    def _subscriber(self, topic: str, caller: str, type_name: str) -> None:
+    def _subscriber(self, header: dict[str, Any]) -> None:
+        topic, caller, type_name = header["name"], header["caller"], header["type"]
         if topic in (CLOCK, *_OF_LOGGING):
             return
         if type_name == ANY_TYPE:
@@ -222,6 +265,7 @@ class Bridge:
             type_name,
             lambda message, publication: self._forward(topic, message, publication),
             node=caller,
+            takes_latched=header.get("takes_latched", True),
         )
 
     def _forward(self, topic: str, message: Any, publication: Publication) -> None:
@@ -229,20 +273,33 @@ class Bridge:
             return  # real ROS carries it from the one node to the other; or nobody hears any more
         self._advertise(topic, publication.type_name, latch=publication.latch)
         if topic in self._advertised:
-            self._relay.send({"do": "publish", "topic": topic}, _bytes(message))
+            self._relay.send({"do": "publish", "topic": topic}, self._wire.encode(message))
 
     def _message(self, topic: str, caller: str, body: bytes) -> None:
-        publication = self._publications.get((topic, caller))
+        publication = self._publication(topic, caller)
         kind: Any = None
         if publication is not None:
             kind = self._interfaces.message(publication.type_name)
-        stack = self.sender(topic, body, kind is not None and _has_header(kind))
+        content = body if kind is None else self._wire.content(body, kind)
+        stack = self.sender(topic, content, kind is not None and self._wire.has_header(kind))
         if publication is None:
             return
-        message: Any = kind()
-        message.deserialize(body)
+        message = self._wire.decode(body, kind)
         with self._acting_for(stack):
             publication.publish(message)
+
+    def _publication(self, topic: str, caller: str) -> Publication | None:
+        """Return the publication of a node; where the transport names none, one of the topic."""
+        if caller:
+            return self._publications.get((topic, caller))
+        of_topic = (end for (name, _), end in self._publications.items() if name == topic)
+        return next(of_topic, None)
+
+    def _lacks(self, name: str, message: str) -> None:
+        """Say what the installed ROS lacks, where the controller has to do with it."""
+        ends = (*self._subscriptions, *self._publications)
+        if name in self._types or any(topic == name for topic, _ in ends):
+            self._say_once(name, f"{name} stays out of the twin: {message}")
 
     def _leave(self, ends: dict[tuple[str, str], Any], header: dict[str, Any]) -> None:
         end = ends.pop((header["name"], header["caller"]), None)
@@ -258,7 +315,7 @@ class Bridge:
     def _offer(self, name: str) -> None:
         """Serve in real ROS what the graph serves under a name, if anything."""
         server = self._graph.services.find(name, self._types.get(name))
-        if server is None or name in self._served:
+        if server is None or name in self._served or name in self._own_services:
             return
         try:
             kind: Any = self._interfaces.service(server.type_name)
@@ -267,32 +324,28 @@ class Bridge:
             return
         self._served.add(name)
         self._relay.send(
-            {
-                "do": "serve",
-                "name": name,
-                "type": server.type_name,
-                "md5": kind._md5sum,
-                "request_md5": kind._request_class._md5sum,
-                "response_md5": kind._response_class._md5sum,
-            }
+            {"do": "serve", "name": name, **self._wire.service(server.type_name, kind)}
         )
 
     def _call(self, name: str, number: int, body: bytes) -> None:
-        stack = self.sender(name, body, False)
+        server = self._graph.services.find(name, self._types.get(name))
+        content = body
+        if server is not None:
+            asked, _ = self._wire.parts(self._interfaces.service(server.type_name))
+            content = self._wire.content(body, asked)
+        stack = self.sender(name, content, False)
 
         def answer() -> None:
             server = self._graph.services.find(name, self._types.get(name))
             if server is None:
                 self._failed(number, f"service {name} is served no longer")
                 return
-            kind: Any = self._interfaces.service(server.type_name)
-            request = kind._request_class()
-            request.deserialize(body)
+            kind, other_kind = self._wire.parts(self._interfaces.service(server.type_name))
+            request = self._wire.decode(body, kind)
             try:
                 with self._acting_for(stack):
                     response = self._graph.services.call(server, request)
-                reply = response if response is not None else kind._response_class()
-                answered = _bytes(reply)
+                answered = self._wire.encode(response if response is not None else other_kind())
             except Exception as error:  # noqa: BLE001 - passed on to who called, as rospy does
                 self._failed(number, str(error))
                 return
@@ -301,6 +354,14 @@ class Bridge:
         self._runtime.scheduler.spawn(
             answer, f"call of {name}", inherit=False, is_controllers=False
         )
+
+    def _goal(self, header: dict[str, Any], body: bytes) -> None:
+        kind = self.actions.goal_class(header["name"])
+        stack: tuple[Frame, ...] = ()
+        if header["is"] == "goal" and kind is not None:
+            stack = self.sender(header["name"], self._wire.content(body, kind), False)
+        with self._acting_for(stack):
+            self.actions.take(header, body)
 
     def _failed(self, number: int, message: str) -> None:
         self._relay.send({"do": "answer", "number": number, "ok": False, "message": message})
@@ -342,11 +403,3 @@ class Bridge:
         if name not in self._silent:
             self._silent.add(name)
             self._report(message)
-
-
-def _has_header(kind: Any) -> bool:
-    return bool(kind._fields) and kind._fields[0].base == "std_msgs/Header"
-
-
-def _bytes(message: Any) -> bytes:
-    return encode(message)

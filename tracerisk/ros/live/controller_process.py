@@ -1,4 +1,4 @@
-"""The process of a controller that runs on real rospy, traced, under the Python of ROS.
+"""The process of a controller that runs on real rospy or rclpy, traced, under the Python of ROS.
 
 What tracerisk needs of its own packages stands at the end of the path: the controller gets the
 libraries that it would get without tracerisk.
@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,6 @@ from tracerisk.instrument.import_finder import ControllerFinder, controller_impo
 from tracerisk.instrument.loader import prepared_controller
 from tracerisk.instrument.tracer import Tracer
 from tracerisk.ros.live.link import Link, end_with
-from tracerisk.ros.live.rospy_hooks import install
 
 _DRAINED_S = 0.2
 
@@ -34,9 +34,9 @@ def main() -> None:
     link = Link(socket.socket(fileno=asked["descriptor"]))
     tracer = Tracer(lambda ref, line: report(_ran(ref, line)))
 
-    def report(header: dict[str, Any]) -> None:
+    def report(header: dict[str, Any], body: bytes = b"") -> None:
         try:
-            link.send(header)
+            link.send(header, body)
         except OSError:
             # The twin's side is gone: the run is over.
             os._exit(1)
@@ -47,9 +47,7 @@ def main() -> None:
     tracer.on_iteration = lambda file, line: report(
         {"is": "looped", "file": file, "line": line, "thread": threading.get_ident()}
     )
-    end_with(link, 1)
-    rospy: Any = importlib.import_module("rospy")
-    install(tracer, report, asked["private"])
+    end_with(link, 1, _hooked(tracer, report, asked))
     sys.path += asked["paths"]
     sys.dont_write_bytecode = True
     script, root = Path(asked["script"]), Path(asked["root"])
@@ -62,7 +60,7 @@ def main() -> None:
         )
         with prepared as run, controller_imports(finder):
             report({"is": "begins", "thread": threading.get_ident()})
-            code = _run(run, tracer, report, rospy)
+            code = _run(run, tracer, report, asked["ros"])
     except TraceRiskError as error:
         place = error.location
         data = None if place is None else [place.file, place.line, place.column]
@@ -72,7 +70,25 @@ def main() -> None:
     sys.exit(code)
 
 
-def _run(run: Any, tracer: Tracer, report: Any, rospy: Any) -> int:
+def _hooked(tracer: Tracer, report: Any, asked: dict[str, Any]) -> Callable[[Any], None]:
+    """Hook the client library, and return what takes the frames of the twin's side."""
+    if asked["ros"] == 1:
+        rospy_hooks: Any = importlib.import_module("tracerisk.ros.live.rospy_hooks")
+        rospy_hooks.install(tracer, report, asked["private"])
+        return lambda header: None  # noqa: ARG005
+    hooks: Any = importlib.import_module("tracerisk.ros.live.ros2.hooks")
+    set_time = hooks.install(tracer, report, asked["parameter_file"], asked["domain"])
+    return lambda header: set_time(header["ns"])
+
+
+def _has_node(ros: int) -> bool:
+    """Return whether the controller has begun to be a node, whose messages may be on their way."""
+    if ros == 1:
+        return bool(importlib.import_module("rospy").core.is_initialized())
+    return "rclpy" in sys.modules
+
+
+def _run(run: Any, tracer: Tracer, report: Any, ros: int) -> int:
     def end(cause: str, message: str, place: Location | None = None) -> None:
         data = None if place is None else [place.file, place.line, place.column]
         report({"is": "end", "cause": cause, "message": message, "location": data})
@@ -96,7 +112,7 @@ def _run(run: Any, tracer: Tracer, report: Any, rospy: Any) -> int:
             report({"is": "spins"})
             thread.join()
     end("ended", "the controller ended")
-    if rospy.core.is_initialized():
+    if _has_node(ros):
         time.sleep(_DRAINED_S)
     return 0
 

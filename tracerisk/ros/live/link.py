@@ -10,7 +10,7 @@ import os
 import socket
 import struct
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 _LENGTHS = struct.Struct("<II")
@@ -105,12 +105,16 @@ class Link:
         return head, body
 
 
-def end_with(link: Link, code: int) -> None:
-    """End this process when the other side is gone, which says nothing, and closes last."""
+def end_with(
+    link: Link,
+    code: int,
+    take: Callable[[dict[str, Any]], None] = lambda header: None,  # noqa: ARG005
+) -> None:
+    """End this process when the other side is gone, which closes last; `take` what it says."""
 
     def watch() -> None:
-        while link.receive() is not None:
-            pass
+        while (frame := link.receive()) is not None:
+            take(frame[0])
         os._exit(code)
 
     threading.Thread(target=watch, daemon=True).start()

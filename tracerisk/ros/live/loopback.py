@@ -6,6 +6,7 @@ for. Where the kernel does not allow that, there is no live run.
 
 from __future__ import annotations
 
+import os
 import socket
 from collections.abc import Mapping
 
@@ -19,13 +20,55 @@ REACHES_OTHERS = (
     "allowed: as root, or as a user where kernel.apparmor_restrict_unprivileged_userns is 0"
 )
 """Why a process that shares its network with others starts no node."""
-_INHERITED = ("ROS_", "RMW_", "FASTRTPS_", "CYCLONEDDS_")
+_INHERITED = ("ROS_", "RMW_", "FASTRTPS_", "FASTDDS_", "CYCLONEDDS_", "ZENOH_", "NDDS")
+_MIDDLEWARE = "RMW_IMPLEMENTATION"
+_OF_DDS = ("rmw_fastrtps_cpp", "rmw_fastrtps_dynamic_cpp", "rmw_cyclonedds_cpp")
+"""The middlewares that need no router, and that find each other on loopback alone."""
+_BY_LOCALHOST = ("foxy", "galactic", "humble")
+"""The distributions that know no range of discovery; later ones warn of the older variable."""
+_N_DOMAINS = 100
+"""The domains from 1 on whose ports lie below those that a system gives to whoever asks."""
+
+
+def domain_of_run() -> int:
+    """Return the domain of ROS 2 of this process, which no other that lives on the machine has."""
+    return 1 + os.getpid() % _N_DOMAINS
+
+
+def domain_environment(environment: Mapping[str, str], domain: int) -> dict[str, str]:
+    """Return the environment of a process of a live run on ROS 2.
+
+    The packages of the user's are found as ever. Where other nodes are looked for is left to
+    nothing that is inherited: neither addresses, nor a discovery server, nor a profile of the
+    middleware.
+    """
+    kept = {
+        name: value
+        for name, value in environment.items()
+        if not name.startswith(_INHERITED)
+        and (not name.startswith("PYTHON") or name == "PYTHONPATH")
+    }
+    if environment.get(_MIDDLEWARE) in _OF_DDS:
+        kept[_MIDDLEWARE] = environment[_MIDDLEWARE]
+    own = {
+        "ROS_VERSION": "2",
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        # A file of this kind may also lie in the folder of the run.
+        "SKIP_DEFAULT_XML": "1",
+        "PYTHONUNBUFFERED": "1",
+        "TZ": "UTC",
+    }
+    distro = environment.get("ROS_DISTRO")
+    if distro in _BY_LOCALHOST:
+        own["ROS_LOCALHOST_ONLY"] = "1"
+    return {**kept, **own, **({"ROS_DISTRO": distro} if distro else {})}
 
 
 def loopback_environment(environment: Mapping[str, str], master: str = "") -> dict[str, str]:
-    """Return the environment of a process of a live run: inherited variables of ROS are left out.
+    """Return the environment of a process of a live run on ROS 1.
 
-    `master` is the address of the run's own master.
+    Inherited variables of ROS are left out. `master` is the address of the run's own master.
     """
     kept = {
         name: value
@@ -68,6 +111,8 @@ def interfaces() -> tuple[str, ...]:
 def leaves_others() -> bool:
     """Leave all networks that others are on; return whether this process has loopback alone.
 
-    To be called while the process has one thread.
+    Where it had another it also leaves the memory that processes share, by which nodes of ROS 2
+    talk too. To be called while the process has one thread.
     """
-    return leave_network() or interfaces() == ("lo",)
+    is_alone = interfaces() == ("lo",)
+    return leave_network(also_memory=True) or is_alone

@@ -1,12 +1,7 @@
-"""What a controller's rospy is made to report: active functions at each message, and failures.
-
-Nothing is changed of what is sent or when: each hook calls what was there. A message's or request's
-bytes are known by their digest to whoever receives them.
-"""
+"""What a controller's rospy is made to report: active functions at each message, and failures."""
 
 from __future__ import annotations
 
-import hashlib
 import importlib
 import inspect
 import io
@@ -14,45 +9,23 @@ import logging
 import sys
 import threading
 import time
-import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
-from tracerisk.errors import Location
 from tracerisk.instrument.hidden_frames import hide
-from tracerisk.instrument.marks.caught_exceptions import QUESTIONS, REFUSED, STAND_INS
-from tracerisk.instrument.tracer import Frame, Tracer
-from tracerisk.ros.graph.failures import CALLBACK_FAILED, ERROR_LOGGED, plain_line
+from tracerisk.instrument.tracer import Tracer
+from tracerisk.ros.live.hooks import (
+    Failures,
+    Report,
+    digest,
+    sent,
+    threads_inherit,
+    watched,
+)
 
 _CLOCK_S = 10.0
 _LOOK_S = 0.005
-_LOGGING = frozenset({"logging", "rosgraph", "rospy", "tracerisk"})
-
-Report = Callable[[dict[str, Any]], None]
-"""Passes a header on to the twin's side."""
-
-
-def digest(body: bytes) -> str:
-    """Return what stands for the bytes of a message."""
-    return hashlib.blake2b(body, digest_size=16).hexdigest()
-
-
-def frames_data(stack: tuple[Frame, ...]) -> list[list[Any]]:
-    """Return a stack as JSON data; `frames_of` reads it."""
-    return [
-        [
-            *(frame.function.file, frame.function.name, frame.line, frame.activation),
-            *(list(frame.site), frame.root, frame.instance),
-        ]
-        for frame in stack
-    ]
-
-
-def _sent(body: bytes, stack: tuple[Frame, ...]) -> dict[str, Any]:
-    thread = threading.get_ident()
-    return {"is": "sent", "digest": digest(body), "stack": frames_data(stack), "thread": thread}
 
 
 def install(tracer: Tracer, report: Report, private: Mapping[str, Any]) -> None:
@@ -60,34 +33,14 @@ def install(tracer: Tracer, report: Report, private: Mapping[str, Any]) -> None:
 
     `private` are parameters that the node finds under its own name, where it has none of the name.
     """
-    _threads_inherit(tracer)
+    threads_inherit(tracer)
     _report_publishers(tracer, report)
     _report_calls(tracer, report)
     failures = _Failures(tracer, report)
     failures.watch()
-    _callbacks_are_roots(tracer, failures)
+    _callbacks_are_roots(failures)
     _report_spins(report)
     _nodes_begin_with_the_clock(private, failures)
-
-
-def _threads_inherit(tracer: Tracer) -> None:
-    real = threading.Thread.start
-
-    @hide
-    def start(self: threading.Thread) -> None:
-        captured = tracer.capture()
-        run = self.run
-
-        @hide
-        def traced() -> None:
-            with tracer.resume(captured):
-                run()
-
-        if captured.frames:
-            self.run = traced  # type: ignore[method-assign]
-        real(self)
-
-    threading.Thread.start = start  # type: ignore[method-assign]
 
 
 def _report_publishers(tracer: Tracer, report: Report) -> None:
@@ -115,7 +68,8 @@ def _report_publishers(tracer: Tracer, report: Report) -> None:
         real_serialize(buffer, sequence, message)
         stack = getattr(sending, "stack", None)
         if stack is not None:
-            report(_sent(buffer.getvalue()[start + 4 :], stack))
+            # The bytes are known by their digest to whoever receives them.
+            report(sent(stack, digest=digest(buffer.getvalue()[start + 4 :])))
 
     kind.publish, topics.serialize_message = publish, serialize_message
 
@@ -139,39 +93,25 @@ def _report_calls(tracer: Tracer, report: Report) -> None:
             request.serialize(buffer)
         except Exception:  # noqa: BLE001 - rospy's own call says what is wrong with it
             return real_call(self, request)
-        report(_sent(buffer.getvalue(), tracer.stack()))
+        report(sent(tracer.stack(), digest=digest(buffer.getvalue())))
         return real_call(self, request)
 
     kind.__init__, kind.call = init, call
 
 
-class _Failures(logging.Handler):
+class _Failures(Failures, logging.Handler):
     """Reports what fails in the controller's code and with which rospy goes on."""
 
+    between = ("logging", "rosgraph", "rospy", "tracerisk")
+
     def __init__(self, tracer: Tracer, report: Report) -> None:
-        super().__init__(logging.ERROR)
-        self._tracer, self._report = tracer, report
+        rospy: Any = importlib.import_module("rospy")
+        Failures.__init__(self, tracer, report, Path(rospy.__file__).parents[1])
+        logging.Handler.__init__(self, logging.ERROR)
 
     def watch(self) -> None:
         """Report threads that die, lines of the log that are errors, and calls refused in vain."""
-        rospy: Any = importlib.import_module("rospy")
-        folder = Path(rospy.__file__).parents[1]
-        replaced = {path.name for path in Path(STAND_INS[0], "stand_ins").iterdir()} - QUESTIONS
-        self._tracer.ros_libraries = tuple(f"{folder}/{name}/" for name in sorted(replaced))
-        self._tracer.on_caught = lambda failure: self._tell(
-            REFUSED, failure.words, failure.location, failure.call
-        )
-        real = threading.excepthook
-
-        def notify(failure: threading.ExceptHookArgs) -> None:
-            error, thread = failure.exc_value, failure.thread
-            if error is not None and not isinstance(error, SystemExit) and self._counts(error):
-                name = "" if thread is None else f" {thread.name}"
-                words = f"thread{name} died of {_words(error)}, and the controller went on"
-                self._tell("thread_failed", words, self._tracer.where_failed(error))
-            real(failure)
-
-        threading.excepthook = notify
+        super().watch()
         self.listen()
 
     def listen(self) -> None:
@@ -180,51 +120,28 @@ class _Failures(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Report a line of the log that the controller's own code wrote."""
-        frame = sys._getframe(1)
-        while frame.f_back is not None and _package(frame) in _LOGGING:
-            frame = frame.f_back
-        if not self._tracer.is_controllers(frame):
-            return
-        first = (record.getMessage().strip().splitlines() or [""])[0]
-        severity = "FATAL" if record.levelno >= logging.CRITICAL else "ERROR"
-        words = f"it logged {severity}: {first}"
-        self._tell(ERROR_LOGGED, words, self._tracer.where(), plain_line(first))
+        self.logged(record.getMessage(), is_fatal=record.levelno >= logging.CRITICAL)
 
     def of_callback(self, what: str, error: Exception) -> None:
-        """Report that a callback raised an error with which the library goes on."""
+        """Report that a callback raised an error with which rospy goes on."""
         rospy: Any = importlib.import_module("rospy")
         # By a ServiceException a handler says no; the caller gets it.
-        if self._counts(error) and not isinstance(error, rospy.ServiceException):
-            words = f"{what} raised {type(error).__name__}: {error}"
-            place = self._tracer.where_failed(error)
-            self._tell(CALLBACK_FAILED, words, place, type(error).__name__)
+        if not isinstance(error, rospy.ServiceException):
+            super().of_callback(what, error)
 
-    def _counts(self, error: BaseException) -> bool:
+    def counts(self, error: BaseException) -> bool:
+        """Return whether an error is one: rospy ends by exceptions too."""
         rospy: Any = importlib.import_module("rospy")
         return not (rospy.is_shutdown() and isinstance(error, rospy.ROSException))
 
-    def _tell(self, kind: str, message: str, place: Location | None, about: str = "") -> None:
-        data = None if place is None else [place.file, place.line, place.column]
-        self._report(
-            {"is": "failed", "kind": kind, "message": message, "location": data, "object": about}
-        )
 
-
-def _package(frame: FrameType) -> str:
-    return str(frame.f_globals.get("__name__", "")).partition(".")[0]
-
-
-def _words(error: BaseException) -> str:
-    return " ".join("".join(traceback.format_exception_only(error)).split())
-
-
-def _callbacks_are_roots(tracer: Tracer, failures: _Failures) -> None:
+def _callbacks_are_roots(failures: _Failures) -> None:
     topics: Any = importlib.import_module("rospy.topics")
     services: Any = importlib.import_module("rospy.impl.tcpros_service")
     timers: Any = importlib.import_module("rospy.timer")
 
     def rooted(owner: Any, method: str, kinds: Mapping[str, str], what: str) -> None:
-        _callback_is_root(tracer, failures, owner, method, kinds, what)
+        _callback_is_root(failures, owner, method, kinds, what)
 
     rooted(
         topics._SubscriberImpl,
@@ -255,8 +172,7 @@ def _callbacks_are_roots(tracer: Tracer, failures: _Failures) -> None:
 
 
 def _callback_is_root(
-    tracer: Tracer,
-    failures: _Failures,
+    failures: Failures,
     owner: Any,
     method: str,
     parameters: Mapping[str, str],
@@ -281,9 +197,9 @@ def _callback_is_root(
             return real(*args, **kwargs)  # says what is wrong with the call
         for name, kind in parameters.items():
             if bound.arguments.get(name) is not None:
-                callback = _rooted(tracer, kind, bound.arguments[name])
+                callback = _rooted(failures.tracer, kind, bound.arguments[name])
                 if what:
-                    callback = _watched(callback, lambda error: failed(args[0], error))
+                    callback = watched(callback, lambda error: failed(args[0], error))
                 bound.arguments[name] = callback
         return real(*bound.args, **bound.kwargs)
 
@@ -297,20 +213,6 @@ def _rooted(tracer: Tracer, kind: Any, callback: Any) -> Any:
     def called(*args: Any, **kwargs: Any) -> Any:
         with tracer.root(kind):
             return callback(*args, **kwargs)
-
-    return called
-
-
-def _watched(callback: Any, failed: Callable[[Exception], None]) -> Any:
-    """Return `callback` such that `failed` is called with what it raises."""
-
-    @hide
-    def called(*args: Any, **kwargs: Any) -> Any:
-        try:
-            return callback(*args, **kwargs)
-        except Exception as error:
-            failed(error)
-            raise
 
     return called
 

@@ -10,6 +10,7 @@ node computes, in time of the processor.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
 import signal
@@ -22,8 +23,14 @@ from typing import Any
 
 from tracerisk.common.sandbox.kernel.features import stat_fields
 from tracerisk.errors import DependencyError, LimitError
+from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.ros.live.link import Link
-from tracerisk.ros.live.loopback import command_environment, loopback_environment
+from tracerisk.ros.live.loopback import (
+    command_environment,
+    domain_environment,
+    domain_of_run,
+    loopback_environment,
+)
 from tracerisk.ros.live.process_tree import ProcessTree
 from tracerisk.ros.live.real_ros import end_process, first_frame, start_linked
 
@@ -32,6 +39,10 @@ STEP_NS = 2_000_000
 _POLL_S = 0.0005
 _PATIENCE_NS = 50_000_000
 _STUCK_S = 60.0
+_RELAYS: dict[RosVersion, str] = {
+    1: "tracerisk.ros.live.relay",
+    2: "tracerisk.ros.live.ros2.relay",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +64,9 @@ class Program:
     environment: Mapping[str, str] = field(default_factory=dict)
     """The environment variables that a launch file sets."""
     private: Mapping[str, Any] = field(default_factory=dict)
-    """Parameters that the node finds under its own name."""
+    """Parameters that the node of ROS 1 finds under its own name."""
+    parameter_file: str | None = None
+    """The path of a parameter file for the nodes of ROS 2; `None` for none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,17 +82,20 @@ class Command:
 
 
 class Session:
-    """A master with a relay, and later a controller; both end with the session.
+    """A relay, in ROS 1 with a master, and later a controller; both end with the session.
 
     `on_relay` and `on_controller` are given the frames of each, in the order of their coming.
+    `environment` is that of the processes; in ROS 2 the user's own.
     """
 
-    def __init__(self, environment: Mapping[str, str]) -> None:
-        self._environment = environment
+    def __init__(self, environment: Mapping[str, str], ros: RosVersion = 1) -> None:
+        self._environment, self._ros = environment, ros
+        self._domain = domain_of_run()
         self.on_relay: Callable[[dict[str, Any], bytes], None] = lambda header, body: None  # noqa: ARG005
-        self.on_controller: Callable[[dict[str, Any]], None] = lambda header: None  # noqa: ARG005
+        self.on_controller: Callable[[dict[str, Any], bytes], None] = lambda header, body: None  # noqa: ARG005
+        self.master = ""
         self.relay, self._relay_process = start_linked(
-            "tracerisk.ros.live.relay", environment=loopback_environment(environment)
+            _RELAYS[ros], environment=self._surroundings(), ros=ros
         )
         self.master = self._ready()
         self.controller: Link | None = None
@@ -99,11 +115,26 @@ class Session:
     def begin(self, program: Program) -> None:
         """Start the controller."""
         asked = asdict(program)
-        environment = loopback_environment(self._environment, self.master)
-        environment = {**environment, **asked.pop("environment")}
+        own = asked.pop("environment")
         self.controller, self._controller_process = start_linked(
-            "tracerisk.ros.live.controller_process", environment=environment, **asked
+            "tracerisk.ros.live.controller_process",
+            environment={**self._surroundings(), **own},
+            ros=self._ros,
+            domain=self._domain,
+            **asked,
         )
+
+    def _surroundings(self) -> dict[str, str]:
+        """Return the environment of a process of ours."""
+        if self._ros == 2:
+            return domain_environment(self._environment, self._domain)
+        return loopback_environment(self._environment, self.master)
+
+    def tell_time(self, now_ns: int) -> None:
+        """Tell a controller on ROS 2 the time, which its nodes get by no message."""
+        if self._ros == 2 and self.controller is not None and not self.controller.is_closed:
+            with contextlib.suppress(OSError):  # it has ended, as will be seen
+                self.controller.send({"ns": now_ns})
 
     def begin_command(self, command: Command) -> int:
         """Start a command in the place of a controller; return the number of its process."""
@@ -131,7 +162,7 @@ class Session:
                 return False
             if self.relay.is_closed:
                 raise DependencyError(
-                    "the node of the twin on ROS 1 has ended: see what it printed"
+                    f"the node of the twin on ROS {self._ros} has ended: see what it printed"
                 )
             has_ended = self._tree is not None and self._tree.code is not None
             if not came and self._sleeps() and not self._has_input():
@@ -171,15 +202,16 @@ class Session:
         if frame is None or frame[0].get("is") != "ready":
             self._relay_process.kill()
             self._relay_process.wait()
-            raise DependencyError("the master of ROS 1 does not start: see what it has printed")
+            what = "the master of ROS 1" if self._ros == 1 else "the node of the twin on ROS 2"
+            raise DependencyError(f"{what} does not start: see what it has printed")
         return str(frame[0]["uri"])
 
     def _take(self) -> bool:
         """Take all frames that have come, of the controller first: it reports before it sends."""
         of_relay = self.relay.waiting()
         of_controller = self.controller.waiting() if self.controller is not None else []
-        for header, _ in of_controller:
-            self.on_controller(header)
+        for header, body in of_controller:
+            self.on_controller(header, body)
         for header, body in of_relay:
             self.on_relay(header, body)
         return bool(of_relay or of_controller)

@@ -30,7 +30,9 @@ _GET_SECCOMP = 21
 _FILTER_MODE = 2
 
 
-_NEW_USERS, _NEW_NETWORK = 0x10000000, 0x40000000
+_NEW_USERS, _NEW_NETWORK, _NEW_MOUNTS = 0x10000000, 0x40000000, 0x20000
+_RECURSIVE, _PRIVATE = 0x4000, 0x40000  # of a mount
+_SHARED_MEMORY = b"/dev/shm"
 _APPARMOR_RULE = Path("/proc/sys/kernel/apparmor_restrict_unprivileged_userns")
 _SET_FLAGS, _UP = 0x8914, 0x1  # of a network interface
 _LOOPBACK_INDEX = 1  # each network begins with this interface
@@ -134,21 +136,23 @@ def keep_signals_in(version: int) -> bool:
     return True
 
 
-def leave_network() -> bool:
+def leave_network(*, also_memory: bool = False) -> bool:
     """Give this process and those it starts a network that has loopback alone; return whether.
 
+    With `also_memory` they also share memory by name with nobody else.
     False where the kernel or a container does not allow it. To be called while the process has one
     thread. A user who is not root becomes the only one of a namespace of users for it, and gains
     no capability.
     """
     libc = _libc()
-    if libc.unshare(_NEW_NETWORK) == 0:
-        return _has_loopback()
+    wanted = _NEW_NETWORK | (_NEW_MOUNTS if also_memory else 0)
+    if libc.unshare(wanted) == 0:
+        return _has_loopback() and (not also_memory or _has_own_memory())
     # There root would no longer open what others own.
     if os.geteuid() == 0 or _stops_half_way():
         return False
     user, group = os.geteuid(), os.getegid()
-    if libc.unshare(_NEW_USERS | _NEW_NETWORK) != 0:
+    if libc.unshare(_NEW_USERS | wanted) != 0:
         return False
     names = {
         "setgroups": "deny",
@@ -158,7 +162,7 @@ def leave_network() -> bool:
     try:
         for name, text in names.items():
             Path("/proc/self", name).write_text(text, encoding="utf-8")
-        return _has_loopback()
+        return _has_loopback() and (not also_memory or _has_own_memory())
     except OSError:
         return False
     finally:
@@ -180,6 +184,16 @@ def _stops_half_way() -> bool:
     with contextlib.suppress(OSError):
         return _APPARMOR_RULE.read_bytes().strip() != b"0"
     return False
+
+
+def _has_own_memory() -> bool:
+    """Put an empty place where memory is shared by name; return whether that is allowed."""
+    libc = _libc()
+    if not Path(os.fsdecode(_SHARED_MEMORY)).is_dir():
+        return True
+    if libc.mount(None, b"/", None, _RECURSIVE | _PRIVATE, None) != 0:
+        return False
+    return bool(libc.mount(b"tmpfs", _SHARED_MEMORY, b"tmpfs", 0, None) == 0)
 
 
 def _has_loopback() -> bool:

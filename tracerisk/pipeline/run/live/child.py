@@ -1,4 +1,4 @@
-"""The process of a live run's twin: it serves a controller, or nodes, that run on real ROS 1.
+"""The process of a live run's twin: it serves a controller, or nodes, that run on real ROS.
 
 Started as the process of a run on stand-ins is, and leaves the same recording. Its network has
 loopback alone, where the kernel allows that.
@@ -7,6 +7,7 @@ loopback alone, where the kernel allows that.
 from __future__ import annotations
 
 import functools
+import json
 import os
 import sys
 import tempfile
@@ -31,6 +32,7 @@ from tracerisk.pipeline.run.live.nodes import LOG, LOG_TYPE, CompiledNodes
 from tracerisk.pipeline.run.live.watch import RemoteThreads
 from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.trace.run_files import (
+    COMMAND_ENVIRONMENT,
     ENTRY,
     GRAPH_USE,
     MISSION_END,
@@ -41,14 +43,13 @@ from tracerisk.pipeline.trace.run_files import (
 from tracerisk.pipeline.workspace.entry_point import find_entry_point
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.ros.graph.failures import ERROR_LOGGED
-from tracerisk.ros.graph.parameter_files import private_of
+from tracerisk.ros.graph.parameter_files import private_of, write_overrides
 from tracerisk.ros.graph.parameters import ParameterTree
 from tracerisk.ros.graph.runtime import activate
-from tracerisk.ros.live.bridge import Bridge, frames_of
+from tracerisk.ros.live.bridge import Bridge
 from tracerisk.ros.live.loopback import REACHES_OTHERS, leaves_others
 from tracerisk.ros.live.messages.modules import make_missing_modules
 from tracerisk.ros.live.session import STEP_NS, Program, Session
-from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.robot.bring_up.node_parameters import SEMANTIC
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import DESCRIPTION
@@ -59,6 +60,8 @@ from tracerisk.twin.recording.samples import SampleWriter
 _SHARE_OF_STEP = 0.5
 _EXIT_POLL_S = 0.005
 _EXIT_S = 5.0
+_ENDS_OF_TOPICS = ("publisher", "subscriber", "no_publisher", "no_subscriber")
+"""What a controller on ROS 2 reports of its ends; in ROS 1 the master does."""
 
 
 def main() -> int:
@@ -83,8 +86,8 @@ class _LiveRun:
         self._twin, self._scheduler = world.twin, world.scheduler
         self._graph = build_graph(request, Project(root), world)
         self._runtime = self._graph.runtime
-        assert isinstance(self._graph.interfaces, Interfaces)
-        self._interfaces = self._graph.interfaces
+        self._interfaces: Any = self._graph.interfaces
+        self._environment: dict[str, str] = json.loads(os.environ.pop(COMMAND_ENVIRONMENT))
         self._threads = RemoteThreads(self._scheduler)
         self._watch = RunWatch(self._threads, recorder)  # type: ignore[arg-type]
         recorder.watch = self._watch
@@ -100,12 +103,17 @@ class _LiveRun:
         with tempfile.TemporaryDirectory(prefix="tracerisk-") as modules:
             self._run(Path(modules))
 
-    def _program(self, modules: Path) -> Program:
-        """Return the Python program to run, with the modules of messages that ROS lacks."""
+    def _program(self, temporary: Path) -> Program:
+        """Return the Python program to run, with the modules of messages that ROS 1 lacks.
+
+        They lie in a temporary folder, as does the file of the parameters of nodes of ROS 2.
+        """
         request, script = self._request, Path(self._request.controller)
         entry = find_entry_point(script, file_bytes(script), Path(request.root))
-        sources = [file_bytes(path) for path in sorted(Path(request.root).rglob("*.py"))]
-        has_made = make_missing_modules(self._interfaces, sources, modules)
+        has_made = False
+        if self._graph.ros == 1:
+            sources = [file_bytes(path) for path in sorted(Path(request.root).rglob("*.py"))]
+            has_made = make_missing_modules(self._interfaces, sources, temporary)
         launch = request.launch or NOTHING_LAUNCHED
         if entry is not None:
             self._recorder.note(ENTRY, function=entry.function, named_in=entry.named_in)
@@ -120,22 +128,25 @@ class _LiveRun:
             },
             (
                 *map(str, self._graph.workspace.import_paths),
-                *([str(modules)] if has_made else []),
+                *([str(temporary)] if has_made else []),
             ),
             dict(launch.environment),
             dict(private_of(self._runtime.parameters)),
+            None
+            if self._graph.ros == 1
+            else write_overrides(self._runtime.parameters, temporary / "parameters.yaml"),
         )
 
     def _run(self, temporary: Path) -> None:
         begin: Callable[[Session], None]
         bad_end: tuple[EndCause, str] | None = None
         if is_c(self._request.controller):
-            self._nodes = CompiledNodes(self._request, self._recorder, temporary)
+            self._nodes = CompiledNodes(self._request, self._recorder, temporary, self._environment)
             begin = self._nodes.begin
         else:
             program = self._program(temporary)
             begin = functools.partial(Session.begin, program=program)
-        session = Session(os.environ)
+        session = Session(os.environ) if self._graph.ros == 1 else Session(self._environment, 2)
         try:
             with activate(self._runtime):
                 self._bridge = Bridge(
@@ -148,7 +159,8 @@ class _LiveRun:
                 session.on_relay, session.on_controller = self._of_relay, self._of_controller
                 if self._nodes is not None:
                     self._bridge.sender = self._nodes.sender
-                self._give_parameters()
+                if self._graph.ros == 1:
+                    self._give_parameters()
                 mark_start()
                 began = time.perf_counter()
                 over = self._lived(session, begin)
@@ -173,6 +185,7 @@ class _LiveRun:
             self._bridge.tick()
             session.settle()
             begin(session)
+            session.tell_time(self._bridge.now_ns)
             self._move_on(session)
 
         try:
@@ -203,6 +216,7 @@ class _LiveRun:
                     self._threads.end("no_motion", self._nodes.missing)
             self._scheduler.sleep(STEP_NS)
             self._bridge.tick()
+            session.tell_time(self._bridge.now_ns)
             self._watch.time_passed()
             self._threads.look(is_busy=self._twin.busy or self._watch.is_commanding)
             due = max(due + STEP_NS / 1e9 / speed, time.monotonic() - 10 * STEP_NS / 1e9)
@@ -229,16 +243,24 @@ class _LiveRun:
             line.deserialize(body)
             self._nodes.logged(line)
             return
-        if header["is"] in ("message", "call"):
+        if header["is"] in ("message", "call", "goal", "cancel"):
             self._threads.stirred()
         self._bridge.take(header, body)
 
-    def _of_controller(self, header: dict[str, Any]) -> None:
+    def _of_controller(self, header: dict[str, Any], body: bytes) -> None:
         what = header["is"]
         if what == "sent":
-            self._bridge.sent(frames_of(header["stack"]), header["thread"], header["digest"])
+            self._bridge.sent(header, body)
         elif what == "service_client":
             self._bridge.service_client(header["name"], header["type"])
+        elif what in _ENDS_OF_TOPICS:
+            self._bridge.take(header, b"")
+        elif what == "serves":
+            self._bridge.serves(header["name"])
+        elif what == "action_client":
+            self._bridge.actions.client(header["name"], header["type"], header["caller"])
+        elif what == "acts":
+            self._bridge.actions.serves(header["name"])
         elif what == "ran":
             ref = FunctionRef(header["file"], QualifiedName(header["name"]))
             self._recorder.function_ran(ref, header["line"])
@@ -254,6 +276,8 @@ class _LiveRun:
             self._threads.main.ident = header["thread"]
         elif what == "spins":
             self._threads.spins()
+        elif what == "spun":
+            self._threads.spun()
         elif what == "end":
             self._end = header
         elif what == "refused":

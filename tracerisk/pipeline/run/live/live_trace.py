@@ -1,4 +1,4 @@
-"""The trace of a controller that runs on real rospy, with the twin as a node beside it."""
+"""The trace of a controller that runs on real ROS, with the twin as a node beside it."""
 
 from __future__ import annotations
 
@@ -27,6 +27,10 @@ _LOST = (
     "transforms, messages and services waited for in vain: no reason of the verdict speaks of it",
     "services and actions of the controller itself: no scenario calls them",
 )
+_LOST_OF_ROS2 = (
+    "waits by the wall clock: time.sleep(), and the timeouts of rclpy's functions, which are on "
+    "the wall clock too; clocks of nodes, their timers and rates follow the twin's time",
+)
 _LOST_OF_COMPILED = (
     "what functions do besides commanding: the probe of a compiled node sees a function when it "
     "sends something, so one that ran and sent nothing counts as one that never ran",
@@ -36,24 +40,21 @@ _LOST_OF_COMPILED = (
 
 
 def trace_live(controller: Controller, settings: Settings, options: RunOptions) -> Trace:
-    """Run the controller once on real ROS 1, and return what the run showed.
+    """Run the controller once on real ROS, and return what the run showed.
 
     One in C or C++ is run by the command that its settings give as arguments.
 
     Raises:
-        InputError: the controller is not of ROS 1, or no command starts its node.
-        DependencyError: there is no rospy.
+        InputError: it is compiled and of ROS 2, or no command starts its node.
+        DependencyError: there is no rospy or rclpy.
         SandboxError: settings require a sandbox, which a live run has not.
     """
-    if controller.ros_version == 2:
+    ros = controller.ros_version
+    if ros == 2 and not controller.is_python:
         raise InputError(
-            "is written for ROS 2, and --live runs nodes of ROS 1; "
-            + (
-                "leave out --live: a run on the stand-ins needs no ROS and follows its rules"
-                if controller.is_python
-                else "let the node log its functions on a robot or in a simulation, and give "
-                f"the log by `tracerisk annotate {controller.path} --log LOG`"
-            ),
+            "is a compiled node of ROS 2, and --live runs compiled nodes of ROS 1, and nodes in "
+            "Python of both; let the node log its functions on a robot or in a simulation, and "
+            f"give the log by `tracerisk annotate {controller.path} --log LOG`",
             Location(str(controller.path)),
         )
     if settings.limits.sandbox.mode == "require":
@@ -64,14 +65,16 @@ def trace_live(controller: Controller, settings: Settings, options: RunOptions) 
     if not controller.is_python:
         check_command(settings.args, str(controller.path), os.environ)
         function_main(controller.source, str(controller.path))
-    python_of_ros()
+    python_of_ros(ros)
     settings = with_scenario(settings)
     # What starts compiled nodes gives them what their launch file says.
     launch = choose_launch(controller, settings) if controller.is_python else NOTHING_CHOSEN
     choice = choose_launched_robot(controller, settings, launch)
     bind(load_hardware(settings, choice.robot.name), elements_of(choice.robot, settings))
     done = run_controller(controller, choice.robot, settings, launch, options)
-    lost = _LOST if controller.is_python else (*_LOST, *_LOST_OF_COMPILED)
-    measured = f"{LIVE}, on real {'rospy' if controller.is_python else 'ROS 1'}"
+    more = () if controller.is_python else _LOST_OF_COMPILED
+    lost = (*_LOST, *more, *(_LOST_OF_ROS2 if ros == 2 else ()))
+    library = "rclpy" if ros == 2 else "rospy"
+    measured = f"{LIVE}, on real {library if controller.is_python else 'ROS 1'}"
     assumptions = (f"{measured} with the twin as a node", *(f"{LOST} {name}" for name in lost))
     return replace(done.trace, assumptions=(*assumptions, *done.trace.assumptions))

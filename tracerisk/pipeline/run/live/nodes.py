@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +11,7 @@ from tracerisk.instrument.native.calls import VARIABLE
 from tracerisk.instrument.native.library import build_probe
 from tracerisk.pipeline.run.live.command import command_words
 from tracerisk.pipeline.run.live.compiled import MAIN, CompiledCalls
-from tracerisk.pipeline.trace.run_files import COMMAND_ENVIRONMENT, STARTED
+from tracerisk.pipeline.trace.run_files import STARTED
 from tracerisk.ros.graph.failures import ERROR_LOGGED, plain_line
 from tracerisk.ros.live.session import Command
 from tracerisk.trace import EndCause
@@ -36,10 +34,16 @@ _SEPARATORS = frozenset(" :")
 class CompiledNodes:
     """Starts the command of a request, and says which functions sent what comes of its nodes."""
 
-    def __init__(self, request: RunRequest, recorder: Recorder, temporary: Path) -> None:
+    def __init__(
+        self,
+        request: RunRequest,
+        recorder: Recorder,
+        temporary: Path,
+        environment: dict[str, str],
+    ) -> None:
         self._recorder = recorder
         self._words, self._answers = command_words(request.argv), request.answers
-        self._environment: dict[str, str] = json.loads(os.environ.pop(COMMAND_ENVIRONMENT))
+        self._environment = environment
         self._probe: Path | None = None
         self._without_probe = ""
         try:

@@ -70,6 +70,11 @@ class RemoteThreads:
         self.main.spins_since_ns = self.now_ns
         self.stirred()
 
+    def spun(self) -> None:
+        """Note that the main thread goes on with its own work."""
+        self.main.spins_since_ns = None
+        self.stirred()
+
     def look(self, *, is_busy: bool) -> None:
         """End a run in which the main thread spins and nothing has come for long."""
         if is_busy or self.main.spins_since_ns is None:
