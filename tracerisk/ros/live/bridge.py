@@ -12,14 +12,13 @@ from collections.abc import Callable
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import InputError
 from tracerisk.instrument.tracer import Frame
 from tracerisk.ros.graph.graph import Change
 from tracerisk.ros.graph.graph_names import ANY_TYPE
 from tracerisk.ros.graph.runtime import Runtime
 from tracerisk.ros.graph.topic_ends import Publication, Subscription
-from tracerisk.ros.live.hooks import digest
+from tracerisk.ros.live.hooks import digest, frames_of
 from tracerisk.ros.live.link import Link
 from tracerisk.ros.live.ros2.action_bridge import ActionBridge
 from tracerisk.ros.live.wire import wire_of
@@ -37,21 +36,6 @@ _CLOCK_TYPE = "rosgraph_msgs/Clock"
 _OF_LOGGING = ("/rosout", "/rosout_agg")
 _TO_SERVERS = ("/goal", "/cancel")
 """The ends of the topics that servers of actions subscribe to in ROS 1."""
-
-
-def frames_of(data: list[list[Any]]) -> tuple[Frame, ...]:
-    """Read what `frames_data` made of a stack."""
-    return tuple(
-        Frame(
-            FunctionRef(str(file), QualifiedName(str(name))),
-            int(line),
-            int(activation),
-            (int(site[0]), int(site[1])),
-            root,
-            instance,
-        )
-        for file, name, line, activation, site, root, instance in data
-    )
 
 
 class Bridge:

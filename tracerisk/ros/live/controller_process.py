@@ -72,13 +72,25 @@ def main() -> None:
 
 def _hooked(tracer: Tracer, report: Any, asked: dict[str, Any]) -> Callable[[Any], None]:
     """Hook the client library, and return what takes the frames of the twin's side."""
+    take = {"calls": lambda header: _report_calls(tracer, report)}  # noqa: ARG005
     if asked["ros"] == 1:
         rospy_hooks: Any = importlib.import_module("tracerisk.ros.live.rospy_hooks")
         rospy_hooks.install(tracer, report, asked["private"])
-        return lambda header: None  # noqa: ARG005
-    hooks: Any = importlib.import_module("tracerisk.ros.live.ros2.hooks")
-    set_time = hooks.install(tracer, report, asked["parameter_file"], asked["domain"])
-    return lambda header: set_time(header["ns"])
+    else:
+        hooks: Any = importlib.import_module("tracerisk.ros.live.ros2.hooks")
+        set_time = hooks.install(tracer, report, asked["parameter_file"], asked["domain"])
+        take["time"] = lambda header: set_time(header["ns"])
+    return lambda header: take[header["do"]](header)
+
+
+def _report_calls(tracer: Tracer, report: Any) -> None:
+    """Report which calls of the controller's files were executed, while threads may go on."""
+    while True:
+        try:
+            report({"is": "calls", "data": tracer.executed_calls()})
+        except RuntimeError:  # one of them has just executed another
+            continue
+        return
 
 
 def _has_node(ros: int) -> bool:
@@ -91,6 +103,7 @@ def _has_node(ros: int) -> bool:
 def _run(run: Any, tracer: Tracer, report: Any, ros: int) -> int:
     def end(cause: str, message: str, place: Location | None = None) -> None:
         data = None if place is None else [place.file, place.line, place.column]
+        _report_calls(tracer, report)
         report({"is": "end", "cause": cause, "message": message, "location": data})
 
     try:

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Protocol
 
+from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.errors import Location
 from tracerisk.instrument.hidden_frames import hide
 from tracerisk.instrument.marks.caught_exceptions import QUESTIONS, REFUSED, STAND_INS
@@ -39,10 +40,26 @@ def frames_data(stack: tuple[Frame, ...]) -> list[list[Any]]:
     return [
         [
             *(frame.function.file, frame.function.name, frame.line, frame.activation),
-            *(list(frame.site), frame.root, frame.instance),
+            *(list(frame.site), frame.root, frame.instance, frame.through),
         ]
         for frame in stack
     ]
+
+
+def frames_of(data: list[list[Any]]) -> tuple[Frame, ...]:
+    """Read what `frames_data` made of a stack."""
+    return tuple(
+        Frame(
+            FunctionRef(str(file), QualifiedName(str(name))),
+            int(line),
+            int(activation),
+            (int(site[0]), int(site[1])),
+            root,
+            instance,
+            tuple((str(place), (int(at[0]), int(at[1]))) for place, at in through),
+        )
+        for file, name, line, activation, site, root, instance, through in data
+    )
 
 
 def sent(stack: tuple[Frame, ...], **what: Any) -> dict[str, Any]:

@@ -39,6 +39,7 @@ STEP_NS = 2_000_000
 _POLL_S = 0.0005
 _PATIENCE_NS = 50_000_000
 _STUCK_S = 60.0
+_ANSWER_S = 5.0
 _RELAYS: dict[RosVersion, str] = {
     1: "tracerisk.ros.live.relay",
     2: "tracerisk.ros.live.ros2.relay",
@@ -134,7 +135,18 @@ class Session:
         """Tell a controller on ROS 2 the time, which its nodes get by no message."""
         if self._ros == 2 and self.controller is not None and not self.controller.is_closed:
             with contextlib.suppress(OSError):  # it has ended, as will be seen
-                self.controller.send({"ns": now_ns})
+                self.controller.send({"do": "time", "ns": now_ns})
+
+    def ask_calls(self, have_come: Callable[[], bool]) -> None:
+        """Ask a controller in Python which of its calls were executed, and take its answer."""
+        if self.controller is None or self.controller.is_closed:
+            return
+        with contextlib.suppress(OSError):
+            self.controller.send({"do": "calls"})
+        until = time.monotonic() + _ANSWER_S
+        while not have_come() and not self.controller.is_closed and time.monotonic() < until:
+            self._wait(_POLL_S)
+            self._take()
 
     def begin_command(self, command: Command) -> int:
         """Start a command in the place of a controller; return the number of its process."""

@@ -21,6 +21,7 @@ from tracerisk.common.sandbox.kernel import features as kernel
 from tracerisk.common.sandbox.limited_process import mark_start
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes, file_text
 from tracerisk.errors import Location, SandboxError, TraceRiskError
+from tracerisk.instrument.marks.call_log import CALLS
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.instrument.recording import CELL
 from tracerisk.instrument.source.language import is_c
@@ -93,6 +94,7 @@ class _LiveRun:
         recorder.watch = self._watch
         self._watch.schedule = self._graph.scenario.schedule
         self._end: dict[str, Any] | None = None
+        self._has_calls = False
         self._ended_wall: float | None = None
         self._refused: dict[str, Any] | None = None
         self._nodes: CompiledNodes | None = None
@@ -166,6 +168,7 @@ class _LiveRun:
                 over = self._lived(session, begin)
                 if self._nodes is not None:
                     bad_end = self._nodes.bad_end()
+            session.ask_calls(lambda: self._has_calls)
         finally:
             session.close()
         if self._refused is not None:
@@ -278,6 +281,10 @@ class _LiveRun:
             self._threads.spins()
         elif what == "spun":
             self._threads.spun()
+        elif what == "calls":
+            if not self._has_calls:
+                self._recorder.note(CALLS, **header["data"])
+            self._has_calls = True
         elif what == "end":
             self._end = header
         elif what == "refused":

@@ -28,8 +28,8 @@ _LOST = (
     "services and actions of the controller itself: no scenario calls them",
 )
 _LOST_OF_ROS2 = (
-    "waits by the wall clock: time.sleep(), and the timeouts of rclpy's functions, which are on "
-    "the wall clock too; clocks of nodes, their timers and rates follow the twin's time",
+    "timeouts of rclpy's functions: they are on the wall clock; clocks of nodes, their timers and "
+    "rates, and time.sleep() follow the twin's time",
 )
 _LOST_OF_COMPILED = (
     "what functions do besides commanding: the probe of a compiled node sees a function when it "

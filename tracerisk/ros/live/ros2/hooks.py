@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import math
 import sys
 import threading
 import time
@@ -45,7 +46,9 @@ def install(
     failures = _Failures(tracer, report)
     failures.watch()
     _report_spins(report)
-    return _Clocks().set
+    clocks = _Clocks()
+    clocks.serve_sleep(tracer)
+    return clocks.set
 
 
 def _type_name(kind: Any) -> str:
@@ -357,6 +360,8 @@ class _Clocks:
         self._kind = importlib.import_module("rclpy.clock").ClockType.ROS_TIME
         self._clocks: weakref.WeakSet[Any] = weakref.WeakSet()
         self._now = self._time(clock_type=self._kind)
+        self._now_ns = 0
+        self._ticked = threading.Condition()
         kind = sources.TimeSource
         real_attach, real_active = kind.attach_clock, clocks.ROSClock._set_ros_time_is_active
         known = self._clocks
@@ -377,9 +382,28 @@ class _Clocks:
 
     def set(self, now_ns: int) -> None:
         """Set the time [ns]."""
+        with self._ticked:
+            self._now_ns = now_ns
+            self._ticked.notify_all()
         self._now = self._time(nanoseconds=now_ns, clock_type=self._kind)
         for clock in list(self._clocks):
             try:
                 clock.set_ros_time_override(self._now)
             except Exception:  # noqa: BLE001 - its node has been destroyed
                 self._clocks.discard(clock)
+
+    def serve_sleep(self, tracer: Tracer) -> None:
+        """Let the controller's own `time.sleep` take time of the twin; libraries sleep as ever."""
+        real = time.sleep
+
+        @hide
+        def sleep(seconds: Any, /) -> None:
+            is_own = tracer.is_controllers(sys._getframe(1))
+            if not is_own or not isinstance(seconds, int | float) or not 0 < seconds < math.inf:
+                real(seconds)  # says what is wrong with a length that is none
+                return
+            with self._ticked:
+                until_ns = self._now_ns + round(seconds * 1e9)
+                self._ticked.wait_for(lambda: self._now_ns >= until_ns)
+
+        time.sleep = sleep
