@@ -2,13 +2,14 @@
 
 import subprocess
 import sys
+import tempfile
 
 import pytest
 
 from tracerisk.errors import SandboxError
 from tracerisk.pipeline.run.live import child
 from tracerisk.ros.live import loopback
-from tracerisk.ros.live.loopback import loopback_environment
+from tracerisk.ros.live.loopback import domain_environment, domain_of_run, loopback_environment
 
 ALONE = """
 import socket, sys
@@ -41,6 +42,64 @@ def test_variables_of_ros_are_replaced():
     assert own["HOME"] == "/home/user"
     assert not {"ROS_DOMAIN_ID", "PYTHONPATH"} & set(own)
     assert "ROS_MASTER_URI" not in loopback_environment(given)
+
+
+def test_nothing_that_is_inherited_says_where_nodes_of_ros2_look_for_others():
+    given = {
+        "ROS_DISTRO": "jazzy",
+        "ROS_DOMAIN_ID": "7",
+        "ROS_DISCOVERY_SERVER": "robot:11811",
+        "ROS_STATIC_PEERS": "robot",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",
+        "FASTRTPS_DEFAULT_PROFILES_FILE": "/somewhere.xml",
+        "FASTDDS_DEFAULT_PROFILES_FILE": "/somewhere.xml",
+        "CYCLONEDDS_URI": "file:///somewhere.xml",
+        "ZENOH_CONFIG_OVERRIDE": "connect",
+        "RMW_IMPLEMENTATION": "rmw_zenoh_cpp",
+        "PYTHONPATH": "/workspace",
+        "PYTHONSTARTUP": "/somewhere.py",
+        "AMENT_PREFIX_PATH": "/workspace",
+        "LD_LIBRARY_PATH": "/workspace/lib",
+    }
+    assert domain_environment(given, 42) == {
+        "ROS_DISTRO": "jazzy",
+        "ROS_DOMAIN_ID": "42",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_VERSION": "2",
+        "SKIP_DEFAULT_XML": "1",
+        "PYTHONUNBUFFERED": "1",
+        "TZ": "UTC",
+        "PYTHONPATH": "/workspace",
+        "AMENT_PREFIX_PATH": "/workspace",
+        "LD_LIBRARY_PATH": "/workspace/lib",
+    }
+    assert 1 <= domain_of_run() <= 100
+
+
+def test_a_distribution_without_a_range_of_discovery_has_its_older_variable():
+    own = domain_environment({"ROS_DISTRO": "humble"}, 3)
+    assert own["ROS_LOCALHOST_ONLY"] == "1"
+    assert "ROS_LOCALHOST_ONLY" not in domain_environment({}, 3)
+
+
+def test_a_middleware_that_needs_no_router_is_kept():
+    given = {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}
+    assert domain_environment(given, 3)["RMW_IMPLEMENTATION"] == "rmw_cyclonedds_cpp"
+
+
+def test_memory_is_shared_by_name_with_nobody():
+    code = (
+        "import os, sys\n"
+        "from tracerisk.common.sandbox.kernel.features import leave_network\n"
+        "print(leave_network(also_memory=True), os.listdir('/dev/shm'))\n"
+    )
+    with tempfile.NamedTemporaryFile(dir="/dev/shm"):
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+        )
+    if done.stdout.startswith("False"):
+        pytest.skip("the kernel allows no memory of its own here")
+    assert done.stdout == "True []\n"
 
 
 def test_nothing_but_loopback_is_left():

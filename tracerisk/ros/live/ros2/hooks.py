@@ -403,6 +403,7 @@ class _Clocks:
                 real(seconds)  # says what is wrong with a length that is none
                 return
             with self._ticked:
+                self._ticked.wait_for(lambda: self._now_ns > 0)
                 until_ns = self._now_ns + round(seconds * 1e9)
                 self._ticked.wait_for(lambda: self._now_ns >= until_ns)
 

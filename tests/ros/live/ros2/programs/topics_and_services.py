@@ -30,7 +30,7 @@ class Cell(Node):
         self.client = self.create_client(SetBool, "~/switch")
 
     def heard(self, message):
-        self.at = dict(zip(message.name, message.position))
+        self.at = dict(zip(message.name, message.position, strict=True))
 
     def switch(self, request, response):
         response.success, response.message = request.data, "on" if request.data else "off"
