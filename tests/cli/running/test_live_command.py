@@ -2,8 +2,11 @@
 
 import shutil
 import subprocess
+from argparse import Namespace
 
 import pytest
+
+from tracerisk.cli.running.live_command import name_source
 
 NODE = "int main() { return 0; }\n"
 needs_compiler = pytest.mark.skipif(
@@ -70,5 +73,64 @@ def test_what_does_not_say_what_to_run_is_refused(node, arguments, message):
     node.write("cell.launch", "<launch/>")
     node.write("src/other.cpp", "void pick() {}\n")
     done = node.run("trace", *arguments)
+    assert done.code == 2
+    assert message in " ".join(done.err.split())
+
+
+NODE_OF_ROS2 = "import rclpy\nrclpy.init()\n"
+
+
+@pytest.fixture
+def package(tmp_path, example_in):
+    """A package of ROS 2 whose executable is an entry point, and a script beside it."""
+    example = example_in(tmp_path)
+    example.write("cell/package.xml", "<package><name>cell</name></package>")
+    example.write("cell/setup.py", "entry_points={'console_scripts': ['pick = cell.picking:main']}")
+    example.write("cell/cell/picking.py", NODE_OF_ROS2)
+    example.write("cell/cell/other.py", NODE_OF_ROS2)
+    return example
+
+
+@pytest.mark.parametrize(
+    ("command", "controller", "arguments"),
+    [
+        (["ros2", "run", "cell", "pick", "--left"], "cell/cell/picking.py", ["--left"]),
+        (["ros2", "run", "cell", "other"], "cell/cell/other.py", []),
+        (["python3", "cell/cell/other.py", "-x"], "cell/cell/other.py", ["-x"]),
+        (["/usr/bin/python3.11", "cell/cell/other.py"], "cell/cell/other.py", []),
+        (["cell/cell/other.py", "-x"], "cell/cell/other.py", ["-x"]),
+    ],
+)
+def test_a_command_in_python_names_its_script(package, monkeypatch, command, controller, arguments):
+    monkeypatch.chdir(package.folder)
+    options = Namespace(live=True, controller=command[0], argv=command[1:], verb="run")
+    name_source(options)
+    assert (options.controller, options.argv) == (controller, arguments)
+
+
+def test_an_installed_script_is_found_by_its_prefix(package, monkeypatch):
+    monkeypatch.chdir(package.folder)
+    package.write("install/lib/far/turn", "#!/usr/bin/env python3\n" + NODE_OF_ROS2)
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(package.folder / "install"))
+    options = Namespace(live=True, controller="ros2", argv=["run", "far", "turn"], verb="run")
+    name_source(options)
+    assert options.controller == "install/lib/far/turn"
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (["ros2", "run", "cell", "nothing"], "no script nothing of a package cell is below"),
+        (["ros2", "run", "far", "built"], "is a compiled node of ROS 2"),
+        (["ros2", "launch", "cell", "cell.launch.py"], "FILE.py --live --launch FILE"),
+        (["ros2", "run", "cell"], "takes `ros2 run PACKAGE EXECUTABLE ARGUMENTS`"),
+        (["python3", "-m", "cell.picking"], "takes the path of a script and its arguments"),
+    ],
+)
+def test_a_command_of_ros2_that_names_no_script_is_refused(package, monkeypatch, command, message):
+    (package.folder / "install/lib/far").mkdir(parents=True)
+    (package.folder / "install/lib/far/built").write_bytes(b"\x7fELF\x02")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(package.folder / "install"))
+    done = package.run("run", "--live", "--", *command)
     assert done.code == 2
     assert message in " ".join(done.err.split())

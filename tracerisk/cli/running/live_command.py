@@ -1,9 +1,10 @@
-"""What stands behind `--live --`: a command, whose source its debug information may name."""
+"""What stands behind `--live --`: a command, which may name its source in one way or another."""
 
 from __future__ import annotations
 
 import argparse
 import os
+import re
 import shutil
 from pathlib import Path
 
@@ -11,21 +12,31 @@ from tracerisk.common.text.bounded import regular_file
 from tracerisk.errors import InputError
 from tracerisk.instrument.native.binaries import Binary
 from tracerisk.instrument.source.language import is_c
+from tracerisk.pipeline.launch.program import program_of
+from tracerisk.pipeline.workspace.project import Project
 
 _ELF = b"\x7fELF"
 _MOST_OF_LINE = 200  # bytes
+_PYTHON = re.compile(r"python(3(\.\d+)?)?")
+_N_NAMED = 3  # the words that `ros2 run` needs: run, package, executable
 
 
 def name_source(options: argparse.Namespace) -> None:
-    """Make the source with `main()` the controller where a command was given in its place.
+    """Make the source the controller where a command was given in its place.
 
-    `run --live -- ./pick --fast` is `run pick.cpp --live -- ./pick --fast` then.
+    `run --live -- ./pick --fast` is `run pick.cpp --live -- ./pick --fast` then, and
+    `run --live -- python3 pick.py --fast`, or `ros2 run cell pick --fast`, is
+    `run pick.py --live -- --fast`.
 
     Raises:
-        InputError: the command is no executable, or its debug information names no source.
+        InputError: the command is no executable, or nothing says which source it runs.
     """
     given = options.controller
     if not options.live or given is None or _is_source(Path(given)):
+        return
+    in_python = _python_command([given, *options.argv], options.verb)
+    if in_python is not None:
+        options.controller, options.argv = os.path.relpath(in_python[0]), in_python[1]
         return
     command = " ".join([given, *options.argv])
     remedy = f"name the source with main() before --live: `tracerisk {options.verb} FILE.cpp --live"
@@ -52,6 +63,50 @@ def name_source(options: argparse.Namespace) -> None:
         raise InputError(f"{given} {there}, or {remedy} -- {command}`")
     options.controller = os.path.relpath(file)
     options.argv = [given, *options.argv]
+
+
+def _python_command(words: list[str], verb: str) -> tuple[Path, list[str]] | None:
+    """Return the script that a command runs in Python, and its arguments; None for any other."""
+    program, *rest = words
+    if _PYTHON.fullmatch(Path(program).name):
+        if rest and _is_source(Path(rest[0])):
+            return Path(rest[0]), rest[1:]
+        raise InputError(
+            f"after {program} a live run takes the path of a script and its arguments, no options "
+            f"of Python: `tracerisk {verb} FILE.py --live -- ARGUMENTS`"
+        )
+    if Path(program).name != "ros2":
+        return None
+    if rest[:1] != ["run"] or len(rest) < _N_NAMED or rest[1].startswith("-"):
+        raise InputError(
+            "of ros2, a live run takes `ros2 run PACKAGE EXECUTABLE ARGUMENTS`; for a launch file, "
+            f"name the script and what starts it: `tracerisk {verb} FILE.py --live --launch FILE`"
+        )
+    return _script_of(rest[1], rest[2], verb), rest[3:]
+
+
+def _script_of(package: str, executable: str, verb: str) -> Path:
+    """Return the script of an executable of ROS 2, from the sources below here or an install."""
+    here = Path.cwd()
+    workspace = Project(here).workspace(2)
+    folder = workspace.packages.get(package)
+    for script in () if folder is None else sorted(folder.rglob("*.py")):
+        if executable in program_of(script, here, workspace).names:
+            return script
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        installed = Path(prefix, "lib", package, executable)
+        if prefix and _is_source(installed):
+            return installed
+        if prefix and _begin(installed).startswith(_ELF):
+            raise InputError(
+                f"{installed} is a compiled node of ROS 2; --live runs compiled nodes of ROS 1, "
+                "and nodes in Python of both; let it log its functions on a robot or in a "
+                "simulation, and give the log by `tracerisk annotate FILE.cpp --log LOG`"
+            )
+    raise InputError(
+        f"no script {executable} of a package {package} is below {here}, nor in a prefix of "
+        f"AMENT_PREFIX_PATH; name it: `tracerisk {verb} FILE.py --live -- ARGUMENTS`"
+    )
 
 
 def _is_source(path: Path) -> bool:
