@@ -90,7 +90,7 @@ def trace_controller(
     """Run a controller on the twin and return what the run showed.
 
     `keep` is a folder in which the recording stays. `progress` is called with each phase and the
-    simulated time [s]. With `live_speed` it runs once on real rospy, at most so many times as fast
+    simulated time [s]. With `live_speed` it runs once on real ROS, at most so many times as fast
     as the wall clock. A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
     Raises SourceError, RobotError, HardwareError before anything runs, and as `require_runs`.
     """
@@ -193,7 +193,7 @@ def assess(
     hand, `profile` how often each function follows another, as text. `keep` is a folder for the
     recording. `progress` is called with each phase and the simulated time [s].
     `known` is what an earlier call gave: where nothing has changed that its run depended on, its
-    trace is taken, and nothing is simulated. With `live_speed` the controller runs on real rospy,
+    trace is taken, and nothing is simulated. With `live_speed` the controller runs on real ROS,
     at most so many times as fast as the wall clock. `worlds` are names of worlds between commas,
     or `all`, in which it is run again: see `Trace.worlds`.
     Raises RunFailedError when the run came to a bad end, ControllerFailedError when it commanded

@@ -323,12 +323,12 @@ def add_edit_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_live(parser: argparse.ArgumentParser) -> None:
-    """Add the options of a run on real ROS 1."""
+    """Add the options of a run on real ROS."""
     group = parser.add_argument_group("a live run")
     group.add_argument(
         "--live",
         action="store_true",
-        help="run it on the installed ROS 1, with the twin as a node on loopback; writes no source",
+        help="run it on the installed ROS, with the twin as a node on loopback; writes no source",
     )
     group.add_argument(
         "--speed",
@@ -339,7 +339,7 @@ def add_live(parser: argparse.ArgumentParser) -> None:
 
 
 def live_speed(options: argparse.Namespace) -> float | None:
-    """Return how fast a run on real rospy may go; `None` for a run on the stand-ins."""
+    """Return how fast a run on real ROS may go; `None` for a run on the stand-ins."""
     if options.speed is not None and not options.live:
         raise InputError("--speed goes with --live; a run on the stand-ins is as fast as it can be")
     return (options.speed or 1.0) if options.live else None

@@ -117,7 +117,7 @@ class RunOptions:
     drafts: DraftsNoted = "never"
     """When the run notes what a scenario could provide for its needs."""
     live_speed: float | None = None
-    """The greatest speed of a run on real rospy, as a factor of the wall clock; `None` for a run
+    """The greatest speed of a run on real ROS, as a factor of the wall clock; `None` for a run
     on the stand-ins."""
     on_run: Callable[[ControllerRun], None] | None = None
     """Called with each run that is tried."""

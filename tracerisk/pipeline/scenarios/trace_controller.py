@@ -1,4 +1,4 @@
-"""Run a controller on the twin, with a draft of what its world lacks, or on real rospy."""
+"""Run a controller on the twin, with a draft of what its world lacks, or on real ROS."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def trace_controller(
 ) -> Trace:
     """Run the controller on the twin and return what the run showed.
 
-    With `live_speed` it runs once on real rospy, at most so many times as fast as the wall clock.
+    With `live_speed` it runs once on real ROS, at most so many times as fast as the wall clock.
     A run that ends badly gives a trace too, as far as it came: see `Trace.end`.
     `keep` is a folder in which the recording stays.
     What is assumed of its robot and its launch file is tried again where the run shows that it

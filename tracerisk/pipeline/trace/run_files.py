@@ -251,7 +251,7 @@ class RunRequest:
     plan: BranchPlan | None = None
     """The branches of the run; `None` for none."""
     live_speed: float | None = None
-    """The greatest speed of the clock of a run on real rospy, as a factor of the wall clock;
+    """The greatest speed of the clock of a run on real ROS, as a factor of the wall clock;
     `None` for a run on the stand-ins."""
     beside: RunBeside | None = None
     """The run without faults, beside which a run with faults ends once its fate is decided; `None`

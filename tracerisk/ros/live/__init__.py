@@ -1,1 +1,1 @@
-"""A controller on real ROS 1: a master of its own on loopback, with the twin as a node."""
+"""A controller on real ROS, with loopback alone, and with the twin as a node beside it."""

@@ -280,7 +280,7 @@ class Bridge:
         return next(of_topic, None)
 
     def _lacks(self, name: str, message: str) -> None:
-        """Say what the installed ROS lacks, where the controller has to do with it."""
+        """Report what the installed ROS lacks, where the controller has to do with it."""
         ends = (*self._subscriptions, *self._publications)
         if name in self._types or any(topic == name for topic, _ in ends):
             self._say_once(name, f"{name} stays out of the twin: {message}")

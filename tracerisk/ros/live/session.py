@@ -131,8 +131,8 @@ class Session:
             return domain_environment(self._environment, self._domain)
         return loopback_environment(self._environment, self.master)
 
-    def tell_time(self, now_ns: int) -> None:
-        """Tell a controller on ROS 2 the time, which its nodes get by no message."""
+    def send_time(self, now_ns: int) -> None:
+        """Send a controller on ROS 2 the time, which its nodes get by no message."""
         if self._ros == 2 and self.controller is not None and not self.controller.is_closed:
             with contextlib.suppress(OSError):  # it has ended, as will be seen
                 self.controller.send({"do": "time", "ns": now_ns})

@@ -31,7 +31,9 @@ def traced(folder, name, capfd, live_speed, **given):
     script = folder / f"{name}.py"
     script.write_bytes((PROGRAMS / script.name).read_bytes())
     controller = api.load_controller(script)
-    settings = api.load_settings(controller, {"robot": "panda", "draft": False, **given})
+    settings = api.load_settings(
+        controller, {"robot": "panda", "draft": False, "ros_distro": "jazzy", **given}
+    )
     trace = api.trace_controller(controller, settings, live_speed=live_speed)
     return trace, "".join(capfd.readouterr())
 
@@ -72,7 +74,7 @@ def test_parameters_reach_the_node(tmp_path, capfd):
     live, printed = traced(
         tmp_path, "callbacks", capfd, 1.0, params=[str(tmp_path / "limits.yaml")]
     )
-    assert "> sent 2 True" in logged(printed)
+    assert "> sent 2 True 1" in logged(printed)
     assert live.end.cause == "ended"
 
 
@@ -129,5 +131,5 @@ def test_blocks_are_written_into_the_functions_of_the_author(tmp_path, example_i
     assert done.code == 0, done.err
     source = example.read("cell.py").decode()
     assert source.count("RiskAnnotation") == 2
-    for name in ("reach", "back"):
+    for name in ("Cell.reach", "Cell.back"):
         assert f"# |   name = {name}" in source

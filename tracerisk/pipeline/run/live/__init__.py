@@ -1,1 +1,1 @@
-"""Run a controller on real ROS 1 in the place of the stand-ins."""
+"""Run a controller on real ROS in the place of the stand-ins."""

@@ -188,7 +188,7 @@ class _LiveRun:
             self._bridge.tick()
             session.settle()
             begin(session)
-            session.tell_time(self._bridge.now_ns)
+            session.send_time(self._bridge.now_ns)
             self._move_on(session)
 
         try:
@@ -219,7 +219,7 @@ class _LiveRun:
                     self._threads.end("no_motion", self._nodes.missing)
             self._scheduler.sleep(STEP_NS)
             self._bridge.tick()
-            session.tell_time(self._bridge.now_ns)
+            session.send_time(self._bridge.now_ns)
             self._watch.time_passed()
             self._threads.look(is_busy=self._twin.busy or self._watch.is_commanding)
             due = max(due + STEP_NS / 1e9 / speed, time.monotonic() - 10 * STEP_NS / 1e9)

@@ -231,7 +231,7 @@ def _report_actions(tracer: Tracer, report: Report) -> None:
 
 
 def _callbacks_are_roots(tracer: Tracer) -> None:
-    """Let no function of the controller call what an executor runs: it is a root, or inherits."""
+    """Make what an executor runs a root, or let it inherit: no function of the controller calls it."""
     executors: Any = importlib.import_module("rclpy.executors")
     tasks: Any = importlib.import_module("rclpy.task")
     kinds = {
@@ -393,7 +393,7 @@ class _Clocks:
                 self._clocks.discard(clock)
 
     def serve_sleep(self, tracer: Tracer) -> None:
-        """Let the controller's own `time.sleep` take time of the twin; libraries sleep as ever."""
+        """Make the controller's own `time.sleep` take time of the twin; libraries sleep as ever."""
         real = time.sleep
 
         @hide

@@ -18,7 +18,7 @@ class Steps(Node):
             self, FollowJointTrajectory, "/panda_arm_controller/follow_joint_trajectory"
         )
         self.done = False
-        self.n_sent = self.n_fed_back = 0
+        self.n_sent = self.n_fed_back = self.n_cancelled = 0
         self.arm.wait_for_server()
         self.timer = self.create_timer(0.5, self.begin)
 
@@ -50,9 +50,11 @@ class Steps(Node):
 
     def cancel(self, handle):
         self.stop.cancel()
-        handle.cancel_goal_async().add_done_callback(
-            lambda future: print("> cancels", len(future.result().goals_canceling))
-        )
+        handle.cancel_goal_async().add_done_callback(self.cancelled)
+
+    def cancelled(self, future):
+        # It comes with the result, before it or after.
+        self.n_cancelled = len(future.result().goals_canceling)
 
     def finished(self, future):
         print("> status", future.result().status)
@@ -67,9 +69,9 @@ class Steps(Node):
 def main():
     rclpy.init()
     node = Steps()
-    while not node.done:
+    while not node.done or (node.n_sent > node.limit and not node.n_cancelled):
         rclpy.spin_once(node)
-    print("> sent", node.n_sent, node.n_fed_back > 10)
+    print("> sent", node.n_sent, node.n_fed_back > 10, node.n_cancelled)
     node.destroy_node()
     rclpy.shutdown()
 
