@@ -231,7 +231,7 @@ def _report_actions(tracer: Tracer, report: Report) -> None:
 
 
 def _callbacks_are_roots(tracer: Tracer) -> None:
-    """Make what an executor runs a root, or let it inherit: no function of the controller calls it."""
+    """Make what an executor runs a root, or inherit: no function of the controller calls it."""
     executors: Any = importlib.import_module("rclpy.executors")
     tasks: Any = importlib.import_module("rclpy.task")
     kinds = {
