@@ -116,6 +116,11 @@ def _run(run: Any, tracer: Tracer, report: Any, ros: int) -> int:
         words = "".join(traceback.format_exception_only(error)).strip()
         traceback.print_exception(error)
         missing = isinstance(error, ImportError | SyntaxError)
+        if isinstance(error, ImportError):
+            words += (
+                f"; install it for {sys.executable}, or build its workspace and source that, or "
+                "leave out --live: on the stand-ins, many libraries need not be there"
+            )
         end("not_importable" if missing else "raised", words, tracer.where_failed(error))
         return 1
     # A real process lasts as long as threads that are no daemons; what was published goes out.
