@@ -14,13 +14,12 @@ from tracerisk.pipeline.run.live.nodes import CompiledNodes
 def made(tmp_path, monkeypatch):
     """Nodes for which no compiler makes the probe, and what reads their recording."""
     monkeypatch.setenv("CC", "no-such-compiler")
-    monkeypatch.setenv("TRACERISK_COMMAND_ENVIRONMENT", "{}")
     source = tmp_path / "pick.cpp"
     source.write_text("int main() { return 0; }\n")
     files = {"controller": str(source), "root": str(tmp_path)}
     request = SimpleNamespace(argv=("./pick",), answers=(), **files)
     with (tmp_path / "events.jsonl").open("wb", buffering=0) as stream:
-        nodes = CompiledNodes(request, Recorder(stream, clock=lambda: 0), tmp_path)
+        nodes = CompiledNodes(request, Recorder(stream, clock=lambda: 0), tmp_path, {})
 
         def recorded(event):
             lines = (tmp_path / "events.jsonl").read_text().splitlines()
@@ -71,10 +70,9 @@ def test_a_folder_that_the_loader_cannot_name_is_told(made, tmp_path, monkeypatc
     nodes, recorded = made
     folder = tmp_path / "of a user"
     folder.mkdir()
-    monkeypatch.setenv("TRACERISK_COMMAND_ENVIRONMENT", "{}")
     source = str(tmp_path / "pick.cpp")
     request = SimpleNamespace(argv=("./pick",), answers=(), controller=source, root=str(tmp_path))
-    nodes = CompiledNodes(request, nodes._recorder, folder)
+    nodes = CompiledNodes(request, nodes._recorder, folder, {})
     nodes.sender("/speed", b"", False)
     nodes.report_attribution()
     (finding,) = recorded("finding")
