@@ -52,6 +52,12 @@ def _write_message(out: bytearray, message: Any) -> None:
             continue
         if field.arrangement == "sequence":
             _write_number(out, "I", len(value))
+        if field.is_numbers and len(value):
+            # At once: a picture has a million of them.
+            code = _code(field.base)
+            out += b"\0" * (-len(out) % struct.calcsize(code))
+            out += struct.pack(f"<{len(value)}{code}", *value)
+            continue
         for item in value:
             _write_one(out, field, item)
 
@@ -101,6 +107,13 @@ class _Reader:
         if field.arrangement == "scalar":
             return self._one(field)
         count = field.size if field.arrangement == "array" else self._number("I")
+        if field.is_numbers and count:
+            code = _code(field.base)
+            size = struct.calcsize(code)
+            self._at += -self._at % size
+            return field.pack(
+                struct.unpack(f"{self._order}{count}{code}", self._take(count * size))
+            )
         values = [self._one(field) for _ in range(count or 0)]
         return field.pack(values) if field.is_numbers else values
 
