@@ -1,6 +1,7 @@
 """Goals of real ROS 2 reach the twin's servers, and what these make of them goes back."""
 
 import json
+import random
 from tempfile import TemporaryFile
 
 import pytest
@@ -243,3 +244,77 @@ def test_what_the_installed_ros_lacks_is_said_where_the_controller_asks_for_it(l
 
     lived.live(act)
     assert lived.said == ["/near stays out of the twin: it has no std_srvs"]
+
+
+EVENTS = ("client", "goal", "cancel", "acts", "serves", "service_client", "publisher", "message")
+
+
+def drawn(draw, lived):
+    """Events of a controller and its relay in an order that no program would choose."""
+    topic, kind = "/panda_arm_controller/joint_trajectory", "trajectory_msgs/JointTrajectory"
+    trajectory = decode(lived.goal(), lived.interfaces.action(KIND).Goal).trajectory
+    n_goals = 0
+    for _ in range(draw.randrange(5, 40)):
+        event = draw.choice(EVENTS)
+        if event == "client":
+            yield lambda bridge: bridge.actions.client(ACTION, KIND, "/cell")
+        elif event == "goal":
+            n_goals += 1
+            joints = draw.choice((JOINTS, ["odd"] * 7))
+            yield lambda _, number=n_goals, joints=joints: lived.send(
+                number, lived.goal(draw.uniform(-0.3, 0.3), joints)
+            )
+        elif event == "cancel" and n_goals:
+            asked = {"is": "cancel", "name": ACTION, "number": draw.randint(1, n_goals)}
+            yield lambda bridge, asked=asked: bridge.take(asked, b"")
+        elif event == "acts" and draw.random() < 0.1:
+            yield lambda bridge: bridge.actions.serves(ACTION)
+        elif event == "serves":
+            yield lambda bridge: bridge.serves("/own/give")
+        elif event == "service_client":
+            name = draw.choice(("/own/give", "/controller_manager/list_controllers"))
+            kind = draw.choice(("std_srvs/Trigger", "controller_manager_msgs/ListControllers"))
+            yield lambda bridge, name=name, kind=kind: bridge.service_client(name, kind)
+        elif event in ("publisher", "message"):
+            quality = {"reliable": True, "latch": False}
+            ends = {"name": topic, "caller": "/cell", "type": kind, "quality": quality}
+            body = encode(trajectory)
+            header = {"is": event, "topic": topic, **ends, "caller": ""}
+            if event == "publisher":
+                header, body = {"is": event, **ends}, b""
+            yield lambda bridge, header=header, body=body: bridge.take(header, body)
+
+
+@pytest.mark.parametrize(
+    "seeds",
+    [range(12), pytest.param(range(300), marks=pytest.mark.slow)],
+    ids=["quick", "all"],
+)
+def test_no_order_confuses_real_ros(seeds):
+    """Each goal is answered once, and its states come between that and one end."""
+    for seed in seeds:
+        lived, draw = LivedGraph(), random.Random(seed)
+
+        def act(bridge, lived=lived, draw=draw):
+            for happen in drawn(draw, lived):
+                happen(bridge)
+                lived.sleep(draw.choice((0.0, 0.001, 0.3)))
+            lived.sleep(1.5)
+
+        lived.live(act)
+        answered, over, served = {}, set(), set()
+        for header, _ in lived.relay.frames:
+            if header["do"] == "goal_answer":
+                assert header["number"] not in answered, seed
+                answered[header["number"]] = header["ok"]
+            elif header["do"] in ("state", "feedback"):
+                assert answered[header["number"]], seed
+                assert header["number"] not in over, seed
+                if header.get("state") in ("SUCCEEDED", "ABORTED", "PREEMPTED", "RECALLED", "LOST"):
+                    over.add(header["number"])
+            elif header["do"] in ("act", "serve"):
+                assert header["name"] not in served, seed
+                served.add(header["name"])
+            elif header["do"] == "close":
+                served.remove(header["name"])
+        assert {number for number, ok in answered.items() if ok} == over, seed
