@@ -6,6 +6,7 @@ import re
 import pytest
 
 from tests.slow import slow_but_every
+from tests.storm import of_gates, storm_probability
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.other_models.dynamic import DynamicEvent, DynamicGate, DynamicKind, DynamicTree
 from tracerisk.prm.other_models.dynamic.first_failure import first_failure, without_repair
@@ -102,6 +103,37 @@ def test_random_trees_are_those_of_all_sets_of_failed_events(seed):
     assert found.q == pytest.approx(float(1 - ever), rel=1e-11, abs=1e-35)
     assert tree.probability(HOURS).p == pytest.approx(float(now), rel=1e-11, abs=1e-35)
     assert found.p >= tree.probability(HOURS).p * (1 - 1e-12)
+
+
+def program(tree):
+    """The events as modules of a chain in continuous time, of PRISM."""
+    text = ["ctmc"]
+    for event in tree.events:
+        at_start, rate, repair = laws(event)
+        if at_start:
+            return None
+        text += [f"module {event.name}", f"x{event.name} : bool init false;"]
+        if rate:
+            text.append(f"[] !x{event.name} -> {rate:.20f} : (x{event.name}'=true);")
+        if repair:
+            text.append(f"[] x{event.name} -> {repair:.20f} : (x{event.name}'=false);")
+        text.append("endmodule")
+    shapes = {gate.name: (gate.kind.value, gate.k, gate.inputs) for gate in tree.gates}
+    leaves = {event.name: f"x{event.name}" for event in tree.events}
+    text.append(f'label "failed" = {of_gates(shapes, tree.top, leaves)};')
+    return "\n".join(text)
+
+
+@pytest.mark.parametrize("seed", slow_but_every(50, range(1000)))
+def test_storm_finds_the_same(seed, tmp_path):
+    random_ = random.Random(seed)
+    while (text := program(tree := drawn_tree(random_))) is None:
+        pass
+    path = tmp_path / "m.prism"
+    ever = storm_probability(path, text, f'P=? [F<={HOURS} "failed"]')
+    now = storm_probability(path, text, f'P=? [F[{HOURS},{HOURS}] "failed"]')
+    assert first_failure(tree, HOURS).p == pytest.approx(float(ever), rel=1e-5, abs=1e-10)
+    assert tree.probability(HOURS).p == pytest.approx(float(now), rel=1e-5, abs=1e-10)
 
 
 def test_a_tree_without_repair_is_above_what_happens_at_any_time():

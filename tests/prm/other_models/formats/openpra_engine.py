@@ -5,7 +5,55 @@ From `targets/scram-node/src/ScramNodeModel.cpp`, `src/element.cc`, `src/event.c
 2026-01-09 (commit 3dc010e4).
 """
 
+import json
+import os
+import subprocess
 from collections import Counter
+
+import pytest
+
+ENGINE = os.environ.get("TRACERISK_OPENPRA_ENGINE", "")
+"""Where the engine's module for Node.js is: `scram-node.node`, built from openpra-monorepo."""
+needs_engine = pytest.mark.skipif(
+    not ENGINE, reason="TRACERISK_OPENPRA_ENGINE names no scram-node.node"
+)
+SOLVE = """
+const engine = require(process.argv[1]);
+const models = JSON.parse(require("fs").readFileSync(0));
+const settings = {bdd: true, probability: true};
+const results = models.map(model => engine.QuantifyModel(settings, model).results);
+console.log(JSON.stringify(results));
+"""
+"""A program of Node.js by which the engine solves models: from standard input, to its output."""
+
+
+def engine_figures(request):
+    """Return what the engine itself computes: by the names of fault trees, and of ends."""
+    model = request["model"]
+    # The engine's results of fault trees have no names, so each tree is a model by itself.
+    trees = [{"name": "one", "faultTrees": [tree]} for tree in model["faultTrees"]]
+    whole = [model] if model.get("eventTrees") else []
+    solved = subprocess.run(
+        ["node", "-e", SOLVE, ENGINE],
+        input=json.dumps([*trees, *whole]),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert solved.returncode == 0, solved.stderr
+    results = json.loads(solved.stdout)
+    tops = {
+        tree["name"]: result["sumOfProducts"][0]["probability"]
+        for tree, result in zip(model["faultTrees"], results, strict=False)
+    }
+    ends = {
+        sequence["name"]: sequence["value"]
+        for result in results[len(trees) :]
+        for initiating in result["initiatingEvents"]
+        for sequence in initiating["sequences"]
+    }
+    return tops, ends
 
 
 def violations(request):

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from tests.prm.other_models.formats.models import logic_models, ordered, solved_tops
-from tests.prm.other_models.formats.openpra_engine import violations
+from tests.prm.other_models.formats.openpra_engine import engine_figures, needs_engine, violations
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.other_models.event_trees.elements import (
     Branch,
@@ -251,6 +251,16 @@ def test_a_random_model_is_taken_by_the_engine_and_keeps_its_names_and_figures(m
         shared = again.fault_tree(top)
         assert shared.probability(shared.values_at(1.0)).p == pytest.approx(figure, rel=1e-12)
     assert dumps_openpra(model) == text
+
+
+@needs_engine
+@settings(suppress_health_check=list(HealthCheck), max_examples=200, deadline=None)
+@given(st.booleans().flatmap(lambda plain: logic_models(figures=FIGURES, plain_names=plain)))
+def test_the_engine_itself_solves_a_random_model_to_our_digits(model):
+    assume(model.tops)
+    found, _ = engine_figures(json.loads(dumps_openpra(model)))
+    ours = solved_tops(model, 1.0)
+    assert sorted(found.values()) == pytest.approx(sorted(ours.values()), rel=1e-12, abs=1e-15)
 
 
 def test_a_home_with_the_name_of_another_top_gives_no_tree_its_name():

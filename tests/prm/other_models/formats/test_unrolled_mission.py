@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.prm.other_models.formats.openpra_engine import violations
+from tests.prm.other_models.formats.openpra_engine import engine_figures, needs_engine, violations
 from tracerisk.prm import build_model, solve
 from tracerisk.prm.other_models.formats.openpra import dumps_openpra, loads_openpra
 from tracerisk.prm.other_models.formats.unrolled_mission import logic_of_mission
@@ -68,6 +68,19 @@ def test_the_event_tree_has_the_figures_of_the_mission(models, data):
     text = dumps_openpra(logic, mission_time_h=1.0)
     assert violations(json.loads(text)) == []
     assert solved(loads_openpra(text, "again.json")) == pytest.approx(ends, rel=1e-10)
+
+
+@needs_engine
+@settings(suppress_health_check=list(HealthCheck), max_examples=50, deadline=None)
+@given(data=st.data())
+def test_the_engine_itself_solves_a_mission_to_our_digits(models, data):
+    model = data.draw(models)
+    logic = logic_of_mission(model)
+    _, ends = engine_figures(json.loads(dumps_openpra(logic, mission_time_h=1.0)))
+    # The engine names a sequence by its end; ours of one end are written with ends of their own.
+    (ours,) = solved_event_trees(logic, 1.0)
+    sequences = sorted(ours[each.name] for each in logic.event_trees[0].tree.sequences)
+    assert sorted(ends.values()) == pytest.approx(sequences, rel=1e-12, abs=1e-15)
 
 
 def test_each_function_ends_as_often_as_in_the_chain(block, component):

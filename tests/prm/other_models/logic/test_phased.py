@@ -6,6 +6,7 @@ import random
 import pytest
 
 from tests.slow import slow_but_every
+from tests.storm import of_gates, storm_probability
 from tracerisk.errors import ModelError
 from tracerisk.prm.other_models.formats.open_psa import loads_open_psa
 from tracerisk.prm.other_models.logic.phased import phased_probability
@@ -110,6 +111,48 @@ def test_random_missions_are_sums_over_the_phases_in_which_events_occur(seed):
         rest = float(1 - share)
     assert found.p == pytest.approx(float(share), rel=1e-12, abs=1e-35)
     assert found.q == pytest.approx(rest, rel=1e-12, abs=1e-35)
+
+
+def program(gates, rates, phases, ends):
+    """The mission as a chain of PRISM that goes from phase to phase: `k` of them have begun."""
+    text = ["dtmc", "module mission", f"k : [0..{len(phases)}] init 0;"]
+    text += [f"[go] k<{len(phases)} & !failed -> (k'=k+1);", "endmodule"]
+    for name, rate in rates.items():
+        text += [f"module {name}", f"x{name} : bool init false;", f"[go] x{name} -> true;"]
+        before = mpmath.mpf(0)
+        for number, end in enumerate(ends):
+            now = 0.01 if rate is None else -mpmath.expm1(-mpmath.mpf(rate) * HOURS * end)
+            p = as_text((now - before) / (1 - before))
+            text.append(f"[go] !x{name} & k={number} -> {p} : (x{name}'=true) + 1-{p} : true;")
+            before = now
+        text.append("endmodule")
+    shapes = {
+        name: (kind, k, [below for _, below in inputs]) for name, (kind, k, inputs) in gates.items()
+    }
+    tops = []
+    for number, (_, on) in enumerate(phases, 1):
+        leaves = {name: f"x{name}" for name in rates}
+        leaves |= {house: str(house in on).lower() for house in ("h0", "h1")}
+        tops.append(f"k={number} & {of_gates(shapes, 'top', leaves)}")
+    text += [f"formula failed = {' | '.join(tops)};", 'label "failed" = failed;']
+    return "\n".join(text)
+
+
+def as_text(number):
+    """A number of mpmath in the 40 digits that it has, which Storm reads as a fraction."""
+    return mpmath.nstr(number, 40, min_fixed=-100, max_fixed=100)
+
+
+@pytest.mark.parametrize("seed", slow_but_every(50, range(1000)))
+def test_storm_finds_the_same_exactly(seed, tmp_path):
+    gates, rates, laws, phases, ends = drawn(random.Random(seed))
+    model = model_of(gates, laws, phases)
+    found = phased_probability(model, model.alignments[0], "top", HOURS)
+    with mpmath.workdps(40):
+        text = program(gates, rates, phases, ends)
+    exactly = storm_probability(tmp_path / "m.prism", text, 'P=? [F "failed"]')
+    assert found.p == pytest.approx(float(exactly), rel=1e-12, abs=1e-35)
+    assert found.q == pytest.approx(float(1 - exactly), rel=1e-12, abs=1e-35)
 
 
 def test_cutting_a_phase_in_two_changes_nothing():
