@@ -12,14 +12,12 @@ from tracerisk.prm.other_models.dynamic import DynamicTree
 from tracerisk.prm.other_models.expressions import (
     Evaluation,
     Expression,
-    ExpressionModel,
     MissionTime,
     Number,
     Reference,
-    depends_on_mission_time,
 )
 from tracerisk.prm.other_models.expressions.laws import Exponential, Glm, Weibull
-from tracerisk.prm.other_models.logic.common_cause import ShareOf
+from tracerisk.prm.other_models.logic.failure_laws import failure_law
 from tracerisk.prm.other_models.logic.model import (
     ALWAYS,
     NEVER,
@@ -165,7 +163,7 @@ def tree_of_logic(
     events = []
     for event in tree.events:
         figure = event.model
-        law = None if figure is None else _law(figure, model, evaluation)
+        law = None if figure is None else failure_law(figure, model, evaluation)
         if law is None and figure is not None and mission_time_h is not None:
             law = failure_models.Constant(figure.probability(mission_time_h).p)
         if law is None and figure is not None:
@@ -182,30 +180,6 @@ def tree_of_logic(
     # A tree's own parameters tie events together, which Galileo has no word for.
     own = tuple(replace(event, parameter=event.name) for event in events)
     return with_a_gate(replace(tree, events=own))
-
-
-def _law(model: FailureModel, owner: LogicModel, evaluation: Evaluation) -> FailureModel | None:
-    """Return the failure model that a figure is, `None` where it is none that has a name."""
-    if isinstance(model, ShareOf):
-        whole = _law(model.model, owner, evaluation)
-        if isinstance(whole, failure_models.Constant):
-            return failure_models.Constant(model.share * whole.p)
-    if not isinstance(model, ExpressionModel):
-        is_constant = isinstance(model, failure_models.Constant)
-        return model if is_constant else None
-    expression: Expression = model.expression
-    names = owner.definitions.by_name
-    while isinstance(expression, Reference):
-        expression = names[expression.name]
-    if not depends_on_mission_time((expression,), names):
-        return failure_models.Constant(model.probability(0.0).p)
-    if isinstance(expression, Exponential | Weibull | Glm):
-        *figures, time = expression.arguments
-        while isinstance(time, Reference):
-            time = names[time.name]
-        if isinstance(time, MissionTime) and not depends_on_mission_time(figures, names):
-            return expression.model([evaluation.of(figure) for figure in figures])
-    return None
 
 
 def _expression(name: str, model: FailureModel, mission_time_h: float | None) -> Expression:
