@@ -362,7 +362,7 @@ def test_tops_are_solved_in_each_phase_of_an_alignment(call):
     assert mission["tops"][0]["probability"] == expected
 
 
-def test_phases_of_what_is_repaired_have_no_figure_of_the_mission(call):
+def test_a_mission_of_phases_of_what_is_repaired_is_that_of_any_time(call):
     law = "<GLM>" + "".join(f'<float value="{v}"/>' for v in (0.0, 0.1, 1.0))
     text = xml(law + "<system-mission-time/></GLM>")
     phases = (
@@ -371,10 +371,96 @@ def test_phases_of_what_is_repaired_have_no_figure_of_the_mission(call):
     )
     Path("repaired.xml").write_text(text.replace("</opsa-mef>", phases))
     data = solved(call, "repaired.xml", "--mission-time", "20")
-    assert data["missions"] == []
-    (told,) = data["notes"]
-    assert told.startswith("none in year, any phase: event ")
-    assert "is repaired or tested" in told
+    (mission,) = data["missions"]
+    Path("pair.dft").write_text(
+        "toplevel T; T or valve both; both and a b; valve prob=0.001;"
+        "a lambda=0.1 repair=1; b lambda=0.1 repair=1;"
+    )
+    (pair,) = solved(call, "pair.dft", "--mission-time", "20")["tops"]
+    expected = pytest.approx(pair["at_any_time"]["probability"], rel=1e-13)
+    assert mission["tops"][0]["probability"] == expected
+    # Cutting the mission in two changes nothing.
+    phases = phases.replace('"all" time-fraction="1"', '"first" time-fraction="0.3"').replace(
+        "</define-al", '<define-phase name="then" time-fraction="0.7"/></define-al'
+    )
+    Path("repaired.xml").write_text(text.replace("</opsa-mef>", phases))
+    (mission,) = solved(call, "repaired.xml", "--mission-time", "20")["missions"]
+    assert mission["tops"][0]["probability"] == expected
+
+
+CLIMB = "toplevel top; top 2of3 a b c; a lambda=0.01; b lambda=0.01; c lambda=0.01;"
+CRUISE = "toplevel top; top and a b; a lambda=0.001; b lambda=0.002;"
+
+
+def test_files_of_galileo_are_the_phases_of_a_mission(call):
+    Path("climb.dft").write_text(CLIMB)
+    Path("cruise.dft").write_text(CRUISE)
+    arguments = ("climb.dft", "cruise.dft", "--phase-hours", "2,10")
+    (top,) = solved(call, *arguments)["tops"]
+    sound = {name: math.exp(-0.01 * 2) for name in "abc"}
+    later = {"a": math.exp(-0.001 * 10), "b": math.exp(-0.002 * 10)}
+    failed = 0.0
+    for bits in range(8):
+        down = {name for number, name in enumerate("abc") if bits >> number & 1}
+        chance = math.prod(1 - sound[name] if name in down else sound[name] for name in "abc")
+        # In the second phase the mission fails if both `a` and `b` are down by its end.
+        both = math.prod(1.0 if name in down else 1 - later[name] for name in "ab")
+        failed += chance if len(down) >= 2 else chance * both
+    assert top["name"] == "any phase"
+    assert top["probability"] == pytest.approx(failed, rel=1e-13)
+    (higher,) = solved(call, *arguments, "--set", "c=0.1")["tops"]
+    assert higher["probability"] > top["probability"]
+    outcome = call("solve", *arguments, "--max-failure-probability", "1e-6")
+    assert outcome.code == 1
+    assert "any phase 0.00" in outcome.err
+    assert "climb.dft -> cruise.dft" in outcome.out
+
+
+def test_repair_and_dynamic_gates_go_on_from_phase_to_phase(call):
+    pair = "toplevel T; T and a b; a lambda=0.1 repair=1; b lambda=0.2 repair=1;"
+    spare = "toplevel T; T wsp a b; a lambda=0.1; b lambda=0.1 dorm=0.5;"
+    for text in (pair, spare):
+        Path("one.dft").write_text(text)
+        Path("two.dft").write_text(text)
+        (whole,) = solved(call, "one.dft", "--mission-time", "5")["tops"]
+        (parts,) = solved(call, "one.dft", "two.dft", "--phase-hours", "2,3")["tops"]
+        expected = whole.get("at_any_time", whole)["probability"]
+        assert parts["probability"] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("second", "options", "message"),
+    [
+        (CRUISE, ["--phase-hours", "2"], "--phase-hours gives 1 times, and there are 2 files"),
+        (CRUISE, ["--phase-hours", "2,1", "--curve", "3"], "--curve goes up to the mission time"),
+        (CRUISE, ["--phase-hours", "2,1", "--mission-time", "3"], "leave out --mission-time"),
+        (CRUISE, ["--phase-hours", "2,1", "--importance"], "--importance goes with one tree"),
+        (CRUISE, ["--phase-hours", "2,1", "--set", "x=1"], "there is no event 'x'"),
+        (CRUISE, ["--mission-time", "3"], "2 files; a model of the format galileo is one file"),
+        (
+            "toplevel T; T or a b; a prob=0.1; b lambda=1;",
+            ["--phase-hours", "2,1"],
+            "event 'a' is Exponential(rate=0.01) in 'climb.dft' and Constant(p=0.1) in",
+        ),
+        (
+            "toplevel T; T or a b; a lambda=0.1 repair=1; b lambda=1 repair=1;",
+            ["--phase-hours", "2,1"],
+            "event 'b' is repaired in 'second.dft', and 'climb.dft' does not have it; add it",
+        ),
+        (
+            "toplevel T; T or a w; a lambda=0.01; w rate=1 shape=2;",
+            ["--phase-hours", "2,1"],
+            "event 'w': Weibull counts the time of every phase, but 'climb.dft' does not have it",
+        ),
+    ],
+)
+def test_phases_that_make_no_mission_say_why(call, second, options, message):
+    climb = CLIMB.replace("b c; a", "c; a").replace("2of3", "2of2").replace("b lambda=0.01;", "")
+    Path("climb.dft").write_text(climb)
+    Path("second.dft").write_text(second)
+    outcome = call("solve", "climb.dft", "second.dft", *options)
+    assert outcome.code == 2
+    assert message in outcome.err
 
 
 # Chains.

@@ -16,6 +16,7 @@ from tracerisk.cli.shared.output import (
     undetected_exit,
 )
 from tracerisk.cli.shared.sources import model_of_files, read_profile
+from tracerisk.cli.shared.values import all_positive
 from tracerisk.cli.solving import figure_options as asked
 from tracerisk.cli.solving.hardware_spread import notes_data, print_spreads
 from tracerisk.errors import InputError
@@ -35,6 +36,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     shared.add_profile(parser)
     shared.add_mission_time(parser)
+    parser.add_argument(
+        "--phase-hours",
+        metavar="H,H",
+        type=all_positive,
+        help="the Galileo files are the phases of one mission; how long each is, in hours",
+    )
     words = "exit 1 if the failure probability, or a figure of a model file, is above P"
     shared.add_max_failure_probability(parser, words)
     shared.add_max_undetected_probability(parser)
@@ -57,6 +64,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--curve goes with trees and chains of other tools; leave it out")
     if options.mission_time_h is not None:
         raise InputError("--mission-time goes with trees and chains of other tools; leave it out")
+    if options.phase_hours is not None:
+        raise InputError("--phase-hours goes with files of Galileo; leave it out")
     if kind is ModelFormat.LINKED and len(options.files) == 1:
         from tracerisk.cli.solving.linked import solve_linked
 

@@ -37,6 +37,11 @@ def positive(text: str) -> float:
     return value
 
 
+def all_positive(text: str) -> tuple[float, ...]:
+    """Read numbers above 0 with commas between them."""
+    return tuple(map(positive, text.split(",")))
+
+
 def _number(text: str) -> float:
     try:
         return float(text)

@@ -125,6 +125,13 @@ def _curve(model: Solvable, options: argparse.Namespace) -> Curve | None:
 def _check_options(options: argparse.Namespace, kind: ModelFormat) -> None:
     if (options.properties or options.property_file) and kind not in CHAINS:
         raise InputError("--property goes with chains: PRISM files and .tra files")
+    if options.phase_hours is not None and kind is not ModelFormat.GALILEO:
+        raise InputError(
+            "--phase-hours goes with files of Galileo; Open-PSA says by alignments which phases "
+            "a mission has"
+        )
+    if options.phase_hours is not None and options.mission_time_h is not None:
+        raise InputError("--phase-hours says how long the mission is; leave out --mission-time")
     if options.curve is not None and options.mission_time_h is None:
         raise InputError("--curve goes up to the mission time; give --mission-time H, in hours")
     if options.profile:
@@ -156,18 +163,26 @@ def _solvable(files: Sequence[str], kind: ModelFormat, options: argparse.Namespa
 
 
 def _galileo(files: Sequence[str], options: argparse.Namespace) -> Solvable:
-    """Return the tree of a Galileo file, its parameters as `--set` has them."""
+    """Return the tree of a Galileo file, or several as phases, parameters as `--set` has them."""
     from tracerisk.cli.solving.dynamic import DynamicFile
     from tracerisk.prm.other_models.dynamic import DynamicTree
     from tracerisk.prm.other_models.formats import galileo
 
-    text = read_text(files[0])
     values = asked.parse_set(options.set_values, asked.number)
-    declared = galileo.parameter_names(text, files[0])
-    given = {name: values[name] for name in declared if name in values}
-    tree = read_model(files, ModelFormat.GALILEO, given)
-    assert isinstance(tree, DynamicTree)
-    return DynamicFile(tree, options.mission_time_h, text, given)
+
+    def read(*names: str) -> DynamicFile:
+        text = read_text(names[0])
+        declared = galileo.parameter_names(text, names[0])
+        given = {name: values[name] for name in declared if name in values}
+        tree = read_model(names, ModelFormat.GALILEO, given)
+        assert isinstance(tree, DynamicTree)
+        return DynamicFile(tree, options.mission_time_h, text, given)
+
+    if options.phase_hours is None:
+        return read(*files)
+    from tracerisk.cli.solving.phases import phase_files
+
+    return phase_files(tuple(files), options.phase_hours, read)
 
 
 def _questions(options: argparse.Namespace) -> PropertyFile | None:
