@@ -321,3 +321,43 @@ def test_other_features_of_metadata_definitions_change_nothing(tmp_path):
     assert one_file(tmp_path, text).components[0].figures[0].value == 1e-6
     with pytest.raises(HardwareError, match="Risk has no feature 'auditors'"):
         one_file(tmp_path, text.replace("} auditor =", "} auditors ="))
+
+
+def test_a_part_of_no_units_is_left_out(tmp_path):
+    hardware = one_file(
+        tmp_path,
+        f"package X {{ part r {{ part a {{ {DATA} }} part b [0] {{ {DATA} part c {{ {DATA} }} }} }} }}",
+    )
+    assert named(hardware) == {"a": 1}
+    assert [line.partition(": ")[2] for line in hardware.warnings] == [
+        f"'{name}' has the multiplicity 0 here, and is left out" for name in "bc"
+    ]
+
+
+def test_a_name_that_begins_with_a_digit_becomes_one_of_a_component(tmp_path):
+    text = f"package X {{ part r {{ part '4cyl engine' {{ {DATA} }} }} }}"
+    assert named(one_file(tmp_path, text)) == {"_4cyl_engine": 1}
+
+
+def test_imports_and_risks_of_behaviour_that_another_package_brings_lead_to_nothing(tmp_path):
+    text = f"""package Steps {{
+        public import Usages::*;
+        package Usages {{ action 'provide power' {{ }} }}
+    }}
+    package X {{
+        private import RiskMetadata::*;
+        private import Steps::*;
+        private import Steps::'provide power'::*;
+        analysis tradeOff {{ }}
+        @Risk about tradeOff::engine {{ totalRisk = RiskLevelEnum::medium; }}
+        part r {{ part a {{ {DATA} }} }}
+    }}"""
+    assert named(one_file(tmp_path, text)) == {"a": 1}
+    lost = text.replace(
+        "@Risk about tradeOff::engine { totalRisk = RiskLevelEnum::medium; }",
+        "metadata TraceriskHardware::FailureData about tradeOff { probability = 1e-6; }",
+    )
+    with pytest.raises(HardwareError, match="unknown name 'tradeOff'"):
+        one_file(tmp_path, lost)
+    with pytest.raises(HardwareError, match="'Steps' has no 'provide powers'"):
+        one_file(tmp_path, text.replace("Steps::'provide power'", "Steps::'provide powers'"))

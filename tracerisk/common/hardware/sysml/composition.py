@@ -231,9 +231,9 @@ def _bounds(part: Symbol, given: Multiplicity) -> tuple[int, int | None]:
             f"'{named}' is not a number of units; write the whole number itself",
             part.location(given.at),
         )
-    if high is not None and (low > high or high < 1):
+    if high is not None and low > high:
         raise HardwareError(
-            f"a multiplicity of {_text((low, high))} allows no units; write a number above 0",
+            f"a multiplicity of {_text((low, high))} allows no units; write the lower bound first",
             part.location(given.at),
         )
     return low, high

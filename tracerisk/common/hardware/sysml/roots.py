@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from tracerisk.common.hardware.sysml.annotations import Annotations
+from tracerisk.common.hardware.sysml.annotations import Annotations, own_annotations
 from tracerisk.common.hardware.sysml.composition import Composition
 from tracerisk.common.hardware.sysml.language.name_resolution import Symbol, ancestors
+from tracerisk.common.hardware.sysml.language.skipped import skipped_warnings
 from tracerisk.common.hardware.sysml.language.syntax import Element, Package
 from tracerisk.errors import HardwareError, one_of
 
@@ -36,6 +37,7 @@ def find_root(
         [symbol for symbol in top if _is(symbol, is_definition=True) and holds(symbol)], mains
     )
     if not symbols:
+        _say_where_data_is_lost(mains)
         raise HardwareError(
             "no part has failure data; give one '@FailureData { rate = 5.7e-6 [h^-1]; }' "
             "(and 'private import TraceriskHardware::*;')",
@@ -57,6 +59,25 @@ def find_root(
             symbols[1].location(),
         )
     return symbols[0]
+
+
+def _say_where_data_is_lost(mains: Sequence[Symbol]) -> None:
+    """Raise HardwareError at the first failure data that belongs to no part of a system."""
+    skipped_warnings(tuple(mains))
+    waiting = list(reversed(mains))
+    while waiting:
+        symbol = waiting.pop()
+        if not isinstance(symbol.node, Package | Element):
+            continue
+        if isinstance(symbol.node, Element):
+            for metadata in own_annotations(symbol):
+                if metadata.kind == "FailureData":
+                    raise HardwareError(
+                        f"the failure data of '{symbol}' is of no part of a system; describe "
+                        "hardware by parts, in a part that stands directly in a package",
+                        metadata.location,
+                    )
+        waiting += reversed(symbol.members)
 
 
 def _named(system: str, top: list[Symbol], holds: _Holding, main: Symbol) -> Symbol:

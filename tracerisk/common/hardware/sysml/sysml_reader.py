@@ -132,6 +132,11 @@ class _Reading:
         if not data:
             self._warn_without_figure(place)
             return None
+        if product(place.outer, place.own or (1, 1)) == (0, 0):
+            self._warn(
+                part.location(), f"'{part.name}' has the multiplicity 0 here, and is left out"
+            )
+            return None
         name = component_name(place)
         figures, law, age_s = self._figures(place, data)
         if not figures:
@@ -274,9 +279,11 @@ _METADATA_OF = {
 def component_name(place: Place) -> str:
     """Return the qualified name of a component: the parts around it below the root, and it.
 
-    Raises HardwareError at a part without a name, or with one that is not a component's.
+    One that would begin with a digit has `_` before it. Raises HardwareError at a part without a
+    name, or with one that is not a component's.
     """
-    return ".".join(_own_name(symbol) for symbol in (place.way[1:] or place.way))
+    name = ".".join(_own_name(symbol) for symbol in (place.way[1:] or place.way))
+    return f"_{name}" if name[0].isdigit() else name
 
 
 def _own_name(part: Symbol) -> str:

@@ -88,11 +88,25 @@ class Imports:
             spaces.append(owner)
             owner = owner.owner
         for index, segment in enumerate(name):
-            for space in spaces:
-                nodes = () if space is None or isinstance(space, Standard) else space.nodes
-                if any(isinstance(node, Skipped) and node.name == segment for node in nodes):
-                    return True
+            namespaces = [
+                space for space in spaces if space is not None and not isinstance(space, Standard)
+            ]
+            if any(space.imports.skips(segment) for space in namespaces):
+                return True
             spaces = [self._space.qualified(name[: index + 1])]
+        return False
+
+    def skips(self, name: str) -> bool:
+        """Whether what is not read has a name here, or in what is imported whole so far."""
+        waiting, seen = [self._space], {self._space}
+        while waiting:
+            space = waiting.pop()
+            if any(isinstance(node, Skipped) and node.name == name for node in space.nodes):
+                return True
+            for item, imported in space.imports._found or ():
+                if item.every and not isinstance(imported, Standard) and imported not in seen:
+                    seen.add(imported)
+                    waiting.append(imported)
         return False
 
     def open_libraries(self) -> Iterator[Standard]:
