@@ -9,7 +9,7 @@ from tracerisk.cli.shared.actions import add_output, deliver
 from tracerisk.cli.shared.output import print_json
 from tracerisk.pipeline.start.schemas import schema_text
 
-_NAMES = ("settings", "pyproject", "hardware", "scenario", "driver")
+_NAMES = ("settings", "pyproject", "hardware", "scenario", "driver", "model", "linked")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -19,7 +19,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         choices=_NAMES,
         help="settings (the table [tool.tracerisk]), pyproject (a pyproject.toml with it), "
-        "hardware, scenario or driver",
+        "hardware, scenario or driver; model (that build writes) or linked (chains and trees)",
     )
     add_output(parser)
     shared.add_json(parser)

@@ -1,6 +1,7 @@
 """JSON Schemas of the files that users write, by which editors complete and check them.
 
-They are in draft 7, which catalogues of schemas and language servers for TOML and YAML take. Those
+They are in draft 7, which catalogues of schemas and language servers for TOML and YAML take; those
+of models are in 2020-12. Those
 of the settings are made of `config.Settings`, so that nothing is said twice.
 """
 
@@ -20,15 +21,17 @@ from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.common.worlds.world import ALL, WORLDS, group_names
 from tracerisk.config import Settings
 
-SchemaName = Literal["settings", "pyproject", "hardware", "scenario", "driver"]
+SchemaName = Literal["settings", "pyproject", "hardware", "scenario", "driver", "model", "linked"]
 """The kinds of files: `settings` is the table `[tool.tracerisk]` alone, `pyproject` a whole
-`pyproject.toml` with it."""
+`pyproject.toml` with it; `model` and `linked` are models, which programs write."""
 
 _DRAFT = "http://json-schema.org/draft-07/schema#"
 _SHIPPED: dict[str, tuple[str, str]] = {
     "hardware": ("tracerisk.common.hardware", "hardware.schema.json"),
     "scenario": ("tracerisk.ros.scenario", "scenario.schema.json"),
     "driver": ("tracerisk.ros.vendors", "driver.schema.json"),
+    "model": ("tracerisk.prm.formats", "schemas/hybrid-model-1.json"),
+    "linked": ("tracerisk.prm.formats", "schemas/linked-model-1.json"),
 }
 """The package and the file of each schema that is kept as a file."""
 _PYTHON_WORDS = {"`None`:": "if it is not set:", "`True`:": "`true`:", "`False`:": "`false`:"}
