@@ -8,7 +8,6 @@ Reliability Theory", 2nd ed. (2004), chapter 8).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING
 from tracerisk.errors import ModelError, TooLargeError
 from tracerisk.prm.numbers.probability import Probability
 from tracerisk.prm.numbers.quantities import check_mission_time
+from tracerisk.prm.other_models.dynamic.failure_chain import FailureChain
 from tracerisk.prm.other_models.markov.uniformisation import after_time
 from tracerisk.prm.trees.events import BasicEvent, FailureModel
 from tracerisk.prm.trees.failure_models import GLM, NEVER, Constant, Exponential, PerDemand
@@ -129,10 +129,30 @@ def first_failure_in_phases(phases: Sequence[MissionPhase]) -> Probability:
         }
     lost = 0.0
     for phase, row in zip(phases, laws, strict=True):
-        lost, working = _through(phase, names, [law or _ABSENT for law in row], lost, working)
-    if lost == 0.0:
+        sets, chain = _chain(phase, names, [law or _ABSENT for law in row], lost, working)
+        hours = phase.end_h - phase.begin_h
+        if phase is phases[-1]:
+            break
+        rates: list[dict[int, float]] = [{} for _ in range(chain.states)]
+        for source, target, rate in chain.transitions:
+            rates[source][target] = rates[source].get(target, 0.0) + rate
+        begun = [0.0] * chain.states
+        for state, share in chain.initial:
+            begun[state] += share
+        lost, *shares = after_time(rates, begun, hours)
+        working = dict(zip(sets, shares, strict=True))
+    if not sets:
+        return ALWAYS
+    if lost == 0.0 and not _is_lost(chain):
         return NEVER
-    return Probability(lost, math.fsum(working.values())) if working else ALWAYS
+    return chain.failed_by(hours)
+
+
+def _is_lost(chain: FailureChain) -> bool:
+    """Return whether a chain begins in its failure, or comes to it."""
+    return any(state == 0 for state, _ in chain.initial) or any(
+        target == 0 for _, target, _ in chain.transitions
+    )
 
 
 _Law = tuple[float, float, float]
@@ -140,14 +160,17 @@ _Law = tuple[float, float, float]
 _ABSENT: _Law = (0.0, 0.0, 0.0)
 
 
-def _through(
+def _chain(
     phase: MissionPhase,
     names: Sequence[str],
     laws: Sequence[_Law],
     lost: float,
     working: dict[int, float],
-) -> tuple[float, dict[int, float]]:
-    """Return what is lost by the end of a phase, and the sets of failed events of what is not."""
+) -> tuple[list[int], FailureChain]:
+    """Return the chain of a phase, and the sets of failed events that its states 1, 2... are.
+
+    What was lost before, and what the phase's top happens for, is in its state 0.
+    """
     numbers: dict[int, int] = {}
     sets: list[int] = []
 
@@ -160,22 +183,15 @@ def _through(
                 sets.append(failed)
         return numbers[failed]
 
-    begun: dict[int, float] = {0: lost}
-    for failed, share in working.items():
-        state = state_of(failed)
-        begun[state] = begun.get(state, 0.0) + share
-    rates: list[dict[int, float]] = [{}]
-    for failed in sets:
-        ways: dict[int, float] = {}
+    initial = [(0, lost)] if lost else []
+    initial += [(state_of(failed), share) for failed, share in working.items() if share]
+    transitions: list[tuple[int, int, float]] = []
+    for source, failed in enumerate(sets, 1):
         for number, (_, failing, repairing) in enumerate(laws):
             rate = repairing if failed >> number & 1 else failing
             if rate:
-                target = state_of(failed ^ 1 << number)
-                ways[target] = ways.get(target, 0.0) + rate
-        rates.append(ways)
-    start = [begun.get(state, 0.0) for state in range(len(rates))]
-    end = after_time(rates, start, phase.end_h - phase.begin_h)
-    return end[0], dict(zip(sets, end[1:], strict=True))
+                transitions.append((source, state_of(failed ^ 1 << number), rate))
+    return sets, FailureChain(len(sets) + 1, tuple(initial), tuple(transitions))
 
 
 def _law_in(phase: MissionPhase, name: str, phases: Sequence[MissionPhase]) -> _Law | None:
