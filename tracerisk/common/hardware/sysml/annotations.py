@@ -231,7 +231,7 @@ class Annotations:
         for target in node.about:
             hit = scope.lookup(target)
             if not isinstance(hit, Symbol):
-                if known.kind == "Risk" and scope.is_skipped(target.name):
+                if known.kind == "Risk" and scope.imports.is_skipped(target.name):
                     continue  # a risk of behaviour
                 raise scope.unknown(target)
             full = (*target.name, *(name for step in target.steps for name in step))

@@ -70,7 +70,7 @@ class Imports:
                     space = self._space.lookup(item.target)
                     if space is not None:
                         imports.append((item, space))
-                    elif not self._is_skipped(item.target.name):
+                    elif not self.is_skipped(item.target.name):
                         left.append(item)
                 if len(left) == len(waiting):
                     raise self._space.unknown(left[0].target)
@@ -80,7 +80,7 @@ class Imports:
             raise
         return imports
 
-    def _is_skipped(self, name: Name) -> bool:
+    def is_skipped(self, name: Name) -> bool:
         """Whether a name leads into an element that is not read, such as an action."""
         spaces: list[Found | None] = [self._space]
         owner = self._space.owner
