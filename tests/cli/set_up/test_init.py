@@ -367,6 +367,15 @@ arm.go([0.1, -1.0, 1.0, 0.0, 0.5, 0.0], wait=True)
 """
 
 
+def test_it_names_the_grippers_for_an_arm_whose_gripper_is_assumed(repository):
+    repository.write("pick.py", UNNAMED + "hand = moveit_commander.MoveGroupCommander('gripper')\n")
+    words = "the gripper of ur5e is assumed with all its figures; --robot ur5e+GRIPPER names it"
+    assert words in " ".join(repository.run("init", "--robot", "ur5e").out.split())
+    assert "assumed" not in repository.run("init", "--robot", "ur5e+robotiq_2f_85").out
+    repository.write("pick.py", UNNAMED)
+    assert "assumed" not in repository.run("init", "--robot", "ur5e").out
+
+
 def test_a_robot_that_is_given_is_that_of_the_next_run(repository):
     repository.write("pick.py", UNNAMED)
     unknown = repository.run("init")

@@ -60,6 +60,7 @@ def run(options: argparse.Namespace) -> int:
             "init",
             controllers=list(start.controllers),
             robots={name: list(files) for name, files in start.robots.items()},
+            assumed_grippers=list(start.assumed_grippers),
             asked={name: list(told) for name, told in start.asked.items()},
             files=[*(file.path for file in start.files), *of_git],
             lacking=list(start.settings_lack),
@@ -103,6 +104,7 @@ def _show(start: ProjectStart, of_git: Mapping[str, str]) -> None:
         show(f"  and {count - _MOST_SHOWN} more")
     for robot, files in start.robots.items():
         show(f"robot: {robot}" + ("" if len(start.robots) == 1 else f", of {', '.join(files)}"))
+    show(*start.assumed_grippers)
     if start.robot_why:
         why = f"{start.robot_why}; `tracerisk robots` lists those that are known"
         show(f"robot: unknown ({why}); --robot NAME says it")

@@ -65,6 +65,8 @@ class ProjectStart:
     """The controllers that drive each robot, by the robot's name."""
     robot_why: str
     """Why no robot is known for a controller, in words; empty where all are."""
+    assumed_grippers: tuple[str, ...]
+    """For each robot whose gripper nobody names, how to name it, in words."""
     settings_lack: tuple[str, ...]
     """What existing settings should say of the robot and its hardware, as sentences."""
     asked: Mapping[str, tuple[str, ...]]
@@ -89,7 +91,7 @@ def project_start(
     Raises RobotError for an unknown robot, SettingsError for a malformed `pyproject.toml`.
     """
     controllers = tuple(_controllers(root))
-    robots, why = _robots(root, controllers, robot)
+    robots, why, assumed = _robots(root, controllers, robot)
     files: list[StartFile] = []
     described: dict[str, str] = {}
     schemas: dict[str, SchemaName] = {}
@@ -126,7 +128,9 @@ def project_start(
         )
     files += ci_files(root, ci)
     asked = _asked(root, controllers)
-    return ProjectStart(root, controllers, robots, why, tuple(lacking), asked, tuple(files))
+    return ProjectStart(
+        root, controllers, robots, why, assumed, tuple(lacking), asked, tuple(files)
+    )
 
 
 def _controllers(root: Path) -> Iterator[str]:
@@ -154,29 +158,43 @@ def _is_controller(path: Path) -> bool:
 
 def _robots(
     root: Path, controllers: tuple[str, ...], given: str | None
-) -> tuple[dict[str, tuple[str, ...]], str]:
+) -> tuple[dict[str, tuple[str, ...]], str, tuple[str, ...]]:
+    """Return the controllers of each robot, why one is unknown, and which grippers are assumed."""
     if "sim" in missing_extras():
-        return {} if given is None else {given: controllers}, "the simulator is not installed"
-    from tracerisk.pipeline.robot.choice import driven_robot
-    from tracerisk.twin.robots.added_gripper import named_robot
+        named = {} if given is None else {given: controllers}
+        return named, "the simulator is not installed", ()
+    from tracerisk.pipeline.robot.choice import driven_robot, equipped
+    from tracerisk.twin.robots.added_gripper import (
+        has_assumed_gripper,
+        named_robot,
+        words_of_assumed_gripper,
+    )
     from tracerisk.twin.robots.generic import NAME as GENERIC
 
-    if given is not None:
-        return {named_robot(given).name: controllers}, ""
+    robot = None if given is None else named_robot(given)
     robots: dict[str, list[str]] = {}
+    assumed: dict[str, str] = {}
     why = "" if controllers else "no controller was found"
     for text in controllers[:_MOST_READ]:
         try:
             controller = load_controller(root / text)
-            robot = driven_robot(controller, controller.settings)
+            driven = (
+                driven_robot(controller, controller.settings)
+                if robot is None
+                else equipped(robot, controller)
+            )
         except TraceRiskError as error:
             why = why or f"{text}: {error.message}"
             continue
-        if robot.name == GENERIC:
+        if driven.name == GENERIC:
             why = why or f"{text} names none that is known"
             continue
-        robots.setdefault(robot.name, []).append(text)
-    return {name: tuple(files) for name, files in robots.items()}, why
+        robots.setdefault(driven.name, []).append(text)
+        if has_assumed_gripper(driven):
+            assumed[driven.name] = words_of_assumed_gripper(driven)
+    if robot is not None:
+        return {robot.name: controllers}, "", tuple(assumed.values())
+    return {name: tuple(files) for name, files in robots.items()}, why, tuple(assumed.values())
 
 
 def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...]]:

@@ -43,11 +43,9 @@ from tracerisk.twin.recording.contact_pairs import Hold
 from tracerisk.twin.recording.contacts import RunContacts
 from tracerisk.twin.recording.samples import Samples
 from tracerisk.twin.robots.added_gripper import NAME as ASSUMED_GRIPPER
-from tracerisk.twin.robots.added_gripper import has_assumed_gripper
+from tracerisk.twin.robots.added_gripper import has_assumed_gripper, words_of_assumed_gripper
 from tracerisk.twin.robots.generic import NAME as GENERIC
 from tracerisk.twin.robots.gripper_ends import GripperEnds, gripper_ends
-from tracerisk.twin.robots.index import shipped_grippers
-from tracerisk.twin.robots.robot import robot_names
 
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
@@ -160,11 +158,7 @@ def _assumed(robot: Robot, recording: Recording) -> Iterator[tuple[str, str]]:
             yield robot.name, finding.message
     commanded = {name for command in recording.commands for name in command.elements}
     if ASSUMED_GRIPPER in commanded and has_assumed_gripper(robot):
-        words = f"the gripper of {robot.name} is assumed with all its figures"
-        if robot.name in robot_names():
-            grippers = ", ".join(shipped_grippers())
-            words += f"; --robot {robot.name}+GRIPPER names it, one of {grippers}"
-        yield ASSUMED_GRIPPER, words
+        yield ASSUMED_GRIPPER, words_of_assumed_gripper(robot)
 
 
 def _unconfirmed(

@@ -19,7 +19,7 @@ from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.robots.generic import FINGER_OPENING, sliding_fingers
 from tracerisk.twin.robots.index import shipped_grippers
 from tracerisk.twin.robots.prefix import renamed
-from tracerisk.twin.robots.robot import Robot, load_robot
+from tracerisk.twin.robots.robot import Robot, load_robot, robot_names
 from tracerisk.twin.robots.robot_parts import Controller, Group
 
 NAME = "gripper"
@@ -52,6 +52,15 @@ def has_assumed_gripper(robot: Robot) -> bool:
         for gripper in robot.grippers
         for pad in gripper.pads
     )
+
+
+def words_of_assumed_gripper(robot: Robot) -> str:
+    """Return what to say of a robot that has an assumed gripper, and how one is named for it."""
+    words = f"the gripper of {robot.name} is assumed with all its figures"
+    if robot.name in robot_names():
+        words += f"; --robot {robot.name}{ADDED}GRIPPER names it, one of "
+        words += ", ".join(shipped_grippers())
+    return words
 
 
 def with_assumed_gripper(robot: Robot, joints: Iterable[str]) -> Robot:
