@@ -83,7 +83,11 @@ def test_the_same_outcome_has_no_changes():
     ("end", "held_in", "expected"),
     [
         ((0.4, 0.1, 0.05), "", "cup is no longer moved"),
-        ((0.4, -0.225, 0.05), "", "cup ends 25 mm from where it ended"),
+        (
+            (0.4, -0.225, 0.05),
+            "",
+            "cup ends 25 mm from where it ended, at (0.400, -0.225, 0.050) m, before: (0.400, -0.200, 0.050) m",
+        ),
         ((0.4, -0.2, 0.05), "hand", "cup ends held in hand, before: free"),
     ],
 )
@@ -136,10 +140,46 @@ def test_many_rests_in_a_row_that_are_added_are_one_line():
     )
 
 
-def test_a_rest_elsewhere_says_how_far():
+def lifted(a: float, b: float, by_m: float) -> Rest:
+    """Return a rest above a place, as an arm that slides along z too would have it."""
+    held = rest(a + 0.5, b, -0.5)
+    x, y, z = held.tool_m
+    return replace(held, tool_m=(x, y, z + by_m))
+
+
+def test_a_rest_elsewhere_says_how_far_and_where():
     after = outcome(*MISSION[:5], rest(-0.3, 0.024), *MISSION[6:], objects=[thing()])
     (line,) = outcome_changes(WHOLE, after).lost
-    assert line == "rest 5 of 6 at (-0.300, 0.000, 0.300) m is now 24 mm from there"
+    where = "rest 5 of 6 at (-0.300, 0.000, 0.300) m is now"
+    assert line == f"{where} 24 mm from there, at (-0.300, 0.024, 0.300) m"
+    for by_m, word in ((0.05, "higher"), (-0.05, "lower")):
+        after = outcome(*MISSION[:5], lifted(-0.3, 0.0, by_m), *MISSION[6:], objects=[thing()])
+        assert outcome_changes(WHOLE, after).lost == (f"{where} 50 mm {word}",)
+
+
+def test_rests_that_one_constant_shifts_are_one_sentence_with_its_direction():
+    places = [(0.1, 0.0), (0.2, 0.1), (0.3, 0.2), (0.4, 0.3), (0.5, 0.4)]
+    before = outcome(*(rest(x, y) for x, y in places))
+    higher = outcome(rest(0.1), *(lifted(x, y, 0.1) for x, y in places[1:]))
+    changes = outcome_changes(before, higher)
+    assert changes.lost == ("4 rests of 5 are now 100 mm higher: 2 to 5",)
+    assert changes.result  # the last rest, which is one of them
+    aside = outcome(*(rest(x, y - 0.04 * (y in (0.1, 0.3))) for x, y in places))
+    changes = outcome_changes(before, aside)
+    assert changes.lost == ("2 rests of 5 are now 40 mm away, by (0, -40, 0) mm: 2, 4",)
+    assert changes.is_other_way
+    both = outcome(*before.rests[:1], lifted(0.2, 0.1, 0.1), rest(0.3, 0.16), *before.rests[3:])
+    assert len(outcome_changes(before, both).lost) == 2
+
+
+def test_where_the_arm_ends_is_the_result_and_said_once():
+    after = outcome(*MISSION[:-1], rest(0.05), objects=[thing()])
+    changes = outcome_changes(WHOLE, after)
+    assert changes.result == (
+        "the arm ends 50 mm from where it ended, at (0.050, 0.000, 0.300) m, before: "
+        "(0.000, 0.000, 0.300) m",
+    )
+    assert not changes.lost
 
 
 def test_another_posture_at_the_same_place_loses_nothing():
@@ -153,18 +193,13 @@ def test_another_posture_at_the_same_place_loses_nothing():
 def test_a_tool_turned_otherwise_is_another_rest():
     after = outcome(*MISSION[:2], rest(0.3, 0.2, d=0.5), *MISSION[3:], objects=[thing()])
     (line,) = outcome_changes(WHOLE, after).lost
-    assert line.endswith("is now with the tool turned by 29 deg from there")
+    assert line.endswith("is now with the tool turned by 29 deg")
 
 
 def test_an_arm_arrives_a_little_before_its_last_goal():
     near = outcome(*MISSION[:-1], rest(0.008), objects=[thing()])
     assert not outcome_changes(WHOLE, near).result
     assert outcome_changes(WHOLE, near).lost
-
-
-def test_where_the_arm_ends_is_the_result():
-    after = outcome(*MISSION[:-1], rest(0.05), objects=[thing()])
-    assert "the arm ends 50 mm from where it ended" in outcome_changes(WHOLE, after).result
 
 
 @pytest.mark.parametrize(
@@ -324,7 +359,10 @@ def test_of_a_long_run_steps_ends_and_counts_are_compared():
         "the mission has 502 steps in all, before: 503",
     )
     ends = outcome_changes(long_run(last=rest(0.1)), long_run(last=rest(0.2)))
-    assert ends.result == ("the arm ends 100 mm from where it ended",)
+    assert ends.result == (
+        "the arm ends 100 mm from where it ended, at (0.200, 0.000, 0.300) m, before: "
+        "(0.100, 0.000, 0.300) m",
+    )
     assert long_run().cell_counts[0].uses == 3
 
 

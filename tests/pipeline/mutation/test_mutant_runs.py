@@ -99,7 +99,7 @@ def test_a_change_of_the_script_is_run_and_no_file_is_touched(plan, turning, wor
 def test_a_change_of_a_module_is_run(plan, turning):
     done = run_mutant(job_of(plan, turning, "0.02 becomes 0.04"))
     assert (done.file, done.line, done.function) == ("angles.py", 1, "<module>")
-    assert "rest 2 of 2 at (0.365, 0.018, 0.434) m is now 8 mm from there" in done.differs
+    assert "2 rests of 2 are now 8 mm away, by (0, 8, 0) mm: 1, 2" in done.differs
     assert (done.verdict, done.noticed_by) == ("complete", "nothing")
 
 

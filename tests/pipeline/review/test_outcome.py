@@ -77,7 +77,8 @@ def test_rests_elsewhere_on_the_way_to_the_same_result_are_another_way_whatever_
     out = " ".join(repository.run("diff", "HEAD", "pick.py").out.split())
     assert (
         "pick.py goes another way, same result: rest 2 of 3 at (0.300, 0.100, 0.500) m is now 50 "
-        "mm from there; mission failure is 2.000e-07 now and was 4.000e-07, by different ways."
+        "mm from there, at (0.300, 0.150, 0.500) m; mission failure is 2.000e-07 now and was "
+        "4.000e-07, by different ways."
     ) in out
     for wrong in ("does less", "different missions", "falls"):
         assert wrong not in out

@@ -118,7 +118,7 @@ def test_a_rest_that_is_elsewhere_is_reached_by_both_at_one_place():
     )
     assert kinds(aligned) == ["same", "other", "same"]
     (difference,) = aligned.differences
-    assert difference.words == ("rest 2 of 3 at (0.000, 0.000, 0.400) m is now 100 mm from there",)
+    assert difference.words == ("rest 2 of 3 at (0.000, 0.000, 0.400) m is now 100 mm higher",)
     assert (difference.before_s, difference.now_s) == pytest.approx((3.5, 2.5))
     there = next(pair for pair in map(aligned.times_at, _places(aligned)) if pair[0] > 3.4)
     assert there == pytest.approx((3.5, 2.5))

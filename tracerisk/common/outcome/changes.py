@@ -7,14 +7,13 @@ the arm rests and moves, is named and decides nothing.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from tracerisk.common.outcome.alignment import aligned
-from tracerisk.common.outcome.arm import angle_between
+from tracerisk.common.outcome.moved_rests import MovedRest, moved_together, rest_name
 from tracerisk.common.outcome.outcome import (
     CellUse,
     GripperUse,
@@ -28,7 +27,6 @@ from tracerisk.common.outcome.result_changes import (
     millimetres,
     newly_moved,
     object_changes,
-    position_words,
 )
 from tracerisk.common.outcome.step_words import (
     _IN_A_ROW,
@@ -147,14 +145,21 @@ class _Comparison:
         """Return where the arm ends otherwise."""
         lines = []
         for number in range(max(len(self._old.arms), len(self._new.arms))):
-            before = [rest for rest in self._old.rests if rest.arm == number]
-            after = [rest for rest in self._new.rests if rest.arm == number]
-            if before and after and not self._tolerances.is_same_rest(before[-1], after[-1], _ENDS):
-                apart = self._apart(before[-1], after[-1])
-                lines.append(f"{self._arm_name(number)} ends {apart} where it ended")
-            elif before and not after:
+            if number in self._moved_ends:
+                lines.append(f"{self._arm_name(number)} {self._moved_ends[number].end_words}")
+            elif self._old.rests_of(number) and not self._new.rests_of(number):
                 lines.append(f"{self._arm_name(number)} never comes to rest, before: it did")
         return lines
+
+    @cached_property
+    def _moved_ends(self) -> dict[int, MovedRest]:
+        """The last rest of each arm that ends elsewhere, by the arm's number."""
+        ends = {}
+        for number in range(len(self._old.arms)):
+            before, after = (outcome.rests_of(number) for outcome in (self._old, self._new))
+            if before and after and not self._tolerances.is_same_rest(before[-1], after[-1], _ENDS):
+                ends[number] = self._moved(before[-1], after[-1])
+        return ends
 
     def _arm_name(self, number: int) -> str:
         arms = self._old.arms or self._new.arms
@@ -179,6 +184,9 @@ class _Comparison:
         added: list[str] = []
         for gone, come in self._gaps():
             self._gap(gone, come, lost, added)
+        lost = [self._moved_together.get(sentence, sentence) for sentence in lost]
+        told = {moved_rest.words for moved_rest in self._moved_ends.values()}
+        lost = [sentence for sentence in lost if sentence not in told]
         added += self._other_postures()
         lost += self._moved_uses()
         lost += self._other_ways.values()
@@ -194,24 +202,31 @@ class _Comparison:
         """Add what is lost and what is added between two steps that are the same."""
         rests = [step for step in gone if isinstance(step, Rest)]
         others = [step for step in come if isinstance(step, Rest)]
-        lost += self._moved_rests(rests, others)
+        lost += [moved_rest.words for moved_rest in self._moved_rests(gone, come)]
         lost += self._lost_rests(rests[len(others) :])
         added += new_rests(others[len(rests) :])
         lost += self._grip_changes(gone, come, added)
 
-    def _moved_rests(self, rests: Sequence[Rest], others: Sequence[Rest]) -> Iterator[str]:
+    def _moved_rests(self, gone: Sequence[Step], come: Sequence[Step]) -> Iterator[MovedRest]:
+        """Yield the rests between two steps that are the same which are elsewhere now."""
+        rests, others = (
+            [step for step in steps if isinstance(step, Rest)] for steps in (gone, come)
+        )
         for old, new in zip(rests, others, strict=False):
-            yield f"{self._rest_name(old)} is now {self._apart(old, new)} there"
+            yield self._moved(old, new)
+
+    def _moved(self, old: Rest, new: Rest) -> MovedRest:
+        return MovedRest(self._number(old), self._total(old), old, new, self._tolerances)
+
+    @cached_property
+    def _moved_together(self) -> dict[str, str]:
+        """For the words of each rest that is elsewhere now the sentence that says it of many."""
+        gaps = self._gaps()
+        return moved_together([rest for gap in gaps for rest in self._moved_rests(*gap)])
 
     def other_places(self) -> set[str]:
         """Return which rests are elsewhere now, and are reached by another way."""
-        lines = set(self._other_ways.values())
-        for gone, come in self._gaps():
-            rests = [step for step in gone if isinstance(step, Rest)]
-            lines.update(
-                self._moved_rests(rests, [step for step in come if isinstance(step, Rest)])
-            )
-        return lines
+        return {*self._other_ways.values(), *self._moved_together.values()}
 
     def in_step(self) -> Iterator[AlignedSteps]:
         """Yield the steps that are the same, and those between them, in order."""
@@ -255,8 +270,8 @@ class _Comparison:
             yield from (f"{self._rest_name(rest)} is no longer reached" for rest in rests)
             return
         first, last = (self._number(rest) for rest in (rests[0], rests[-1]))
-        total = sum(rest.arm == rests[0].arm for rest in self._old.rests)
-        of = "" if self._old.left_out else f" of {total}"
+        total = self._total(rests[0])
+        of = f" of {total}" if total else ""
         yield f"rests {first} to {last}{of} are no longer reached"
 
     def _stretches(self) -> Iterator[tuple[tuple[Step, ...], tuple[Step, ...], bool]]:
@@ -355,17 +370,12 @@ class _Comparison:
 
     # Words
 
-    def _apart(self, old: Rest, new: Rest) -> str:
-        off = math.dist(old.tool_m, new.tool_m)
-        if off > self._tolerances.place_m * ROUNDING:
-            return f"{millimetres(off)} from"
-        turned = math.degrees(angle_between(old.tool_turn, new.tool_turn))
-        return f"with the tool turned by {turned:.0f} deg from"
-
     def _rest_name(self, rest: Rest) -> str:
-        total = sum(result.arm == rest.arm for result in self._old.rests)
-        of = "" if self._old.left_out else f" of {total}"
-        return f"rest {self._number(rest)}{of} at {position_words(rest.tool_m)}"
+        return rest_name(self._number(rest), self._total(rest), rest)
+
+    def _total(self, rest: Rest) -> int:
+        """Return how many rests of an arm there are; 0 where not all are kept."""
+        return 0 if self._old.left_out else len(self._old.rests_of(rest.arm))
 
     def _grip_changes(
         self, gone: Sequence[Step], come: Sequence[Step], added: list[str]
@@ -386,5 +396,4 @@ class _Comparison:
                 added.append(more or f"{gripper} newly {grip(now)}")
 
     def _number(self, rest: Rest) -> int:
-        rests = [result for result in self._old.rests if result.arm == rest.arm]
-        return 1 + sum(result.order < rest.order for result in rests)
+        return 1 + sum(same.order < rest.order for same in self._old.rests_of(rest.arm))

@@ -179,6 +179,10 @@ class Outcome:
         rests: list[Step] = [*self.rests, *self.grips, *self.cell]
         return tuple(sorted(rests, key=lambda step: step.order))
 
+    def rests_of(self, arm: int) -> tuple[Rest, ...]:
+        """Return the rests of one arm, in order."""
+        return tuple(rest for rest in self.rests if rest.arm == arm)
+
     @property
     def cell_counts(self) -> tuple[CellCount, ...]:
         """How often each interface of the cell was used, by name."""

@@ -69,7 +69,7 @@ def _object(old: ObjectOutcome, new: ObjectOutcome, limits: Tolerances) -> Itera
             to = position_words(new.end_m)
             yield f"{name} is moved by {millimetres(is_moved)} to {to}, before: not moved"
         else:
-            yield f"{name} ends {millimetres(off)} from where it ended"
+            yield f"{name} {ends_elsewhere(old.end_m, new.end_m)}"
     if tipped > limits.angle_deg * ROUNDING:
         yield f"{name} ends tilted by {new.tilt_deg:.0f} deg, before: {old.tilt_deg:.0f} deg"
     elif old.heading_deg is not None and new.heading_deg is not None and new.tilt_deg < 45.0:
@@ -144,6 +144,14 @@ def newly_moved(old: Outcome, new: Outcome, limits: Tolerances) -> tuple[str, ..
 def position_words(place: Position) -> str:
     """Return a position [m] in words."""
     return f"({', '.join(f'{value:.3f}' for value in place)}) m"
+
+
+def ends_elsewhere(old: Position, new: Position) -> str:
+    """Return how far from its earlier place [m] something ends, with both places."""
+    apart = millimetres(math.dist(old, new))
+    return (
+        f"ends {apart} from where it ended, at {position_words(new)}, before: {position_words(old)}"
+    )
 
 
 def millimetres(length: float) -> str:
