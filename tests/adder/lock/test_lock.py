@@ -330,6 +330,12 @@ def test_a_lock_of_an_earlier_version_is_read_and_written_anew() -> None:
     assert lock.dumps().decode() == GOOD
 
 
+def test_an_entry_whose_digest_was_deleted_is_not_settled() -> None:
+    data = json.loads(GOOD)
+    del data["controllers"]["c.py"]["digest"]
+    assert not loads(json.dumps(data).encode(), "tracerisk.lock").controllers["c.py"].is_settled
+
+
 def test_an_entry_with_lines_of_two_branches_is_not_settled() -> None:
     mixed = loads(
         GOOD.replace('"fingerprint": "abc"', '"fingerprint": "b"').encode(), "tracerisk.lock"

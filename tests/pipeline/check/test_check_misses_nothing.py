@@ -106,7 +106,7 @@ def change(project, name: str, before: str, after: str) -> None:
 def write_lock(project, lock: dict) -> None:
     """Write a changed lock, its digest and those of the blocks of a.py, as a run would."""
     del lock["controllers"]["a.py"]["digest"]
-    changed = loads(json.dumps(lock).encode(), "tracerisk.lock")
+    changed = loads(json.dumps({**lock, "version": 1}).encode(), "tracerisk.lock")
     project.write("tracerisk.lock", changed.dumps())
     text = project.read("a.py").decode()
     for placed in read_blocks(text.encode(), "a.py"):
@@ -307,3 +307,19 @@ def test_a_text_file_is_not_run(project):
     outcome = project.run("run", "note.txt")
     assert outcome.code == 2
     assert "note.txt: is neither a Python nor a C or C++ program by its name" in outcome.err
+
+
+@pytest.mark.parametrize("is_deleted", [True, False])
+def test_a_lock_that_was_changed_by_hand_is_not_taken_for_a_run(project, is_deleted):
+    lock = json.loads(project.read("tracerisk.lock"))
+    entry = lock["controllers"]["a.py"]
+    if is_deleted:
+        del entry["digest"]
+    else:
+        entry["digest"] = "0" * len(entry["digest"])
+    project.write("tracerisk.lock", json.dumps(lock))
+    outcome = project.run("check", "a.py")
+    assert outcome.code == 1
+    said = " ".join(outcome.out.split())
+    assert "the entry of a.py in tracerisk.lock is not as tracerisk wrote it" in said
+    assert "several branches" not in said

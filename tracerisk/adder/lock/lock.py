@@ -164,7 +164,7 @@ class ControllerLock:
     """What other branches had written into the sources, of locks that were merged; the sources may
     hold any of them until the next write."""
     is_mixed: bool = False
-    """Whether a merge has put lines of several entries into this one."""
+    """Whether a merge has put lines of several entries into this one, or somebody changed it."""
     behind: Behind = field(default_factory=Behind)
     """What the values in the blocks rest on."""
     kept: Kept = field(default_factory=dict)

@@ -105,6 +105,7 @@ class _Reader:
     def __init__(self, file: str, *, is_side: bool = False) -> None:
         self._file = file
         self._is_side = is_side
+        self._has_digests = True
 
     def _error(self, message: str, line: int | None = None, column: int | None = None) -> LockError:
         return LockError(message, Location(self._file, line, column))
@@ -118,6 +119,7 @@ class _Reader:
                 f"has version {top.get('version')}; this tracerisk reads {VERSION}; "
                 "use the tracerisk that wrote it, or delete the file"
             )
+        self._has_digests = top["version"] == VERSION
         self._known(top, ("controllers", "schema", "version"), "the lock")
         controllers = self._mapping(top.get("controllers"), "controllers")
         return Lock({path: self._controller(path, value) for path, value in controllers.items()})
@@ -175,7 +177,7 @@ class _Reader:
             others=tuple(self._sources(other, f"{path}: others") for other in others),
             behind=self._behind(entry.get("behind"), f"{path}: behind"),
             kept=self._kept(entry.get("kept", {}), f"{path}: kept"),
-            is_mixed=digest is not None and digest != data_digest(entry),
+            is_mixed=self._has_digests and digest != data_digest(entry),
         )
 
     def _behind(self, value: Any, where: str) -> Behind:

@@ -226,8 +226,14 @@ def _stale(
     place = Location(str(controller.path), 1)
     if reasons:
         yield CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
-    elif entry.others or entry.is_mixed:
+    elif entry.others:
         message = f"{LOCK_NAME} holds the last runs of several branches"
+        yield CheckFinding("stale", message, place)
+    elif entry.is_mixed:
+        message = (
+            f"the entry of {controller.file} in {LOCK_NAME} is not as tracerisk wrote it: it was "
+            "changed by hand, or a merge mixed the lines of two branches"
+        )
         yield CheckFinding("stale", message, place)
     evidence = kept_evidence(controller)
     again = f"`tracerisk evidence {as_typed(controller.path)}`"
