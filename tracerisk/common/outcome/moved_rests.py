@@ -36,7 +36,7 @@ class MovedRest:
 
     @property
     def words(self) -> str:
-        """Say which rest it is, and where it is now."""
+        """Which rest it is, and where it is now."""
         return f"{rest_name(self.number, self.total, self.old)} is now {self._now}"
 
     @property
@@ -51,7 +51,7 @@ class MovedRest:
 
     @property
     def end_words(self) -> str:
-        """Say where the arm ends, if it is the last rest of both runs."""
+        """Where the arm ends, if it is the last rest of both runs."""
         if self.is_shifted:
             return ends_elsewhere(self.old.tool_m, self.new.tool_m)
         return f"ends with the tool turned by {self._turned_deg:.0f} deg from where it ended"
