@@ -267,6 +267,18 @@ def test_moving_the_slider_changes_the_picture(page):
     assert np.count_nonzero(changed) > 300
 
 
+def test_a_dark_page_is_printed_with_a_light_picture(page):
+    dark = "document.documentElement.dataset.theme = 'dark'"
+    page.execute_script(f"{dark}; document.dispatchEvent(new CustomEvent('tracerisk:theme'))")
+    page.execute_async_script(_AFTER_FRAMES)
+    assert np.median(pixels(page)) < 80
+    page.execute_script("dispatchEvent(new Event('beforeprint'))")
+    assert np.median(pixels(page)) > 180
+    page.execute_script("dispatchEvent(new Event('afterprint'))")
+    assert page.execute_script("return document.documentElement.dataset.theme") == "dark"
+    page.execute_script("document.querySelector('[data-theme-choice=auto]')?.click()")
+
+
 def test_a_link_is_drawn_where_it_is(page):
     """From the side of the camera, the middle of the picture is the link, and not the ground."""
     page.execute_script(

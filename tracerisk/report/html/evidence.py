@@ -25,6 +25,7 @@ T = TypeVar("T")
 
 _MOST_UNFOLDED = 12
 _WIDTH, _ROW, _LABEL = 640.0, 22.0, 270.0
+_NOTE = 150.0  # beside the rows: how many failures were not noticed
 _TICKS = 5
 
 
@@ -149,7 +150,7 @@ def _delays(cells: Sequence[Cell]) -> object:
         text = SubElement(axis, "text", {"x": number(x), "y": number(bottom)})
         text.set("text-anchor", "middle")
         text.text = f"{share * most:.3g} s"
-    return drawing.markup(_WIDTH + 80.0, bottom + 6.0)
+    return drawing.markup(_WIDTH + _NOTE, bottom + 6.0)
 
 
 def _listed(name: str, caption: str, cells: Sequence[Cell], pages: Pages) -> Table | None:

@@ -102,12 +102,20 @@ document.addEventListener("keydown", (event) => {
 
 // Paper has nothing to unfold; what would fill pages and is drawn as well stays folded.
 let folded = [];
+let shownTheme;
 addEventListener("beforeprint", () => {
+  // Pictures are drawn in the colours of paper before the page is.
+  shownTheme = root.dataset.theme;
+  root.dataset.theme = "light";
+  announceTheme();
   folded = [...document.querySelectorAll("details:not([open], [data-print=folded])")];
   for (const each of folded) each.open = true;
 });
 addEventListener("afterprint", () => {
   for (const each of folded) each.open = false;
+  if (shownTheme === undefined) delete root.dataset.theme;
+  else root.dataset.theme = shownTheme;
+  announceTheme();
 });
 
 // What a link leads to may be folded.
