@@ -24,7 +24,7 @@ from tests.browser import browser as browser
 from tests.browser import chromium as chromium
 from tests.commands import Commands
 from tests.reports import pytest_runtest_protocol as pytest_runtest_protocol
-from tracerisk.common.sandbox.fork_server import several_come
+from tracerisk.common.sandbox.fork_server import READ_ONCE, several_come
 from tracerisk.common.sandbox.ros_prefix import without_ros
 from tracerisk.pipeline.workspace.prefixes import PREFIX_VARIABLES, SOURCES_VARIABLE
 
@@ -254,6 +254,17 @@ def _elsewhere(*arguments: str) -> list[str]:
 def pytest_pyfunc_call() -> None:
     """Leave out the one variable in which tests differ: runs are forked where none does."""
     os.environ.pop("PYTEST_CURRENT_TEST", None)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup() -> None:
+    """Put back what an import of an earlier test has set for good, as that of scikit-learn does.
+
+    Otherwise each command and run of all later tests would start afresh, for seconds.
+    """
+    for name in [*os.environ]:
+        if name.startswith(READ_ONCE) and name not in AT_START:
+            del os.environ[name]
 
 
 @pytest.fixture(scope="session", autouse=True)
