@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from tracerisk.twin.robots.index import RobotNames
 
@@ -74,8 +75,9 @@ def mentioned(text: str, robots: Mapping[str, RobotNames]) -> frozenset[str]:
     """
     text = _plain(text)
     texts: set[str] = set()
-    shared: dict[str, set[str]] = {}
-    for phrase, names in _phrases(robots):
+    shared: dict[str, frozenset[str]] = {}
+    called = tuple((name, (robot.name, *robot.aliases)) for name, robot in robots.items())
+    for phrase, names in _phrases(called):
         wanted = f" {phrase} "
         # What was read is not read again as a shorter name; neighbours share a blank.
         while (at := text.find(wanted)) >= 0:
@@ -110,16 +112,23 @@ def words_in(strings: Iterable[str]) -> frozenset[str]:
     return frozenset(words)
 
 
-def _phrases(robots: Mapping[str, RobotNames]) -> list[tuple[str, set[str]]]:
-    """Return what robots are called in plain words, with those called so, longer ones first."""
+@lru_cache(maxsize=2)
+def _phrases(
+    robots: tuple[tuple[str, tuple[str, ...]], ...],
+) -> tuple[tuple[str, frozenset[str]], ...]:
+    """Return what robots are called in plain words, with those called so, longer ones first.
+
+    Each robot is given with its name and aliases. A run asks about the same ones for each text.
+    """
     phrases: dict[str, set[str]] = {}
-    for name, robot in robots.items():
-        for called in {robot.name, *robot.aliases} - EVERYDAY:
-            phrase = " ".join(_split(called.lower()))
+    for name, called in robots:
+        for words in {*called} - EVERYDAY:
+            phrase = " ".join(_split(words.lower()))
             apart = re.sub(r"(?<=[a-z])(?=\d)", " ", phrase)
             for text in (phrase, apart):
                 phrases.setdefault(text, set()).add(name)
-    return sorted(phrases.items(), key=lambda item: (-len(item[0]), item[0]))
+    ordered = sorted(phrases.items(), key=lambda item: (-len(item[0]), item[0]))
+    return tuple((phrase, frozenset(names)) for phrase, names in ordered)
 
 
 def _plain(text: str) -> str:
