@@ -347,6 +347,7 @@ def test_the_report_replays_the_run_that_the_cache_holds(runner, quick):
     assert 'id="replay-canvas"' in page
 
 
+@pytest.mark.slow
 def test_a_film_of_both_runs_is_beside_the_report_if_asked_for(runner, quick):
     runner.repository.write("cell.py", quick())
     assert runner.repository.run("run", "cell.py", "--quiet").code == 0

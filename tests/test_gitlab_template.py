@@ -208,6 +208,7 @@ def test_the_job_runs_in_merge_requests_and_on_the_default_branch():
     ]
 
 
+@pytest.mark.slow
 def test_each_controller_has_its_report_with_the_replay_of_the_cache(repository, job, quick):
     repository.write("cell/arm.py", quick())
     repository.write("cell/pyproject.toml", "")

@@ -158,6 +158,7 @@ def test_diff_compares_versions_with_the_base_alone(repository, annotated_source
     assert outcome.out == repository.run("diff").out
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("words", "purpose"),
     [

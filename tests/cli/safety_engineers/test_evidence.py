@@ -180,6 +180,7 @@ def test_a_file_of_the_version_without_digests_is_taken_and_that_is_said(
     assert "of an earlier version, which shows no edits" in " ".join(done.err.split())
 
 
+@pytest.mark.slow
 def test_shards_and_a_resumed_campaign_give_the_same_bytes(gathered, tmp_path, example_in):
     whole, _ = gathered
     first, second = (settled(example_in(tmp_path / each)) for each in ("a", "b"))
@@ -203,6 +204,7 @@ def test_shards_and_a_resumed_campaign_give_the_same_bytes(gathered, tmp_path, e
     assert part != first.read("all")
 
 
+@pytest.mark.slow
 def test_a_killed_campaign_goes_on_from_its_journal(gathered, tmp_path, example_in):
     whole, _ = gathered
     killed = example_in(tmp_path / "killed")
@@ -257,6 +259,7 @@ def test_blocks_take_evidence_where_the_settings_ask(gathered, tmp_path, example
     assert "another version" in folder.run("check", "controller.py").out
 
 
+@pytest.mark.slow
 def test_another_campaign_keeps_what_lies_in_its_intervals(gathered, tmp_path, example_in):
     whole, _ = gathered
     other = example_in(tmp_path / "other")

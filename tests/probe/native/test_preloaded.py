@@ -221,7 +221,7 @@ FLAGS = {
 }
 
 
-@pytest.mark.slow(but=2)
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("level", FLAGS)
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
 def test_stacks_are_the_same_by_every_compiler_and_level(nodes, compiler, level):

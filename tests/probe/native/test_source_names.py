@@ -60,6 +60,7 @@ def test_each_function_is_recorded_by_its_name_in_the_source(nodes, name, compil
     assert {(file, function) for file, _, function in recorded} >= expected
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("name", NODES)
 def test_names_of_symbols_alone_are_those_of_the_source(nodes, name, monkeypatch):
     """Without lines, and without binutils."""
@@ -79,6 +80,7 @@ def test_names_of_symbols_alone_are_those_of_the_source(nodes, name, monkeypatch
     assert recorded - IMPLICIT == expected - WITHOUT_COMMAND
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("name", ["inheritance", "lambdas", "two_files"])
 def test_a_live_run_gives_inlined_functions_their_names_in_the_source(nodes, name):
     flags = ["-O2", "-g", "-std=c++17", "-fno-optimize-sibling-calls", "-I", str(SOURCES)]

@@ -118,6 +118,7 @@ def test_blocks_are_written_into_the_functions_of_the_author(lived):
     assert "cell::Cell::pick" in solved.out
 
 
+@pytest.mark.slow
 def test_a_node_plans_with_moveit_where_there_is_none(compiled):
     if Path("/usr/include/moveit").exists() or list(Path("/opt/ros").glob("*/include/moveit")):
         pytest.skip("MoveIt is installed")

@@ -153,6 +153,7 @@ def told(tmp_path: Path):
     return told
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize("what", WRONG)
 def test_numbers_of_one_frame_given_as_of_another_are_told_of(told, what):
     (finding,) = told(COMMANDER + WRONG[what])
@@ -163,6 +164,7 @@ def test_numbers_of_one_frame_given_as_of_another_are_told_of(told, what):
     assert finding.kind in NOTES
 
 
+@pytest.mark.slow(but=4)
 @pytest.mark.parametrize("what", RIGHT)
 def test_numbers_that_belong_to_their_frame_are_not(told, what):
     assert not told(COMMANDER + RIGHT[what])
@@ -238,6 +240,7 @@ def test_a_whole_turn_is_not(told, steps):
     assert not told(COMMANDER + steps)
 
 
+@pytest.mark.slow(but=3)
 @pytest.mark.parametrize(
     ("steps", "name"),
     [

@@ -106,6 +106,7 @@ def ros_1(subscribe, *, value=RISING, count=20, step=0.1):
     return program
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("subscribe", "line"),
     [
@@ -122,6 +123,7 @@ def test_a_callback_that_falls_behind_a_stream_is_told_of(late, subscribe, line)
     assert finding.kind in NOTES
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "program",
     [

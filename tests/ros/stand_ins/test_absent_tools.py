@@ -53,6 +53,7 @@ def traced(example):
     return traced
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("start", STARTS.values(), ids=STARTS)
 def test_the_command_xacro_is_answered_however_it_is_started(traced, start):
     check = "assert '<robot' in text and 'name=\"cell\"' in text, text"
@@ -60,6 +61,7 @@ def test_the_command_xacro_is_answered_however_it_is_started(traced, start):
     assert (kind, reasons) == ("complete", []), said
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "lines",
     [
@@ -110,6 +112,7 @@ def test_other_commands_are_started_as_ever(traced):
     assert traced(echo, "assert text == 'xacro\\n'")[0] == "complete"
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "asked",
     [

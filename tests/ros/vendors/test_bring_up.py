@@ -309,6 +309,7 @@ NOT_STARTED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(but=4)
 @pytest.mark.parametrize("what", [*STARTED, *NOT_STARTED])
 def test_files_of_the_workspace_that_start_controllers_count(run, tmp_path, what):
     place, text = (STARTED | NOT_STARTED)[what]

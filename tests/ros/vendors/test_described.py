@@ -186,6 +186,7 @@ def cell(example):
     return make
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("package", PROGRAMS)
 def test_a_described_driver_runs_from_the_files_of_the_workspace(cell, package):
     program, robot, steps = PROGRAMS[package]

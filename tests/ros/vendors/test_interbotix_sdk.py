@@ -92,6 +92,7 @@ def ends(found: dict) -> list[tuple[str, str]]:
     return [(each["kind"], each["end"]) for each in found["trace"]["commands"]]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(("robot", "count"), [("wx250s", 6), ("rx150", 5), ("px100", 4)])
 def test_the_arm_goes_where_it_is_sent_in_the_time_of_its_profile(run_sdk, robot, count):
     found = run_sdk(
@@ -115,6 +116,7 @@ def test_the_arm_goes_where_it_is_sent_in_the_time_of_its_profile(run_sdk, robot
     assert ends(found) == [("joint_group_command", "arrived"), ("joint_command", "arrived")]
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("opening", "closing"),
     [

@@ -34,6 +34,7 @@ camera = robot.camera.get_state()
     assert ran.position("tilt") == pytest.approx(0.7, abs=0.02)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("robot", ["locobot_wx200", "locobot_wx250s"])
 def test_a_pose_and_a_line_are_reached_and_what_is_out_of_reach_is_not(example, robot):
     example.write(

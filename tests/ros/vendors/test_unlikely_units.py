@@ -74,6 +74,7 @@ SENT = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("what", SENT)
 def test_numbers_for_degrees_that_would_be_in_range_as_radians_are_noted_once(run_on, what):
     program, robot, ros, wrong, words, right = SENT[what]

@@ -54,6 +54,7 @@ IN_WRONG_MODES = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(but=4)
 @pytest.mark.parametrize("what", IN_WRONG_MODES)
 def test_what_is_asked_for_in_a_wrong_mode_is_answered_with_0_and_moves_nothing(run_on, what):
     head, mode, asked, right = IN_WRONG_MODES[what]
@@ -167,6 +168,7 @@ def goal(joint1):
 """
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("steps", "status"),
     [("", 4), ("put(0)\n", 6), ("put(0)\nput(1)\n", 4), ("put(6)\n", 6), ("put(4)\n", 4)],
@@ -189,6 +191,7 @@ time.sleep(1.0)
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("period", [0.02, 0.01, 0.005])
 def test_set_points_of_calls_are_one_stream_at_any_rate(run_on, period):
     ran = run_on("xarm7", ROS_2 + SERVO.format(name="set_servo_angle_j", period=period), ros=2)

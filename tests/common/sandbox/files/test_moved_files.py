@@ -84,6 +84,7 @@ def test_what_is_there_is_taken_as_it_is(workspace, tmp_path):
     assert not found
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("mode", ["auto", "off"])
 def test_a_run_with_such_a_path_is_partial_and_says_so(example, mode):
     example.write("cell/package.xml", "<package format='3'><name>cell</name></package>")

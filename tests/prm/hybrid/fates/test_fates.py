@@ -258,6 +258,7 @@ def built(
     )
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("block", range(6))
 def test_random_models_agree_with_rationals(block: int) -> None:
     draw = random.Random(block)
@@ -379,6 +380,7 @@ WORN = built(
 )
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("model", [RECOVERING, WORN], ids=["plain", "with a worn group"])
 @pytest.mark.parametrize(
     "fates",

@@ -78,6 +78,7 @@ def failing(mission: Mission, drives: Mapping[str, float], *ways: str) -> Decima
     return Mission(quantities, uses, following).failure()
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("block_of_seeds", range(4))
 def test_functions_with_any_redundancy_equal_the_enumeration(model_of, block_of_seeds):
     with localcontext() as context:
