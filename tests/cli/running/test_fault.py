@@ -72,6 +72,7 @@ def test_what_is_kept_is_the_recording_of_the_run_with_the_fault(jammed):
     assert np.ptp(position[begin + 1 :]) < 1e-4
 
 
+@pytest.mark.slow
 def test_it_writes_neither_blocks_nor_lock_nor_a_kept_trace_and_json_says_the_same(moving):
     before = moving.files()
     first, second = (moving.run("run", "controller.py", *JAMMED, "--json") for _ in range(2))

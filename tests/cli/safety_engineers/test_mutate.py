@@ -49,6 +49,7 @@ def test_too_little_that_is_noticed_fails(mutated):
     assert folder.run(*MUTATE, "--min-noticed", str(share)).code == 0
 
 
+@pytest.mark.slow
 def test_a_shard_tries_its_part(mutated):
     folder, _, first = mutated
     parts = [folder.run(*MUTATE, "--shard", f"{n}/2", "--json").json["runs"] for n in (1, 2)]

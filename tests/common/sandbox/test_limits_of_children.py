@@ -87,6 +87,7 @@ def test_a_process_that_dies_before_it_begins_is_reported_with_its_last_line(att
         attacked("pass")
 
 
+@pytest.mark.slow
 def test_a_fifo_that_is_looked_at_during_the_run_holds_nobody_up(attacked):
     with pytest.raises(LogError):
         attacked(

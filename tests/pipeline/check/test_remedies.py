@@ -56,7 +56,7 @@ def next_lost(example):
     example.write(NAME, re.sub(r"\n *# \|   next = .*", "", text, count=1))
 
 
-@pytest.mark.slow(but=4)
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("change", "kind", "option"),
     [

@@ -31,6 +31,7 @@ def test_two_hundred_histories(seed: int, tmp_path) -> None:
     run_history(tmp_path / "r", seed)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("language", ["python", "cpp"])
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 50))]

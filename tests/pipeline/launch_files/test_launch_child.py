@@ -365,6 +365,7 @@ def test_what_is_not_here_leaves_only_itself_out(described):
     assert other.name == "other"
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("line", "expected"),
     [

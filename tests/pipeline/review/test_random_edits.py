@@ -53,7 +53,8 @@ def edited(annotated, repository, monkeypatch):
     return make
 
 
-@pytest.mark.parametrize("seed", slow_but((0,), range(30)))
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(30))
 def test_ten_edits(edited, seed) -> None:
     controller = edited(seed)
     for _ in range(EDITS):

@@ -206,6 +206,7 @@ def generate_launch_description():
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("source", "files", "joint", "doubt"),
     [

@@ -480,6 +480,7 @@ TWO_SRDF = """\
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("has_groups", [True, False])
 def test_two_arms_of_one_macro_are_one_robot_with_a_group_each(tmp_path, has_groups):
     folder = package(tmp_path / "pair_description", "pair_description")
@@ -603,6 +604,7 @@ def test_a_robot_whose_prefix_is_left_out_is_assumed_and_moves(tmp_path):
     assert moved == set(joints(""))
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "others",
     [pytest.param(("long",), marks=pytest.mark.slow), ("copy",), ("long", "copy")],

@@ -165,7 +165,7 @@ def test_the_first_alternative_that_can_be_met_is_taken(ran):
     assert at(result, "panda_joint1") == pytest.approx(0.4, abs=0.01)
 
 
-@pytest.mark.slow(but=4)
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("goal", "code"),
     [

@@ -460,6 +460,7 @@ after = {seen}
     assert ran["at_once"] == ran["before"] != ran["after"]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("change", "seen"),
     [

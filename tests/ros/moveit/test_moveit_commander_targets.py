@@ -472,6 +472,7 @@ def test_a_finger_of_a_generic_arm_goes_to_the_end_of_its_assumed_range(example)
     assert any("instead of 1: its range is assumed" in said["words"] for said in verdict["reasons"])
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("value", ["nan", "inf"])
 def test_a_finger_of_a_generic_arm_goes_to_no_end_for_what_is_no_number(example, value):
     example.write(

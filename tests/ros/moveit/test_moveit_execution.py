@@ -148,6 +148,7 @@ def ends(ran):
 # Goals of MoveIt 2
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
 def test_a_second_goal_of_execute_trajectory_waits_for_the_first(ros2, distro):
     ran = ros2(
@@ -484,6 +485,7 @@ def test_an_empty_trajectory_or_one_of_no_duration_succeeds_and_moves_nothing(ro
     assert [each.end for each in ran.recording.refused] == ["ignored"]
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("parameters", "answer"),
     [

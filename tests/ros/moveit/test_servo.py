@@ -189,6 +189,7 @@ def test_a_servo_that_is_stopped_moves_nothing_until_it_is_started(jogged):
     assert "servo is stopped" in outcome.out
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "words",
     ["there is no frame 'elbow'", "a velocity is not finite", "the arm has no joint 'elbow'"],

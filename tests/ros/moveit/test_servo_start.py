@@ -96,6 +96,7 @@ def moved(ran) -> bool:
     return bool(ran.recording.commands)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("distro", "start", "words"),
     [
@@ -114,6 +115,7 @@ def test_what_comes_before_its_start_moves_nothing(run, distro, start, words):
     assert finding.location.line > len(ROS_2.splitlines()) - 20
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("distro", "program"),
     [

@@ -164,17 +164,19 @@ def test_numbers_of_one_frame_given_as_of_another_are_told_of(told, what):
     assert finding.kind in NOTES
 
 
-@pytest.mark.slow(but=4)
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("what", RIGHT)
 def test_numbers_that_belong_to_their_frame_are_not(told, what):
     assert not told(COMMANDER + RIGHT[what])
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(("frame", "number"), [("panda_link1", 1), ("panda_link0", 0)])
 def test_constraints_of_a_goal_are_looked_at_too(told, frame, number):
     assert len(told(MOVE_GROUP.replace("FRAME", frame))) == number
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "steps",
     [
@@ -190,6 +192,7 @@ def test_the_pose_of_another_link_of_the_same_body_is_told_of(told, steps):
     assert "from it on the same body" in finding.message
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "steps",
     [
@@ -208,6 +211,7 @@ def test_the_pose_of_the_link_itself_is_not(told, steps):
     assert not told(COMMANDER + steps)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("steps", "words"),
     [
@@ -226,6 +230,7 @@ def test_a_turn_that_is_none_is_told_of(told, steps, words):
     assert words in finding.message
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "steps",
     [
@@ -258,6 +263,7 @@ def test_angles_in_degrees_are_told_of(told, steps, name):
     assert "(degrees?)" in finding.message
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "steps",
     [

@@ -60,6 +60,7 @@ here = measured()
     assert command.end == "arrived"
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("goal", "code", "expected"),
     [
@@ -301,6 +302,7 @@ rospy.sleep(4.0)
 }
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("how", "owners"),
     [

@@ -213,6 +213,7 @@ def test_an_arm_is_where_its_twin_is_and_moves_alike(kdl, name, base, tip):
         assert moving.GetFrame() == frame
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(("name", "base", "tip"), ARMS)
 def test_positions_are_found_within_limits_or_a_code_reports_it(kdl, name, base, tip):
     _, chain, joints = arm_of(name, base, tip)

@@ -149,6 +149,7 @@ def test_a_message_to_a_controller_that_is_not_started_moves_nothing(
     assert "with service switch_controller" in words
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("cell", "inactive", "active", "expected"),
     [
@@ -169,6 +170,7 @@ def test_a_goal_to_a_controller_that_is_not_started_is_refused(
     assert len(ran.findings) == 1
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("cell", "name", "scaled", "topic"),
     [
@@ -230,6 +232,7 @@ def test_the_controllers_of_other_drivers_are_known(run, driver):
     assert {name for name in stopped if "gripper" not in name} == held
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "word", ["pos_based_pos_traj_controller", "vel_based_pos_traj_controller", "ur_modern_driver"]
 )
@@ -309,7 +312,7 @@ NOT_STARTED = {
 }  # fmt: skip
 
 
-@pytest.mark.slow(but=4)
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("what", [*STARTED, *NOT_STARTED])
 def test_files_of_the_workspace_that_start_controllers_count(run, tmp_path, what):
     place, text = (STARTED | NOT_STARTED)[what]
@@ -399,6 +402,7 @@ SCALED = "scaled_joint_trajectory_controller"
 SCALED_1 = "scaled_pos_joint_traj_controller"
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("steps", "expected"),
     [(MOVE, False), (MOVE + "resend()\n", True), (SECONDARY, True)],
@@ -474,6 +478,7 @@ SENT = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("what", SENT)
 def test_a_velocity_that_is_sent_once_ends_at_the_time_out(run, what):
     steps, words = SENT[what]

@@ -50,6 +50,7 @@ def described(rule: str, more: str = "") -> str:
     return f"driver: arm\n{CODES}\nwhile_moving: {rule}\n{more}\nservices:\n  go: {{type: arm_msgs/Go, {GO}}}\n"
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("rule", "second", "queued", "where"),
     [("replace", 0, 1, 1.0), ("queue", 0, 2, 1.0), ("reject", 5, 1, 0.5), ("wait", 0, 1, 1.0)],

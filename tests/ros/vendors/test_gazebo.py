@@ -161,6 +161,7 @@ def let_go():
 """
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("calls", "refused"),
     [

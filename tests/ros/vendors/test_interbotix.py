@@ -33,6 +33,7 @@ def program(ros, body, model="wx250s"):
     )
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("ros", [1, 2])
 def test_a_move_takes_its_moving_time_and_blocks(run_on, ros):
     ran = run_on(
@@ -133,6 +134,7 @@ def work(bot):
     assert ran["bot"].arm.get_joint_commands()[0] == ran["waist"]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("ros", "opens", "closes"), [(1, "open", "close"), (2, "release", "grasp")]
 )

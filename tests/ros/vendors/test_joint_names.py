@@ -233,6 +233,7 @@ assert code == CODE and (code < 0 or abs(at - 0.8) < 5e-3), (code, at)
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("rules", "code", "reason"),
     [

@@ -105,6 +105,7 @@ except ValueError as error:
     assert "must be specified" in ran["told"]
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     "made",
     [

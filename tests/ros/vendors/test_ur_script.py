@@ -160,6 +160,7 @@ send("sleep(0.1)", seconds=1.0)
     assert ran.position("shoulder_pan_joint") == pytest.approx(-1.08, abs=0.01)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("lines", "turned"),
     [
@@ -198,6 +199,7 @@ send("stopj(1.0)", seconds=1.0)
     assert turned == pytest.approx(0.2e-9 * (last - first), abs=0.04)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("line", "words"),
     [

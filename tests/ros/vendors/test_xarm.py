@@ -162,6 +162,7 @@ error = rospy.ServiceProxy('/xarm/get_err', GetErr)().err
     assert any("move_joint was aborted" in each for each in ran.findings)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("service", "call"),
     [

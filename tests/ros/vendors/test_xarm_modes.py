@@ -215,6 +215,7 @@ way = [b - a for a, b in zip(before[:3], after[:3])]
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("step", "tool", "way"),
     [
@@ -253,6 +254,7 @@ OFFSET = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("ros", [1, 2])
 @pytest.mark.parametrize("length", [100.0, -50.0])
 def test_poses_are_of_the_tool_whose_offset_is_set(run_on, ros, length):

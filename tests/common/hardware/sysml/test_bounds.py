@@ -132,6 +132,7 @@ HOSTILE = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(but=7)
 @pytest.mark.parametrize("name", HOSTILE)
 def test_a_hostile_file_is_refused_in_time(tmp_path, name):
     path = tmp_path / "hostile.sysml"

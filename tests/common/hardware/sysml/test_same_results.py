@@ -94,6 +94,7 @@ def outputs(tmp_path_factory, example_in) -> dict[str, tuple[bytes, ...]]:
     return found
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize("kind", ["blocks", "model", "result"])
 def test_both_descriptions_give_the_same_bytes(outputs, kind):
     index = ("blocks", "model", "result").index(kind)

@@ -439,6 +439,7 @@ def test_the_chain_written_out_names_what_has_failed(block, component):
         expanded_chain(model, limit=11)
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("redundancy", "most", "solved"),
     [

@@ -43,6 +43,7 @@ def numbers(*values):
     return tuple(Number(value) for value in values)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     ("deviate", "distribution"),
     [

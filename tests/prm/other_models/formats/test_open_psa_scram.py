@@ -122,6 +122,7 @@ def test_common_causes_come_out_as_in_scram(scram, scram_inputs):
     assert_as_scram(read_open_psa(path), report, common_cause=True)
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("law", ["beta-factor", "MGL", "alpha-factor", "phi-factor"])
 def test_every_common_cause_law_comes_out_as_in_scram(law, scram, tmp_path):
     factors = {

@@ -54,6 +54,7 @@ here = measured()
     assert 2.0e9 <= command.end_ns - command.issue_ns < 2.6e9
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize(
     "topic",
     ["/joint_command", "/isaac_joint_commands", "/topic_based_joint_commands", "/left/joint_cmd",
@@ -573,6 +574,7 @@ _LONGER = {
 }
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("fields", _LONGER.values(), ids=_LONGER)
 @pytest.mark.parametrize("topic", ["/joint_path_command", "/left/joint_path_command"])
 def test_a_driver_of_ros_industrial_looks_at_the_values_of_its_joints_alone(ran, topic, fields):

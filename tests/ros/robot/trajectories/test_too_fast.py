@@ -45,6 +45,7 @@ def told(tmp_path: Path):
     return told
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("send", [BY_ACTION, BY_TOPIC])
 @pytest.mark.parametrize(
     "points", [[(0.2, 1.5)], [(2.0, 0.3), (2.15, 1.2)], [(1.0, 0.5), (1.1, 0.0), (3.0, 0.0)]]

@@ -193,6 +193,7 @@ except TypeError as raised:
 """
 
 
+@pytest.mark.slow(but=2)
 @pytest.mark.parametrize("call", _OLDER_CALLS)
 def test_older_arguments_of_execute_are_refused_in_jazzy(run, call):
     ran = run(_PLANNED.replace("CALL", call), distro="jazzy")

@@ -172,6 +172,7 @@ finally:
 """
 
 
+@pytest.mark.slow(but=1)
 @pytest.mark.parametrize(
     ("named", "shown", "words"),
     [
