@@ -10,7 +10,6 @@ import pytest
 from lxml import html
 
 from tests.browser import emulate, violations
-from tests.slow import slow_but
 from tracerisk.cli import main
 
 CACHE = ".tracerisk_cache"
@@ -228,14 +227,9 @@ def test_keys_and_marks_go_from_difference_to_difference(opened):
     assert opened.execute_script("return tracerisk.clock.time") == 0.0
 
 
-@pytest.mark.slow(but=1)
-@pytest.mark.parametrize(
-    ("width", "scheme"),
-    slow_but(
-        [(1400, "light"), (400, "dark")],
-        [(width, scheme) for width in (1400, 400) for scheme in ("light", "dark")],
-    ),
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1400, 400])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_both_runs_are_accessible_and_fit_the_window(opened, scheme, width):
     emulate(opened, scheme)
     metrics = {"width": width, "height": 900, "deviceScaleFactor": 0.25, "mobile": False}

@@ -7,6 +7,11 @@ from pathlib import Path
 
 import pytest
 
+# Compiling a node takes as long as hundreds of other tests. Its parts are tested in each run: what a
+# node of roscpp records and how its functions are called (`tests/probe/native`), live runs of nodes
+# in Python (here), and blocks in C++ (`tests/adder`).
+pytestmark = pytest.mark.slow
+
 PROGRAMS = Path(__file__).parent / "programs"
 LIBRARIES = ("actionlib", "roscpp", "roscpp_serialization", "rosconsole", "rostime")
 FLAGS = ("-g", "-O0", "-Iinclude", "-I/opt/ros/noetic/include", "-L/opt/ros/noetic/lib")
@@ -118,7 +123,6 @@ def test_blocks_are_written_into_the_functions_of_the_author(lived):
     assert "cell::Cell::pick" in solved.out
 
 
-@pytest.mark.slow
 def test_a_node_plans_with_moveit_where_there_is_none(compiled):
     if Path("/usr/include/moveit").exists() or list(Path("/opt/ros").glob("*/include/moveit")):
         pytest.skip("MoveIt is installed")
@@ -135,7 +139,6 @@ def test_a_node_plans_with_moveit_where_there_is_none(compiled):
     assert trace["verdict"]["kind"] == "complete"
 
 
-@pytest.mark.slow
 def test_the_published_case_as_a_node_ends_as_blocks_in_its_five_functions(compiled):
     text = (PROGRAMS / "tube_cell.cpp").read_text()
     example = compiled("tube_cell", text.replace("kTubes = 10", "kTubes = 2"))
