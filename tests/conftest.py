@@ -39,6 +39,7 @@ if "PYTHONPATH" in os.environ:
     os.environ.update({"PYTHONPATH": os.pathsep.join(_kept)} if _kept else {})
 sys.path[:] = without_ros(sys.path)
 AT_START = dict(os.environ)
+RECURSION_LIMIT = sys.getrecursionlimit()
 
 # A shell that starts them in the background has interrupts ignored, by all that they start.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -100,14 +101,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Choose the quick cases, and order all as every worker does, whichever folder came first."""
     slow.take_some(items, config.getoption("--share"))
     items.sort(key=lambda item: (item.path.name not in LONGEST, item.path))
-
-
-RECURSION_LIMIT = sys.getrecursionlimit()
-
-
-def pytest_runtest_setup() -> None:
-    """A controller that a test has left suspended keeps its deeper stack from no other test."""
-    sys.setrecursionlimit(RECURSION_LIMIT)
 
 
 def _from_another_folder_on(worker: str, workers: int) -> list[str]:
@@ -260,8 +253,10 @@ def pytest_pyfunc_call() -> None:
 def pytest_runtest_setup() -> None:
     """Put back what an import of an earlier test has set for good, as that of scikit-learn does.
 
-    Otherwise each command and run of all later tests would start afresh, for seconds.
+    Otherwise each command and run of all later tests would start afresh, for seconds. A controller
+    that a test left suspended keeps its deeper stack from no other test, either.
     """
+    sys.setrecursionlimit(RECURSION_LIMIT)
     for name in [*os.environ]:
         if name.startswith(READ_ONCE) and name not in AT_START:
             del os.environ[name]
