@@ -94,8 +94,8 @@ def _read(parsed: ParsedSource) -> cst.Module:
     """Return what libcst reads: where that is not all that Python does, Python's own rendering."""
     try:
         return cst.parse_module(parsed.text)
-    except cst.ParserSyntaxError:
-        # A tab after spaces, for instance. Positions are those of the original in any case.
+    except (cst.ParserSyntaxError, cst.CSTLogicError):
+        # A tab after spaces, or `rt"a" t"b"`. Positions are those of the original in any case.
         return cst.parse_module(ast.unparse(parsed.tree))
 
 

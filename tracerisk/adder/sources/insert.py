@@ -181,7 +181,9 @@ def _sites(
         from tracerisk.adder.sources.positions import function_sites
 
         row = function_sites(source if parsed.converted is None else parsed.converted.encode())
-        sites.update(_own_sites(parsed) if row is None else row)
+        # libcst drops the line ends behind the star of `type A[*T = *B] = C`, and miscounts.
+        own = {(definition.name, definition.line) for definition in definitions(parsed.tree)}
+        sites.update(row if row is not None and row.keys() == own else _own_sites(parsed))
     sites[MODULE, module_line(parsed)] = _module_site(parsed)
     for (function, line), site in list(sites.items()):
         of_instances = [name for name, at in needed if at == line and is_name_at(name, function)]

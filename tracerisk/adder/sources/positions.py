@@ -27,7 +27,7 @@ def function_sites(source: bytes) -> Mapping[tuple[QualifiedName, int], Site] | 
         positions = cast(Mapping[cst.CSTNode, CodeRange], wrapper.resolve(PositionProvider))
         collector = _SiteCollector(positions)
         wrapper.module.visit(collector)
-    except (cst.ParserSyntaxError, RecursionError):
+    except (cst.ParserSyntaxError, cst.CSTLogicError, RecursionError):
         return None
     except KeyError as error:
         # Inside a function, libcst's position provider turns any exception into a KeyError.

@@ -28,6 +28,7 @@ BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 # A header of one line without strings, comments or brackets that could continue on further lines.
 _PLAIN_HEADER = rb"[ \t]*(?:async[ \t]+)?def[ \t][\w \t(),.=*:>-]*\)[\w \t.>-]*:"
+_VERSION = re.compile(r"Python (2|3\.\d+)\b")  # what a source was written for
 _CODING = rb"[ \t\f]*#.*?coding[:=][ \t]*[-\w.]+"
 
 
@@ -106,14 +107,14 @@ def _python_2(source: bytes, file: str) -> tuple[str, str, ast.Module] | None:
     Where its names alone show Python 2, blocks need no conversion: Python 3 sees its functions too.
 
     Raises:
-        SourceError: it cannot be converted, with the place and the reason.
+        SourceError: it cannot be converted, or is of a newer Python, with the place and the reason.
     """
     from tracerisk.instrument.source.python_source import parse_source
 
     try:
         read = parse_source(source, file)
     except SourceError as error:
-        if error.location is not None and "Python 2" in error.message:
+        if error.location is not None and _VERSION.search(error.message):
             raise
         return None
     return _encoding_of(source), read.text, read.tree

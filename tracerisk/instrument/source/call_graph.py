@@ -112,7 +112,7 @@ def call_graph(source: bytes, file: str) -> CallGraph:
     reader = _Reader(parsed)
     try:
         cst.parse_module(parsed.text).visit(reader)
-    except (cst.ParserSyntaxError, RecursionError) as error:
+    except (cst.ParserSyntaxError, cst.CSTLogicError, RecursionError) as error:
         raise UnsafeRewriteError(
             "libcst cannot read this source, which Python can; write it in a plainer way",
             Location(file, getattr(error, "raw_line", None)),

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import ast
+import builtins
+import io
 import re
-from collections.abc import Mapping, Sequence
+import tokenize
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 RENAMED: Mapping[str, Sequence[str]] = {
     "BaseHTTPServer": ("http.server",),
@@ -67,6 +71,12 @@ _INTERPRETER = re.compile(r"#!.*\bpython([23])")
 _WORDS = re.compile(
     rf"^#!.*python2|\b({'|'.join(sorted(MODULES | NAMES | METHODS))})\b|\bprint\s*>>"
 )
+_BARE_CLAUSE = re.compile(r"^\s*except\b[^:#\n]*,", re.MULTILINE)
+_EXCEPTIONS = frozenset(
+    name
+    for name, value in vars(builtins).items()
+    if isinstance(value, type) and issubclass(value, BaseException)
+)
 
 
 class NotConvertibleError(Exception):
@@ -98,6 +108,106 @@ def shows_python_2(tree: ast.AST, text: str) -> bool:
     return any(
         _is_sign(node, given) for node, is_guarded in walk_with_guards(tree) if not is_guarded
     )
+
+
+class BareClause(NamedTuple):
+    """An `except` clause with a comma and no parentheses: `except ValueError, name:`.
+
+    Python 2 gives the exception the name; Python 3.14 catches either of two.
+    """
+
+    begin: tuple[int, int]
+    """Where the first exception begins: its line, from 1, and its column, from 0."""
+    end: tuple[int, int]
+    """Where the last name ends."""
+    last: str | None
+    """The one name behind the one comma; `None` where Python 2 cannot read the clause."""
+
+
+def bare_clauses(text: str) -> list[BareClause]:
+    """Return the `except` clauses of a source that have a comma outside of parentheses."""
+    if not _BARE_CLAUSE.search(text):
+        return []
+    try:
+        return list(_clauses(tokenize.generate_tokens(io.StringIO(text).readline)))
+    except (tokenize.TokenError, SyntaxError):
+        return []
+
+
+def _clauses(tokens: Iterator[tokenize.TokenInfo]) -> Iterator[BareClause]:
+    is_first = True
+    for token in tokens:
+        if is_first and token.string == "except":
+            parts: list[tokenize.TokenInfo] = []
+            commas: list[int] = []
+            depth = 0
+            for part in tokens:
+                depth += (part.string in {"(", "[", "{"}) - (part.string in {")", "]", "}"})
+                if part.type == tokenize.NEWLINE or (part.string == ":" and depth == 0):
+                    break
+                if part.string == "," and depth == 0:
+                    commas.append(len(parts))
+                if part.type not in {tokenize.NL, tokenize.COMMENT}:
+                    parts.append(part)
+            if commas and 0 < commas[-1] < len(parts) - 1:
+                is_one = commas == [len(parts) - 2] and parts[-1].type == tokenize.NAME
+                is_star = parts[0].string == "*"
+                last = parts[-1].string if is_one and not is_star else None
+                yield BareClause(parts[is_star].start, parts[-1].end, last)
+        is_first = token.type in {tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT} or (
+            is_first and token.type in {tokenize.NL, tokenize.COMMENT, tokenize.ENCODING}
+        )
+
+
+def is_caught(clause: BareClause, tree: ast.AST | None) -> bool:
+    """Return whether the last name of a clause is that of an exception, so that both are caught.
+
+    So it is if it is built in, if the source imports it or defines a class of that name, or if it
+    begins with a capital and the source gives it some value or imports all of a module. Where
+    there is no tree, a capital is enough.
+    """
+    name = clause.last
+    if name is None or name in _EXCEPTIONS:
+        return True
+    is_capital = name.lstrip("_")[:1].isupper()
+    if tree is None:
+        return is_capital
+    imported = {
+        (alias.asname or alias.name).partition(".")[0]
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for alias in node.names
+    }
+    classes = {node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef)}
+    return name in imported | classes or (
+        is_capital and bool({name, "*"} & (imported | _given(tree)))
+    )
+
+
+def binds_in_bare_clauses(text: str, tree: ast.AST) -> bool:
+    """Return whether a source that Python 3.14 can parse names an exception as Python 2 does."""
+    if _INTERPRETER.match(text):
+        return False
+    return not all(is_caught(clause, tree) for clause in bare_clauses(text))
+
+
+def catches_in_bare_clauses(text: str) -> bool:
+    """Return whether nothing but clauses as of Python 3.14 keeps an older Python from a source."""
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    clauses = bare_clauses(text)
+    lines = text.split("\n")
+    for clause in reversed(clauses):
+        for (line, column), sign in ((clause.end, ")"), (clause.begin, "(")):
+            lines[line - 1] = f"{lines[line - 1][:column]}{sign}{lines[line - 1][column:]}"
+    try:
+        tree = ast.parse("\n".join(lines))
+    except (SyntaxError, ValueError, RecursionError):
+        return False
+    if may_be_python_2(text) and shows_python_2(tree, text):
+        return False
+    if (interpreter := _INTERPRETER.match(text)) is not None:
+        return interpreter[1] == "3"
+    return bool(clauses) and all(is_caught(clause, tree) for clause in clauses)
 
 
 def is_only_python_3(tree: ast.AST) -> bool:

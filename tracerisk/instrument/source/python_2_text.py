@@ -46,7 +46,6 @@ _INDENT = re.compile(r"[ \t]*")
 _TAB = 8  # the width that Python 2 gives to a tab
 
 
-@lru_cache(maxsize=64)
 def converted(text: str) -> str:
     """Return a Python 2 source in the syntax of Python 3.
 
@@ -57,16 +56,25 @@ def converted(text: str) -> str:
     Raises:
         NotConvertibleError: Python 2 cannot read it either, or a line would not keep its place.
     """
+    result = _conversion(text)
+    if isinstance(result, NotConvertibleError):
+        raise NotConvertibleError(result.reason, result.line)
+    return result
+
+
+@lru_cache(maxsize=64)
+def _conversion(text: str) -> str | NotConvertibleError:
+    """Return the conversion or the refusal: an editor asks for both again and again."""
     tool = _tool()
     plain = text.replace("\r\n", "\n").replace("\r", "\n")
     plain = _without_tabs(plain if plain.endswith("\n") else plain + "\n")
     try:
         result = str(tool.refactor_string(plain, "source"))
-    except NotConvertibleError:
-        raise
-    except Exception as error:
-        raise NotConvertibleError(f"{type(error).__name__}: {error}") from error
-    _check_places(plain, result)
+        _check_places(plain, result)
+    except NotConvertibleError as error:
+        return error.with_traceback(None)
+    except Exception as error:  # noqa: BLE001 - whatever fissix raises
+        return NotConvertibleError(f"{type(error).__name__}: {error}")
     return result
 
 

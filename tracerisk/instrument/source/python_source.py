@@ -21,15 +21,26 @@ from tracerisk.errors import DependencyError, Location, SourceError
 from tracerisk.instrument.source.function_definitions import definitions
 from tracerisk.instrument.source.python_2 import (
     NotConvertibleError,
+    bare_clauses,
+    binds_in_bare_clauses,
+    catches_in_bare_clauses,
+    is_caught,
     is_only_python_3,
     may_be_python_2,
     shows_python_2,
 )
 
+_BARE_CLAUSE = "multiple exception types must be parenthesized"
+_TOO_DEEP = "too many nested parentheses"  # 200 levels; Python 2 reads 100 at most
+_NEWER_LINES = (
+    ((3, 14), re.compile(r"(?<![\w'\"])([tT][rR]?|[rR][tT])['\"]")),
+    ((3, 13), re.compile(r"^\s*((async\s+)?def|class|type)\s+\w+\s*\[[^\]=]*=")),
+    ((3, 12), re.compile(r"^\s*((async\s+)?def|class)\s+\w+\s*\[|^\s*type\s+\w+\s*[\[=]")),
+)
 _PYTHON_2_REASONS = (
     "Missing parentheses in call to 'print'",
     "Missing parentheses in call to 'exec'",
-    "multiple exception types must be parenthesized",
+    _BARE_CLAUSE,
     "leading zeros in decimal integer literals",
 )
 _PYTHON_2_LINES = tuple(
@@ -116,7 +127,8 @@ def read_python(text: str, file: str = "<unknown>") -> ReadPython:
     """Read a decoded source; `file` is what errors call it.
 
     It is Python 2 if Python 3 cannot parse it but can parse its conversion, or if it uses names or
-    states an interpreter that only Python 2 has, and Python 2 can read it.
+    states an interpreter that only Python 2 has, and Python 2 can read it. Which of both a clause
+    like `except ValueError, name:` means depends on the name, not on the Python that runs this.
 
     Raises:
         SyntaxError: it is neither; for what seems to be Python 2, the cause is the
@@ -128,6 +140,10 @@ def read_python(text: str, file: str = "<unknown>") -> ReadPython:
         try:
             tree = ast.parse(text, file)
         except SyntaxError as error:
+            if error.msg == _TOO_DEEP or (
+                error.msg == _BARE_CLAUSE and catches_in_bare_clauses(text)
+            ):
+                raise
             try:
                 read = _read_python_2(text, file)
             except NotConvertibleError as reason:
@@ -139,7 +155,10 @@ def read_python(text: str, file: str = "<unknown>") -> ReadPython:
             if is_only_python_3(read.tree):
                 raise
             return read
-        if may_be_python_2(text) and shows_python_2(tree, text) and not is_only_python_3(tree):
+        shows = (may_be_python_2(text) and shows_python_2(tree, text)) or binds_in_bare_clauses(
+            text, tree
+        )
+        if shows and not is_only_python_3(tree):
             with contextlib.suppress(NotConvertibleError):
                 return _read_python_2(text, file)
     return ReadPython(text, tree, is_python_2=False)
@@ -198,14 +217,15 @@ def _decode(source: bytes, file: str) -> str:
 def _source_error(error: SyntaxError, text: str, file: str) -> SourceError:
     shown = _shown_line(error, text)
     message = f"not valid Python: {error.msg}" + (f" in `{shown}`" if shown else "")
-    if "f-string" in (error.msg or "") and sys.version_info < (3, 12):
-        version = f"{sys.version_info[0]}.{sys.version_info[1]}"
-        message += (
-            f"; Python 3.12 accepts it if nothing else is wrong, but this is {version}: install "
-            "tracerisk under Python 3.12"
-        )
     reason = error.__cause__
-    if isinstance(reason, NotConvertibleError) and _seems_python_2(error, shown):
+    if (newer := _newer_python(error, shown, text)) is not None:
+        message += (
+            f"; Python {newer} accepts it if nothing else is wrong, but this is "
+            f"{sys.version_info[0]}.{sys.version_info[1]}: install tracerisk under Python {newer}"
+        )
+        if error.msg == _BARE_CLAUSE:
+            message += ", or write parentheses; of Python 2, let the first line name `python2`"
+    elif isinstance(reason, NotConvertibleError) and _seems_python_2(error, shown):
         where = f" at line {reason.line}" if reason.line else ""
         message = (
             f"this is Python 2: `{shown}` is not valid in Python 3 ({error.msg}), and the file "
@@ -213,6 +233,18 @@ def _source_error(error: SyntaxError, text: str, file: str) -> SourceError:
             "file first, e.g. with `2to3 -w` or `python-modernize -w`"
         )
     return SourceError(message, Location(file, error.lineno, error.offset or None))
+
+
+def _newer_python(error: SyntaxError, shown: str, text: str) -> str | None:
+    """Return the first Python that accepts the shown line, if it is newer than this one."""
+    needed = next((version for version, line in _NEWER_LINES if line.search(shown)), (3, 0))
+    if "f-string" in (error.msg or ""):
+        needed = max(needed, (3, 12))
+    elif error.msg == _BARE_CLAUSE:
+        clauses = [clause for clause in bare_clauses(text) if clause.begin[0] == error.lineno]
+        is_newer = clauses and is_caught(clauses[0], None)
+        needed = (3, 14) if is_newer or catches_in_bare_clauses(text) else needed
+    return f"{needed[0]}.{needed[1]}" if sys.version_info < needed else None
 
 
 def _shown_line(error: SyntaxError, text: str) -> str:

@@ -40,7 +40,7 @@ class SourceTree:
         try:
             wrapper = MetadataWrapper(cst.parse_module(text), unsafe_skip_copy=True)
             spans = wrapper.resolve(ByteSpanPositionProvider)
-        except (cst.ParserSyntaxError, RecursionError) as error:
+        except (cst.ParserSyntaxError, cst.CSTLogicError, RecursionError) as error:
             raise UnsafeRewriteError(
                 "libcst does not read the source as Python does; nothing of it is changed",
                 Location(file, getattr(error, "raw_line", None)),
