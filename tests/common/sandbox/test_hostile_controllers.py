@@ -117,6 +117,44 @@ OTHERS = {
     " os.environ) else None",
     "environment of a program": "t = subprocess.run(['env'], capture_output=True, text=True).stdout;"
     " 'TOKEN' in t and say(t)",
+    "file by its handle": "b = ctypes.create_string_buffer(b'\x50\0\0\0', 99); i = ctypes.c_int();"
+    " C.syscall(303, -100, HOME.encode(), b, ctypes.byref(i), 0) == 0 and say('got a handle')",
+    "process descriptor": "C.syscall(434, PARENT, 0) >= 0 and say('got a descriptor of the parent')",
+    "memory by vectors": "b = ctypes.create_string_buffer(8);"
+    " v = (ctypes.c_void_p * 2)(ctypes.addressof(b), 8);"
+    " C.syscall(310, PARENT, v, 1, (ctypes.c_void_p * 2)(0x400000, 8), 1, 0) != -1"
+    " and say('read memory of the parent')",
+    "performance events": "a = ctypes.create_string_buffer(b'\1\0\0\0\x70', 112);"
+    " C.syscall(298, a, 0, -1, -1, 0) >= 0 and say('got performance events')",
+    "program in the kernel": "C.syscall(321, 0, ctypes.create_string_buffer(bytes([1, 0, 0, 0, 4,"
+    " 0, 0, 0, 4, 0, 0, 0, 1]), 128), 128) >= 0 and say('made a map in the kernel')",
+    "page faults": "C.syscall(323, 1) >= 0 and say('handles page faults')",
+    "log of the kernel": "b = ctypes.create_string_buffer(99);"
+    " C.syscall(103, 3, b, 99) > 0 and say('read the log of the kernel')",
+    "packets": "socket.socket(17, socket.SOCK_RAW, 0x300); say('hears packets')",
+    "raw": "socket.socket(socket.AF_INET, socket.SOCK_RAW, 1); say('sends raw packets')",
+    "cryptography of the kernel": "socket.socket(38, 5, 0); say('reached the kernel by AF_ALG')",
+    "virtual machines": "socket.socket(40, socket.SOCK_STREAM); say('reached by AF_VSOCK')",
+    "watched files": "C.syscall(300, 0, 0) >= 0 and say('watches all files')",
+    "mount by descriptor": "C.syscall(430, b'tmpfs', 0) >= 0 and say('made a file system')",
+    "copy of the tree": "C.syscall(428, -100, b'/', 1) >= 0 and say('copied the tree')",
+    "namespace of the parent": "os.open(f'/proc/{PARENT}/ns/net', 0); say('opened a namespace')",
+    "root of the parent": "open(f'/proc/{PARENT}/root{HOME}/notes.txt'); say('through its root')",
+    "inherited descriptors": "for d in range(3, 99):\n"
+    "    try: data = os.pread(d, 9999, 0)\n"
+    "    except OSError: continue\n"
+    "    b'SECRET' in data and say('read a descriptor')",
+    "queue by name": "C.syscall(240, b'pwned', 0o102, 0o600, None) >= 0 and say('made a queue')",
+    "pages of the parent": "C.syscall(279, PARENT, 0, None, None, None, 0) == 0 and say('asked')",
+    "descriptors compared": "C.syscall(312, PARENT, os.getpid(), 0, 0, 0) >= 0 and say('compared')",
+    "signal by a descriptor": "import fcntl; a, b = os.pipe(); fcntl.fcntl(a, fcntl.F_SETOWN, PARENT);"
+    " say('owned by the parent')",
+    "name of the machine": "b = ctypes.create_string_buffer(65); C.gethostname(b, 65);"
+    " C.sethostname(b.value, len(b.value)) == 0 and say('named the machine')",
+    "clock": "import time; time.clock_settime(time.CLOCK_REALTIME, time.clock_gettime("
+    "time.CLOCK_REALTIME)); say('set the clock')",
+    "place of the parent": "os.sched_setaffinity(PARENT, os.sched_getaffinity(PARENT));"
+    " say('placed the parent')",
     "list the home": "C.opendir.restype = ctypes.c_void_p; C.opendir(HOME.encode())"
     " and say('reached the home')",
 }
