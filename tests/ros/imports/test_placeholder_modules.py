@@ -130,14 +130,24 @@ def test_a_run_drafts_a_module_that_is_missing(example, statement, line, remedy)
     assert remedy in reason["words"]
 
 
-@pytest.mark.slow(but=2)
-@pytest.mark.parametrize(
-    "statement", ["import pymycobot", "from acme_msgs.msg import Go", "from acme.srv import Go"]
-)
-def test_no_placeholder_stands_for_what_moves_the_robot_or_is_of_ros(example, statement):
-    example.write("c.py", f"{statement}\nimport absent_library\n{quick_controller()}")
+def test_no_placeholder_stands_for_what_moves_the_robot(example):
+    example.write("c.py", f"import pymycobot\nimport absent_library\n{quick_controller()}")
     ran = example.run("trace", "c.py", "--robot", "panda", "--json")
     assert ran.json["verdict"]["kind"] == "stuck"
+
+
+@pytest.mark.parametrize("package", ["acme_msgs.msg", "acme.srv"])
+def test_no_placeholder_stands_for_messages(example, package):
+    """They are made of how the program uses them, which is told."""
+    statements = f"from {package} import Go\nimport absent_library\n"
+    example.write("c.py", statements + quick_controller())
+    ran = example.run("trace", "c.py", "--robot", "panda", "--json")
+    verdict = ran.json["verdict"]
+    assert verdict["kind"] == "partial"
+    words = [reason["words"] for reason in verdict["reasons"] if reason["code"] == "input-assumed"]
+    messages, placeholder = words
+    assert "is drafted: its messages hold what the program uses of them" in messages
+    assert "absent_library is drafted: a placeholder" in placeholder
 
 
 def test_a_placeholder_that_nobody_confirmed_or_needed_is_reported(example):
