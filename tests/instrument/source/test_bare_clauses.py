@@ -61,7 +61,8 @@ def test_an_older_python_says_which_one_reads_them(first, clause):
     for parse in (parse_source, parse_python):
         with pytest.raises(SourceError) as raised:
             parse(source, "cell.py")
-        if "python3" not in first:
+        is_known = sys.version_info >= (3, 11) or not clause.startswith("*")  # `except*` is of 3.11
+        if "python3" not in first and is_known:
             assert "Python 3.14 accepts it" in raised.value.message
             assert "write parentheses" in raised.value.message
         assert "this is Python 2" not in raised.value.message
