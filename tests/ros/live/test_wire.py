@@ -17,7 +17,7 @@ def test_a_message_is_read_as_it_was_written(interfaces):
     message = kind(name=["a"], position=[0.5])
     read = wire.decode(wire.encode(message), kind)
     assert (list(read.name), list(read.position)) == (["a"], [0.5])
-    assert wire.content(wire.encode(message), kind) == wire.encode(message)
+    assert wire.content(wire.encode(message), read) == wire.encode(message)
     assert wire.message(kind)["type"] == "sensor_msgs/JointState"
 
 
@@ -42,5 +42,6 @@ def test_padding_tells_nothing():
     body = bytearray(wire.encode(kind(name=["a"], position=[0.5])))
     at = body.index(b"a\0") + 2
     body[at] = 0xFF
-    assert bytes(body) != wire.encode(wire.decode(bytes(body), kind))
-    assert wire.content(bytes(body), kind) == wire.encode(kind(name=["a"], position=[0.5]))
+    read = wire.decode(bytes(body), kind)
+    assert bytes(body) != wire.encode(read)
+    assert wire.content(bytes(body), read) == wire.encode(kind(name=["a"], position=[0.5]))

@@ -106,7 +106,10 @@ class Bridge:
             of, _ = self._wire.parts(self._interfaces.service(type_name))
         else:
             of = self.actions.goal_class(name)
-        return None if of is None else digest(self._wire.content(body, of))
+        return None if of is None else digest(self._content(body, of))
+
+    def _content(self, body: bytes, kind: Any) -> bytes:
+        return self._wire.content(body, self._wire.decode(body, kind))
 
     def service_client(self, name: str, type_name: str) -> None:
         """Note that the controller has a client of a service."""
@@ -261,14 +264,13 @@ class Bridge:
 
     def _message(self, topic: str, caller: str, body: bytes) -> None:
         publication = self._publication(topic, caller)
-        kind: Any = None
-        if publication is not None:
-            kind = self._interfaces.message(publication.type_name)
-        content = body if kind is None else self._wire.content(body, kind)
-        stack = self.sender(topic, content, kind is not None and self._wire.has_header(kind))
         if publication is None:
+            self.sender(topic, body, False)
             return
+        kind: Any = self._interfaces.message(publication.type_name)
         message = self._wire.decode(body, kind)
+        content = self._wire.content(body, message)
+        stack = self.sender(topic, content, self._wire.has_header(kind))
         with self._acting_for(stack):
             publication.publish(message)
 
@@ -316,7 +318,7 @@ class Bridge:
         content = body
         if server is not None:
             asked, _ = self._wire.parts(self._interfaces.service(server.type_name))
-            content = self._wire.content(body, asked)
+            content = self._content(body, asked)
         stack = self.sender(name, content, False)
 
         def answer() -> None:
@@ -343,7 +345,7 @@ class Bridge:
         kind = self.actions.goal_class(header["name"])
         stack: tuple[Frame, ...] = ()
         if header["is"] == "goal" and kind is not None:
-            stack = self.sender(header["name"], self._wire.content(body, kind), False)
+            stack = self.sender(header["name"], self._content(body, kind), False)
         with self._acting_for(stack):
             self.actions.take(header, body)
 

@@ -21,8 +21,8 @@ class Wire(Protocol):
     def decode(self, body: bytes, kind: Any) -> Any:
         """Return the message of a class that the bytes hold."""
 
-    def content(self, body: bytes, kind: Any) -> bytes:
-        """Return bytes of a message of a class that are the same whenever it is."""
+    def content(self, body: bytes, message: Any) -> bytes:
+        """Return bytes of a message, which was read of a body, that are the same whenever it is."""
 
     def message(self, kind: Any) -> dict[str, Any]:
         """Return what a relay must know of a class of messages."""
@@ -52,7 +52,7 @@ class Wire1:
         message.deserialize(body)
         return message
 
-    def content(self, body: bytes, kind: Any) -> bytes:  # noqa: ARG002
+    def content(self, body: bytes, message: Any) -> bytes:  # noqa: ARG002
         """Return the bytes themselves."""
         return body
 
@@ -91,9 +91,9 @@ class Wire2:
         """Return the message of a class that the bytes hold."""
         return decode2(body, kind)
 
-    def content(self, body: bytes, kind: Any) -> bytes:
+    def content(self, body: bytes, message: Any) -> bytes:  # noqa: ARG002
         """Return the bytes without what happened to lie between the values, as padding."""
-        return encode2(decode2(body, kind))
+        return encode2(message)
 
     def message(self, kind: Any) -> dict[str, Any]:
         """Return the type of a class of messages."""

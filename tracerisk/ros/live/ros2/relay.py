@@ -65,8 +65,8 @@ class Relay:
         self._qos: Any = importlib.import_module("rclpy.qos")
         self._action: Any = importlib.import_module("rclpy.action")
         self._wire: Any = importlib.import_module("rclpy.serialization")
-        groups: Any = importlib.import_module("rclpy.callback_groups")
-        self._group = groups.ReentrantCallbackGroup()
+        self._groups: Any = importlib.import_module("rclpy.callback_groups")
+        self._group = self._groups.ReentrantCallbackGroup()
         self._publishers: dict[str, Any] = {}
         self._subscriptions: dict[str, Any] = {}
         self._echoes: dict[str, Counter[bytes]] = {}
@@ -114,13 +114,9 @@ class Relay:
         profile = self._profile(reliable=header["reliable"], latch=header["latch"], depth=_DEPTH)
         self._subscriptions[topic] = self._node.create_subscription(
             kind, topic, lambda data: self._received(topic, bytes(data)), profile, raw=True,
-            callback_group=self._group_of_topic(),
+            # Messages of a topic come one after the other.
+            callback_group=self._groups.MutuallyExclusiveCallbackGroup(),
         )  # fmt: skip
-
-    def _group_of_topic(self) -> Any:
-        """Return a group of its own for a topic, whose messages come one after the other."""
-        groups: Any = importlib.import_module("rclpy.callback_groups")
-        return groups.MutuallyExclusiveCallbackGroup()
 
     def _received(self, topic: str, body: bytes) -> None:
         echoes = self._echoes.get(topic)
