@@ -37,7 +37,7 @@ class MissingModules:
         A module of its own that cannot be read goes first: whoever installs the others gets no
         further.
         """
-        files = self._files()
+        files = program_files(self.script)
         for path in files:
             shown = self._shown(path)
             hint = _unreadable(path, shown)
@@ -51,7 +51,7 @@ class MissingModules:
         Each comes with what to do about it. A library that moves the robot, or is of ROS, has
         effects that no placeholder has. Of a package of messages, the program shows what it needs.
         """
-        files = self._files()
+        files = program_files(self.script)
         names = self._missing(failed, files)
         imported = [name.split(".") for name in self._imported(files)]
         # What is in `parts.srv` are definitions of a service, whatever the package is called.
@@ -78,9 +78,6 @@ class MissingModules:
             return path.resolve().relative_to(self.root.resolve()).as_posix()
         except ValueError:
             return path.name
-
-    def _files(self) -> Sequence[Path]:
-        return program_files(self.script)
 
     def _imported(self, files: Iterable[Path]) -> Iterator[str]:
         """Yield the dotted names of the modules that files import, but for guarded imports."""

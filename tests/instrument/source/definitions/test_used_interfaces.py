@@ -17,7 +17,9 @@ def _defined(source, package="own_msgs"):
     def known(name, kind):
         return KNOWN.module_names(name, kind) if name in KNOWN.packages else ()
 
-    texts = used_definitions([ast.parse(source)], package, known)
+    texts = used_definitions(
+        [ast.parse(source)], package, known, is_ros1="import rclpy" not in source
+    )
     return {f"{kind}/{name}": text.split("\n") for (kind, name), text in texts.items()}
 
 

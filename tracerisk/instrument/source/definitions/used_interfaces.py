@@ -42,7 +42,7 @@ class _Interface:
 
 
 def used_definitions(
-    trees: Sequence[ast.AST], package: str, known_names: KnownNames
+    trees: Sequence[ast.AST], package: str, known_names: KnownNames, *, is_ros1: bool
 ) -> Mapping[tuple[str, str], str]:
     """Return the texts of the definitions of a package that sources use, by kind and name."""
     names = [_names_of(tree, package, trees, known_names) for tree in trees]
@@ -52,7 +52,6 @@ def used_definitions(
         for tree, mapping in zip(trees, names, strict=True)
         for found in _used_through(tree, mapping)
     }
-    is_ros1 = not any(_is_of_ros2(tree) for tree in trees)
     table = _interfaces(used, is_ros1=is_ros1)
     for tree, mapping in zip(trees, names, strict=True):
         # A field of ROS 1 that holds decimals takes whole numbers too.
@@ -145,21 +144,6 @@ def _used_through(tree: ast.AST, names: Mapping[str, str]) -> set[str]:
 def _full(dotted: str, names: Mapping[str, str]) -> str:
     top, dot, rest = dotted.partition(".")
     return f"{names[top]}{dot}{rest}" if top in names else ""
-
-
-def _is_of_ros2(tree: ast.AST) -> bool:
-    """Return whether a source is for ROS 2."""
-    return any(
-        isinstance(node, ast.ImportFrom | ast.Import)
-        and any(name.split(".")[0] == "rclpy" for name in _imported(node))
-        for node in ast.walk(tree)
-    )
-
-
-def _imported(node: ast.Import | ast.ImportFrom) -> list[str]:
-    if isinstance(node, ast.ImportFrom):
-        return [node.module or ""]
-    return [alias.name for alias in node.names]
 
 
 def _interfaces(used: Collection[str], *, is_ros1: bool) -> dict[str, tuple[_Interface, str]]:

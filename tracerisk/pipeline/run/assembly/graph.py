@@ -92,7 +92,7 @@ def build_graph(request: RunRequest, project: Project, world: SimulatedWorld) ->
         if ros == 2
         else Interfaces(own, more, installed, reads.add)
     )
-    _define_from_use(Path(request.controller), scenario, interfaces)
+    _define_from_use(Path(request.controller), ros, scenario, interfaces)
     _serve_twin(runtime, interfaces, drivers)
     state_reads = (
         StateReads(interfaces.message(JOINT_STATE_TYPE))
@@ -115,7 +115,7 @@ def build_graph(request: RunRequest, project: Project, world: SimulatedWorld) ->
 
 
 def _define_from_use(
-    script: Path, scenario: Scenario, interfaces: Interfaces | Interfaces2
+    script: Path, ros: RosVersion, scenario: Scenario, interfaces: Interfaces | Interfaces2
 ) -> None:
     """Define what the program uses of packages that the scenario names and nobody has."""
     absent = [name for name, _ in scenario.modules if name not in interfaces.packages]
@@ -130,7 +130,9 @@ def _define_from_use(
     interfaces.also(
         InterfaceText(name, kind, stem, text)
         for name in absent
-        for (kind, stem), text in used_definitions(trees, name, known_names).items()
+        for (kind, stem), text in used_definitions(
+            trees, name, known_names, is_ros1=ros == 1
+        ).items()
     )
 
 
