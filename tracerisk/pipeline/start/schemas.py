@@ -1,8 +1,8 @@
 """JSON Schemas of the files that users write, by which editors complete and check them.
 
 They are in draft 7, which catalogues of schemas and language servers for TOML and YAML take; those
-of models are in 2020-12. Those
-of the settings are made of `config.Settings`, so that nothing is said twice.
+of models are in 2020-12. Those of the settings are made of `config.Settings`, so that nothing is
+said twice.
 """
 
 from __future__ import annotations
