@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from types import SimpleNamespace
 
 from tracerisk.cli.verbs import module_of
 
@@ -94,8 +95,6 @@ def _plain(given: list[str]) -> argparse.Namespace | None:
         or (given[0] == "solve" and not files)
     ):
         return None
-    from types import SimpleNamespace
-
     defaults = _Defaults()
     import_module(module_of(given[0])).add_options(defaults)
     stated = {"verb": given[0], "version": None, "files": files}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from tracerisk.adder.sources.edits import Edit, apply_edits, line_starts
 from tracerisk.adder.sources.python_lines import parse_python
@@ -13,6 +14,9 @@ from tracerisk.errors import SourceError
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.instrument.source.function_definitions import MODULE, definitions
 from tracerisk.instrument.source.language import is_c
+
+if TYPE_CHECKING:
+    from tracerisk.adder.sources.c_source import CFunction
 
 _Spans = list[tuple[QualifiedName, int, int]]
 
@@ -25,11 +29,15 @@ def functions_in(source: bytes, file: str) -> list[tuple[QualifiedName, int]]:
     extra `cpp`.
     """
     if is_c(file):
-        from tracerisk.adder.sources.c_source import parse_c
-
-        return [(function.name, function.line) for function in parse_c(source, file).functions]
+        return [(function.name, function.line) for function in _c_functions(source, file)]
     tree = parse_python(source, file).tree
     return [(MODULE, 1), *((definition.name, definition.line) for definition in definitions(tree))]
+
+
+def _c_functions(source: bytes, file: str) -> Sequence[CFunction]:
+    from tracerisk.adder.sources.c_source import parse_c
+
+    return parse_c(source, file).functions
 
 
 def digests_behind(
@@ -74,9 +82,7 @@ def _outermost(edits: list[Edit]) -> list[Edit]:
 def _spans(source: bytes, file: str) -> _Spans:
     """Return the first byte of each function, and the byte after it; none of what is no source."""
     if is_c(file):
-        from tracerisk.adder.sources.c_source import parse_c
-
-        functions = parse_c(source, file).functions
+        functions = _c_functions(source, file)
         return [(function.name, function.begins, function.end) for function in functions]
     try:
         parsed = parse_python(source, file)

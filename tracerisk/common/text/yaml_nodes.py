@@ -11,8 +11,10 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from yaml import events
+from yaml import YAMLError, events
 from yaml.cyaml import CParser
+from yaml.error import MarkedYAMLError
+from yaml.reader import ReaderError
 
 _MAX_DEPTH = 100
 _TOO_DEEP = f"is nested deeper than {_MAX_DEPTH} levels"
@@ -85,10 +87,6 @@ def load_placed(text: str) -> Any:
     Raises PlacedYamlError where it is not YAML, holds a key twice, a value of a type of its own,
     an anchor that holds itself, or is nested deeper than 100 levels.
     """
-    from yaml import YAMLError
-    from yaml.error import MarkedYAMLError
-    from yaml.reader import ReaderError
-
     try:
         return _Document(CParser(text)).load()
     except MarkedYAMLError as cause:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import types
 from collections.abc import Callable, Mapping
+from itertools import filterfalse, zip_longest
 from typing import Any
 
 from tracerisk.instrument.python_2.operators import divided, to_bytes, to_text, translated
@@ -62,8 +63,6 @@ def _string() -> dict[str, Any]:
 
 
 def _itertools() -> dict[str, Any]:
-    from itertools import filterfalse, zip_longest
-
     return {
         "ifilter": filter,
         "ifilterfalse": filterfalse,

@@ -163,15 +163,11 @@ def _robots(
     if "sim" in missing_extras():
         named = {} if given is None else {given: controllers}
         return named, "the simulator is not installed", ()
-    from tracerisk.pipeline.robot.choice import driven_robot, equipped
-    from tracerisk.twin.robots.added_gripper import (
-        has_assumed_gripper,
-        named_robot,
-        words_of_assumed_gripper,
-    )
+    from tracerisk.pipeline.robot import choice
+    from tracerisk.twin.robots import added_gripper
     from tracerisk.twin.robots.generic import NAME as GENERIC
 
-    robot = None if given is None else named_robot(given)
+    robot = None if given is None else added_gripper.named_robot(given)
     robots: dict[str, list[str]] = {}
     assumed: dict[str, str] = {}
     why = "" if controllers else "no controller was found"
@@ -179,9 +175,9 @@ def _robots(
         try:
             controller = load_controller(root / text)
             driven = (
-                driven_robot(controller, controller.settings)
+                choice.driven_robot(controller, controller.settings)
                 if robot is None
-                else equipped(robot, controller)
+                else choice.equipped(robot, controller)
             )
         except TraceRiskError as error:
             why = why or f"{text}: {error.message}"
@@ -190,8 +186,8 @@ def _robots(
             why = why or f"{text} names none that is known"
             continue
         robots.setdefault(driven.name, []).append(text)
-        if has_assumed_gripper(driven):
-            assumed[driven.name] = words_of_assumed_gripper(driven)
+        if added_gripper.has_assumed_gripper(driven):
+            assumed[driven.name] = added_gripper.words_of_assumed_gripper(driven)
     if robot is not None:
         return {robot.name: controllers}, "", tuple(assumed.values())
     return {name: tuple(files) for name, files in robots.items()}, why, tuple(assumed.values())

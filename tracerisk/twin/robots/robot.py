@@ -243,15 +243,12 @@ def load_robot(name_or_path: str | Path) -> Robot:
     Raises RobotError with file and line when the file is malformed, or with the names of the
     shipped robots when there is no such robot.
     """
-    # Imported here, for the reader builds on the classes above.
-    from tracerisk.twin.robots.robot_reader import read_robot
-
     text = str(name_or_path)
     if text in robot_names():
         return _shipped(text)
     path = Path(name_or_path)
     if path.suffix in (".yaml", ".yml"):
-        return read_robot(path)
+        return _read(path)
     raise RobotError(
         f"unknown robot '{text}'; {one_of(robot_names(), text)}; or an arm with a gripper "
         f"(ur5e+robotiq_2f_85), or a robot file (.yaml, {', '.join(MODEL_SUFFIXES)})"
@@ -260,7 +257,12 @@ def load_robot(name_or_path: str | Path) -> Robot:
 
 @functools.cache  # robots are frozen, and each is read several times to find the one that is meant
 def _shipped(name: str) -> Robot:
+    path = SHIPPED_ROBOTS / f"{name}.yaml"
+    return _read(path, f"robots/{path.name}")
+
+
+def _read(path: Path, shown: str | None = None) -> Robot:
+    # Imported here, for the reader builds on the classes above.
     from tracerisk.twin.robots.robot_reader import read_robot
 
-    path = SHIPPED_ROBOTS / f"{name}.yaml"
-    return read_robot(path, shown=f"robots/{path.name}")
+    return read_robot(path, shown=shown)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -133,7 +134,5 @@ def _text(text: str) -> str:
 
 def _quoted(text: str) -> str:
     if any(ord(name) < 32 or ord(name) == 127 for name in text):
-        import json
-
         return json.dumps(text)
     return "'" + text.replace("'", "''") + "'"

@@ -6,6 +6,7 @@ import pickle
 import queue
 import threading
 import types
+from multiprocessing import sharedctypes
 from typing import Any
 
 from tracerisk.ros.time.processes.pool import ProcessPool
@@ -128,16 +129,12 @@ class Manager:
 
 def value(kind: Any, *args: Any, lock: Any = True) -> Any:
     """Return a shared value; see `multiprocessing.Value`."""
-    from multiprocessing import sharedctypes
-
     made = _c_type(kind)(*args)
     return made if lock is False else sharedctypes.synchronized(made, _lock_of(lock))
 
 
 def array(kind: Any, size_or_values: Any, *, lock: Any = True) -> Any:
     """Return a shared array; see `multiprocessing.Array`."""
-    from multiprocessing import sharedctypes
-
     each = _c_type(kind)
     if isinstance(size_or_values, int):
         made = (each * size_or_values)()
@@ -148,8 +145,6 @@ def array(kind: Any, size_or_values: Any, *, lock: Any = True) -> Any:
 
 
 def _c_type(kind: Any) -> Any:
-    from multiprocessing import sharedctypes
-
     return vars(sharedctypes)["typecode_to_type"].get(kind, kind)
 
 
