@@ -328,6 +328,15 @@ class Graph:
             if entry.publications
         )
 
+    def heard_topics(self) -> frozenset[tuple[str, str]]:
+        """Return name and type of each topic that the controller subscribes to."""
+        return frozenset(
+            (name, subscription.type_name)
+            for name, entry in self._topics.items()
+            for subscription in entry.subscriptions
+            if subscription.by_controller
+        )
+
     # Endpoints come and go
 
     def remove_publication(

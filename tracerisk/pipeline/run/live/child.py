@@ -54,6 +54,7 @@ from tracerisk.ros.live.session import STEP_NS, Program, Session
 from tracerisk.ros.robot.bring_up.node_parameters import SEMANTIC
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import DESCRIPTION
+from tracerisk.ros.robot.trajectories.robot_spaces import words_of_several_arms
 from tracerisk.ros.time.scheduler import RunOver
 from tracerisk.trace import EndCause
 from tracerisk.twin.recording.samples import SampleWriter
@@ -179,6 +180,8 @@ class _LiveRun:
             self._nodes.report_attribution()
         self._report_end(over, bad_end, session.controller_code)
         self._recorder.note(GRAPH_USE, counts=dict(sorted(self._runtime.graph.counts.items())))
+        if words := words_of_several_arms(self._runtime):
+            self._recorder.finding("one_robot", words)
         self._recorder.note(CELL, **self._graph.cell.note())
         self._twin.close()
         WallTime(time.perf_counter() - began, 0.0).write(Path(self._request.folder))

@@ -18,6 +18,7 @@ from tracerisk.ros.robot.bring_up.states import ControllerStates
 from tracerisk.ros.robot.messages import TwinMessages
 from tracerisk.ros.robot.state_topics import fill_joint_state
 from tracerisk.ros.robot.streams.command_topics import JOINT_STATE_TYPE
+from tracerisk.ros.robot.trajectories.robot_spaces import group_of_side
 from tracerisk.ros.robot.twin_node import JOINTS, TwinNode
 from tracerisk.ros.vendors.answers import Result
 from tracerisk.ros.vendors.conventions import Conventions
@@ -92,10 +93,11 @@ class DescribedDriver(TwinNode):
     def _types(self, interface: Interface) -> tuple[str, ...]:
         return types_in_use(self._driver, interface, self._messages)
 
-    def _arm(self, interface: Interface | None) -> DescribedArm:
+    def _arm(self, interface: Interface | None, name: str = "") -> DescribedArm:
         group, gripper = self._driver.group, self._driver.gripper
         if interface is not None:
             group, gripper = interface.group or group, interface.gripper or gripper
+        group = group or group_of_side(self._twin.robot, name)
         if (group, gripper) not in self._arms:
             self._arms[group, gripper] = DescribedArm(
                 self._driver, self._runtime, self._messages, self._state, group, gripper
@@ -214,8 +216,12 @@ class DescribedDriver(TwinNode):
         on_end: Callable[[Job], None] = lambda job: None,  # noqa: ARG005
         *,
         is_goal: bool = False,
+        name: str = "",
     ) -> tuple[Result, list[Job]]:
-        """Do what a case says; a motion is returned as a job, over or not."""
+        """Do what a case says; a motion is returned as a job, over or not.
+
+        `name` is the one under which it was asked for, which may say which arm is meant.
+        """
         kind = short_name(interface)
         for words, what in (
             (case.note, "not_simulated"),
@@ -235,10 +241,10 @@ class DescribedDriver(TwinNode):
         if case.stop:
             self._queue.stop()
             self._grips.stop()
-            self._commands.rest(self._arm(interface).motion.joints)
+            self._commands.rest(self._arm(interface, name).motion.joints)
         if not case.effect:
             return Result(), []
-        arm = self._arm(interface)
+        arm = self._arm(interface, name)
         if case.effect == "solve":
             with undisturbed(self._scheduler.current):
                 return arm.motions.solve(case, request), []
@@ -327,6 +333,7 @@ class DescribedDriver(TwinNode):
                 goal.stack,
                 lambda job: ended(Result(job.outcome, job.message)),
                 is_goal=True,
+                name=goal.client.name,
             )
             goal.data = jobs
             if not jobs or not request.flag(case.wait, default=True):
@@ -344,7 +351,7 @@ class DescribedDriver(TwinNode):
             return
         outputs = interface.response if case is None or case.response is None else case.response
         made = self._messages.part(goal.client.type_name, "Result")
-        filled = self._arm(interface).answers.fill(made, outputs, result, goal.message)
+        filled = self._arm(interface, goal.client.name).answers.fill(made, outputs, result, goal.message)
         goal.end(result.outcome, filled, result.message)
 
     def _on_cancel(self, goal: ActionGoal) -> None:
@@ -360,7 +367,7 @@ class DescribedDriver(TwinNode):
             if goal.state.is_terminal:
                 return
             made = self._messages.part(goal.client.type_name, "Feedback")
-            answers = self._arm(interface).answers
+            answers = self._arm(interface, goal.client.name).answers
             goal.publish_feedback(answers.fill(made, interface.feedback, Result(), goal.message))
             self._scheduler.call_at(self._scheduler.now_ns + period_ns, notify, background=True)
 
@@ -423,14 +430,14 @@ class DescribedDriver(TwinNode):
         queued = (interface.while_moving or self._driver.while_moving) == "queue"
         waits = queued and case.effect == "move" and not case.stream
         if waits or not is_motion or case.ignore:
-            self._do(interface, case, request, stack)
+            self._do(interface, case, request, stack, name=topic)
         elif refused := self._queue.refused():
             self._streams.refuse(topic, self._queue.why(refused))
         else:
-            self._streams.take(self._arm(interface), interface, case, topic, request)
+            self._streams.take(self._arm(interface, topic), interface, case, topic, request)
 
     def _publish(self, interface: Interface, name: str, type_name: str) -> None:
-        answers = self._arm(interface).answers
+        answers = self._arm(interface, name).answers
         is_of_joints = interface.response is None and type_name == JOINT_STATE_TYPE
 
         def make(message: Any, topic: str) -> Any:
