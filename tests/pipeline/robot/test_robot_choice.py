@@ -6,7 +6,7 @@ import pytest
 
 from tracerisk import api
 from tracerisk.config import Settings
-from tracerisk.pipeline.robot.choice import choose_robot
+from tracerisk.pipeline.robot.choice import choose_robot, driven_robot
 
 ARM = 'JOINTS = ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"]\n'
 GROUP = 'arm = MoveGroupCommander("manipulator")\n'
@@ -189,3 +189,81 @@ def test_a_letter_that_belongs_to_the_name_of_an_arm_is_another_model(tmp_path, 
 def test_the_arm_itself_stays_what_its_source_names(tmp_path):
     script = COUNTING.replace(", 'joint5', 'joint6'", "") + "GROUP = 'open_manipulator'\n"
     assert chosen_by(project(tmp_path, script))[0] == "open_manipulator_x"
+
+
+UR_JOINTS = [
+    *("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+    *("wrist_1_joint", "wrist_2_joint", "wrist_3_joint"),
+]
+
+
+def maker(top: Path, folder: str, *models: str) -> Path:
+    """A maker's package with a description and an SRDF for each of its arms of the same joints."""
+    links = "".join(f'<link name="l{number}"/>' for number in range(7))
+    joints = "".join(
+        f'<joint name="{name}" type="revolute"><parent link="l{number}"/>'
+        f'<child link="l{number + 1}"/><axis xyz="0 0 1"/><origin xyz="0 0 LEN"/>'
+        '<limit lower="-2" upper="2" velocity="1" effort="9"/></joint>'
+        for number, name in enumerate(UR_JOINTS)
+    )
+    for number, model in enumerate(models):
+        package = top / f"{model}_moveit_config"
+        (package / "config").mkdir(parents=True)
+        (package / "package.xml").write_text(f"<package><name>{package.name}</name></package>")
+        (package / "config" / f"{model}.srdf").write_text(
+            f'<robot name="{model}"><group name="manipulator">'
+            '<chain base_link="l0" tip_link="l6"/></group></robot>'
+        )
+        (package / "config" / f"{model}.urdf").write_text(
+            f'<robot name="{model}">{links}{joints.replace("LEN", f"0.{number + 1}")}</robot>'
+        )
+    script = top / folder / "go.py"
+    script.parent.mkdir()
+    (top / ".git").mkdir()
+    script.write_text(f"import rospy\nJOINTS, GROUP = {UR_JOINTS!r}, 'manipulator'\n")
+    return script
+
+
+@pytest.mark.parametrize(
+    ("folder", "robot", "is_sure"),
+    [("qx5_demo", "qx5", True), ("qx3_demo", "qx3", True), ("demo", "qx10", False)],
+)
+def test_of_a_makers_arms_with_the_same_joints_the_folder_says_one(
+    tmp_path, folder, robot, is_sure
+):
+    script = maker(tmp_path, folder, "qx10", "qx3", "qx5")
+    chosen = driven_robot(api.load_controller(script), Settings())
+    assert chosen.name == robot
+    assert bool(chosen.doubt) != is_sure
+    if not is_sure:
+        assert "qx5_moveit_config" in chosen.doubt
+
+
+def test_the_model_that_the_source_names_outweighs_a_part_of_another(tmp_path):
+    script = maker(tmp_path, "demo", "qx10", "qx5")
+    srdf = tmp_path / "qx10_moveit_config" / "config" / "qx10.srdf"
+    grip = '<group name="grip"><joint name="wrist_3_joint"/></group></robot>'
+    srdf.write_text(srdf.read_text().replace("</robot>", grip))
+    script.write_text("import rospy\nrobot, groups = 'qx5', ['manipulator', 'grip']\n")
+    assert driven_robot(api.load_controller(script), Settings()).name == "qx5"
+
+
+def test_a_description_of_another_shipped_arm_is_not_the_one_of_the_folder(tmp_path):
+    described = tmp_path / "mycobot_description"
+    for model in ("320", "600"):
+        (described / f"{model}_urdf").mkdir(parents=True)
+        joints = "".join(
+            f'<joint name="joint{number + 1}" type="revolute"><parent link="l{number}"/>'
+            f'<child link="l{number + 1}"/><axis xyz="0 0 1"/><origin xyz="0 0 0.1"/>'
+            '<limit lower="-2" upper="2" velocity="1" effort="9"/></joint>'
+            for number in range(6)
+        )
+        links = "".join(f'<link name="l{number}"/>' for number in range(6))
+        text = f'<robot name="mycobot{model}">{links}<link name="l6"/>{joints}</robot>'
+        (described / f"{model}_urdf" / "mycobot.urdf").write_text(text)
+    (described / "package.xml").write_text("<package><name>mycobot_description</name></package>")
+    (tmp_path / ".git").mkdir()
+    script = tmp_path / "mycobot_280" / "go.py"
+    script.parent.mkdir()
+    script.write_text("import rospy\ntopic, part = 'mycobot/angles_goal', 'l6'\n")
+    assert driven_robot(api.load_controller(script), Settings()).name == "mycobot_280"

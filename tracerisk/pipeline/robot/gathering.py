@@ -23,7 +23,7 @@ from tracerisk.pipeline.robot.evidence import (
     Evidence,
     is_decided,
 )
-from tracerisk.pipeline.robot.hints import robot_hints, source_hints
+from tracerisk.pipeline.robot.hints import folders_around, robot_hints, source_hints
 from tracerisk.pipeline.robot.installed_descriptions import installed_descriptions
 from tracerisk.pipeline.robot.named_parts import (
     Parts,
@@ -97,7 +97,9 @@ class Gathering:
         source = self.whole.source
         described = installed_descriptions(root, self.workspace, strings, source)
         named = named_packages(root, self.workspace.packages, strings) | described.keys()
-        return Spoken(strings, named, self._launched, own.listed, own.strings), described
+        around = " ".join(folders_around(self._controller))
+        spoken = Spoken(strings, named, self._launched, own.listed, own.strings, around)
+        return spoken, described
 
     @cached_property
     def _launched(self) -> tuple[LaunchedDescription, ...]:
@@ -189,8 +191,13 @@ class Gathering:
             yield Evidence(key, words, found.launch_file, None, points)
         is_named = any(one.robot == key and one.points > 0 for one in named)
         is_meant = is_named or found.launched_by == "controller"
-        if not is_meant and self._is_of_another(key):
-            return
+        if found.launched_by != "controller" and self._is_of_another(found):
+            if is_meant and not found.is_only:
+                models = ", ".join(sorted(self._models_meant))
+                words = f"the controller is for {models}, by its source or its folder"
+                yield Evidence(key, words, self.speeches[0].file, None, -JOINTS, "name")
+            if not is_meant or not found.is_only:
+                return
         if is_meant or found.is_called:
             yield Evidence(key, "the workspace describes what is named", key, None, DESCRIBED)
         if found.is_called:
@@ -202,11 +209,22 @@ class Gathering:
         if found.is_only and is_only:
             yield Evidence(key, "the workspace describes no other robot", key, None, ONLY)
 
-    def _is_of_another(self, key: str) -> bool:
-        """Return whether a file is of a shipped robot by its name, and the source names another."""
-        called = mentioned(key, self.shipped)
+    def _is_of_another(self, found: DescribedRobot) -> bool:
+        """Return whether a robot has the name of a shipped one, and the controller another's.
+
+        A gripper alone is another than any arm that the controller names.
+        """
+        if not found.robot.arm_joints and self._named_in_source:
+            return True
+        called = mentioned(f"{found.key} {found.robot.name}", self.shipped)
+        return bool(called and self._models_meant) and called.isdisjoint(self._models_meant)
+
+    @cached_property
+    def _models_meant(self) -> frozenset[str]:
+        """The shipped robots that the source names; of several, those that folders name too."""
+        around = mentioned(" ".join(folders_around(self._controller)), self.shipped)
         own = self._named_in_source
-        return bool(called and own) and called.isdisjoint(own)
+        return own & around or own or around
 
     @cached_property
     def _named_in_source(self) -> frozenset[str]:

@@ -142,11 +142,17 @@ def _paths(controller: Controller) -> Iterator[Hint]:
     """Yield the file's name, and those of the folders around it up to the project's top."""
     script = controller.path.resolve()
     yield Hint("its file's name", {script.name: script.stem})
+    for name in folders_around(controller):
+        yield Hint("its folder's name", {name: name})
+
+
+def folders_around(controller: Controller) -> Iterator[str]:
+    """Yield the names of the folders around a controller, up to the top of its project."""
     top = controller.project.top
-    for folder in script.parents if _is_project(controller.project) else ():
+    for folder in controller.path.resolve().parents if _is_project(controller.project) else ():
         if not folder.is_relative_to(top):
             break
-        yield Hint("its folder's name", {folder.name: folder.name})
+        yield folder.name
 
 
 def _project(controller: Controller) -> Iterator[Hint]:

@@ -24,6 +24,11 @@ def words_of_one(names: Set[str]) -> frozenset[str]:
     return frozenset(word for word, count in counts.items() if count == 1)
 
 
+def models_in(name: str) -> Set[str]:
+    """Return the models in a name, as makers call them: `ur5` in `unity_ur5_demo`."""
+    return set(re.findall(r"(?<![a-z0-9])[a-z]+\d+[a-z]?(?![a-z0-9])", name.lower()))
+
+
 def words_shared(robot: str, stem: str) -> Set[str]:
     """Return the words of a robot's name that are in the name of a script's file."""
     words, own = (set(re.findall(r"[a-z]{4,}", name)) for name in (robot, stem))
@@ -65,6 +70,8 @@ class Spoken:
     """The joints that the controller lists."""
     own_strings: tuple[str, ...] = ()
     """The strings of the controller itself, without its modules."""
+    around: str = ""
+    """The names of the controller's folders, up to the top of its project."""
 
     @cached_property
     def words(self) -> frozenset[str]:
@@ -75,6 +82,16 @@ class Spoken:
     def own_words(self) -> frozenset[str]:
         """The strings of the controller itself, and their parts."""
         return words_in(self.own_strings)
+
+    def other_model(self, robot: str, robots: Set[str]) -> tuple[bool, bool]:
+        """Return whether the controller itself, and whether its folders, mean another model.
+
+        That is one of the other `robots`, and no model that is in the name of this one.
+        """
+        own, known = models_in(robot), {model for name in robots for model in models_in(name)}
+        meant = known & self.own_words, known & models_in(self.around)
+        by_source, by_folder = (bool(own and named and own.isdisjoint(named)) for named in meant)
+        return by_source, by_folder
 
     def asks_for(self, variants: Set[str]) -> bool:
         """Return whether the controller itself, and not only a library, has one of the words."""

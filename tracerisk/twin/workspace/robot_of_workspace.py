@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -165,7 +165,7 @@ class _Search:
         self._variants = words_of_one(self._srdf_names)
         ranked = sorted(read, key=lambda pair: self._srdf_rank(*pair))
         only = len({srdf.name for file, srdf in read if not self._is_of_tests(file)}) == 1
-        for file, srdf in ranked:
+        for place, (file, srdf) in enumerate(ranked):
             speaks = sorted(self._spoken.exactly(srdf.words))
             starts = self._launched_as(file) == 0
             # Each arm's group may be called so: of what is there for tests, a part must be named.
@@ -183,6 +183,7 @@ class _Search:
             result = self._urdf_for(file, srdf)
             if result is not None:
                 robot, urdf = result
+                robot = among_rivals(robot, self._as_likely((file, srdf), ranked[place + 1 :]))
                 origin = f"{file.shown} with {urdf.shown} in the workspace ({why})"
                 return Taken(robot, origin, (file, urdf), is_only=is_only)
             like, prefix = shipped_like(srdf.words)
@@ -195,6 +196,16 @@ class _Search:
             origin = f"no URDF or known robot has its joints{self._absent(file)}"
             self._skip(file, origin, is_meant=bool(speaks) or starts)
         return None
+
+    def _as_likely(
+        self, taken: tuple[DescriptionFile, Srdf], others: Sequence[tuple[DescriptionFile, Srdf]]
+    ) -> Iterator[str]:
+        """Yield the SRDF files of other robots that only their names put behind the one taken."""
+        rank = self._srdf_rank(*taken)[:-1]
+        for file, srdf in others:
+            is_other = srdf.name != taken[1].name and not self._is_of_tests(file)
+            if is_other and self._srdf_rank(file, srdf)[:-1] == rank:
+                yield file.shown
 
     def _absent(self, srdf: DescriptionFile) -> str:
         """Return which package of the robot's links and joints is not here; empty for none."""
@@ -354,19 +365,22 @@ class _Search:
 
     def _srdf_rank(
         self, file: DescriptionFile, srdf: Srdf
-    ) -> tuple[bool, int, int, int, int, int, bool, int, bool, int, str]:
+    ) -> tuple[bool, bool, int, int, int, int, int, bool, bool, int, bool, int, str]:
+        is_other, is_folders_other = self._spoken.other_model(srdf.name, self._srdf_names)
         own = self._spoken.exactly_own(srdf.words)
         speaks = self._spoken.exactly(srdf.words)
         loud = {group.name for group in srdf.groups} & speaks
         states = {name for group in loud for name in srdf.states.get(group, {})}
         return (
             self._launched_as(file) != 0,
+            is_other,
             -len(own),
             -len(loud),
             -len(states.intersection(self._spoken.strings)),
             -len(speaks),
             -len(words_shared(srdf.name, self._script.stem)),
             not self._spoken.asks_for(self._variants & {*srdf.name.split("_")}),
+            is_folders_other,
             self._launched_as(file),
             not {srdf.name, file.stem} & self._spoken.words,
             distance(self._script, file.path),
@@ -375,10 +389,12 @@ class _Search:
 
     def _rank(
         self, file: DescriptionFile
-    ) -> tuple[bool, bool, int, bool, bool, int, bool, int, str]:
+    ) -> tuple[bool, bool, bool, int, bool, bool, int, bool, int, str]:
+        names = {one.robot_name for one in self._urdf_files}
         return (
             self._launched_as(file) != 0,
             not self._is_named(file),
+            any(self._spoken.other_model(file.robot_name, names)),
             self._launched_as(file),
             not self._is_in_named(file),
             self._is_part(file),

@@ -351,7 +351,8 @@ class DescribedDriver(TwinNode):
             return
         outputs = interface.response if case is None or case.response is None else case.response
         made = self._messages.part(goal.client.type_name, "Result")
-        filled = self._arm(interface, goal.client.name).answers.fill(made, outputs, result, goal.message)
+        answers = self._arm(interface, goal.client.name).answers
+        filled = answers.fill(made, outputs, result, goal.message)
         goal.end(result.outcome, filled, result.message)
 
     def _on_cancel(self, goal: ActionGoal) -> None:
