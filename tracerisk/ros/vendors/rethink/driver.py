@@ -32,7 +32,7 @@ from tracerisk.twin.robots.robot_parts import Gripper
 if TYPE_CHECKING:
     from tracerisk.ros.graph.runtime import Runtime
 
-_CORE = "baxter_core_msgs"
+_CORE, _INTERA = "baxter_core_msgs", "intera_core_msgs"
 _POSITION, _VELOCITY, _TORQUE, _RAW = 1, 2, 3, 4  # JointCommand.mode
 _HZ = 100.0
 _SPEED = 0.3  # the fraction of the rated speed, before set_speed_ratio
@@ -41,7 +41,10 @@ _ELECTRIC = 2
 _SIDE = re.compile(r"/(left|right)(?:_gripper)?/")
 _LOOK_S = 1e-3
 _NUMBERS = ("position", "moving_force")
-_OF_JOINTS = ("sensor_msgs/JointState", f"{_CORE}/EndpointState", f"{_CORE}/HeadState")
+_OF_JOINTS = (
+    *("sensor_msgs/JointState", f"{_CORE}/EndpointState"),
+    *(f"{_CORE}/HeadState", f"{_INTERA}/HeadState"),
+)
 
 
 class BaxterDriver(TwinNode):
@@ -62,6 +65,7 @@ class BaxterDriver(TwinNode):
             f"{_CORE}/JointCommand": self._take_joints,
             f"{_CORE}/EndEffectorCommand": self._take_gripper,
             f"{_CORE}/HeadPanCommand": self._take_head,
+            f"{_INTERA}/HeadPanCommand": self._take_head,
             "std_msgs/Float64": self._take_number,
             "std_msgs/Bool": self._take_enable,
             "std_msgs/Empty": self._take_empty,
@@ -72,6 +76,7 @@ class BaxterDriver(TwinNode):
             f"{_CORE}/EndEffectorState": self._gripper_state,
             f"{_CORE}/EndEffectorProperties": self._gripper_properties,
             f"{_CORE}/HeadState": self._head,
+            f"{_INTERA}/HeadState": self._head,
             "sensor_msgs/JointState": self._joint_states,
         }
         joints = {joint.name for joint in self._twin.robot.joints}
@@ -268,7 +273,8 @@ class BaxterDriver(TwinNode):
             return None
         index = state.names.index("head_pan")
         message.pan, message.isTurning = state.position[index], abs(state.velocity[index]) > 0.01
-        message.isPanEnabled = True
+        if hasattr(message, "isPanEnabled"):
+            message.isPanEnabled = True  # a Sawyer's has a mode instead
         return message
 
     # Kinematics
