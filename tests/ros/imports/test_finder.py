@@ -116,7 +116,7 @@ def test_an_unknown_ros_package_is_reported_with_what_to_do(finder):
 @pytest.mark.parametrize(
     ("name", "repository"),
     [
-        ("intera_motion_interface", "RethinkRobotics/intera_sdk"),
+        ("intera_external_devices", "RethinkRobotics/intera_sdk"),
         ("niryo_robot_python_ros_wrapper", "NiryoRobotics/ned_ros"),
         ("arc_utilities", "UM-ARM-Lab/arc_utilities"),
         ("simulation_and_control", "VModugno/simulation_and_control"),

@@ -102,11 +102,15 @@ lit = lights.get_light_state('head_green_light')
 pressed = (cuff.upper_button(), cuff.lower_button(), cuff.cuff_button())
 buttons = intera_interface.Navigator().get_button_state('right_button_ok')
 limbs = intera_interface.RobotParams().get_limb_names()
+cameras = intera_interface.Cameras()
+started = (cameras.start_streaming('head_camera'), cameras.start_streaming('none'))
+cameras.set_callback('head_camera', print)
 """,
     )
     assert (ran["switched"], ran["lit"]) == (True, True)
     assert (ran["pressed"], ran["buttons"]) == ((False, False, False), 0)
     assert ran["limbs"] == ["right"]
+    assert ran["started"] == (True, False)
     assert ran.commands == []
 
 
@@ -126,3 +130,37 @@ moved = limb.joint_angle('right_j0')
     )
     assert ran["stopped"] == pytest.approx(0.0, abs=1e-3)
     assert ran["moved"] == pytest.approx(0.4, abs=0.0095)
+
+
+def test_a_way_through_points_goes_to_the_motion_controller(run_on):
+    ran = run_on(
+        "sawyer",
+        HEAD
+        + """
+from geometry_msgs.msg import PoseStamped
+from intera_motion_interface import MotionTrajectory, MotionWaypoint, MotionWaypointOptions
+from intera_motion_msgs.msg import TrajectoryOptions
+
+
+def through(angles, kind):
+    way = MotionTrajectory(trajectory_options=TrajectoryOptions(interpolation_type=kind), limb=limb)
+    options = MotionWaypointOptions(max_joint_speed_ratio=0.5, max_joint_accel=0.5)
+    point = MotionWaypoint(options=options.to_msg(), limb=limb)
+    for one in angles:
+        point.set_joint_angles(joint_angles=one)
+        way.append_waypoint(point.to_msg())
+    return way.send_trajectory(timeout=30.0).result
+
+
+there = [0.3, -0.9, 0.0, 1.8, 0.0, -0.9, 0.0]
+done = through([limb.joint_ordered_angles(), there], 'JOINT')
+angles = limb.joint_ordered_angles()
+back = [0.2, -0.9, 0.0, 1.8, 0.0, -0.9, 0.0]
+straight = through([back], 'CARTESIAN')
+turned = limb.joint_angle('right_j0')
+""",
+    )
+    assert (ran["done"], ran["straight"]) == (True, True)
+    assert ran["angles"] == pytest.approx([0.3, -0.9, 0.0, 1.8, 0.0, -0.9, 0.0], abs=0.01)
+    assert ran["turned"] == pytest.approx(0.2, abs=0.05)
+    assert set(ran.owners) == {"through"}

@@ -4,8 +4,9 @@
 from tracerisk.ros.imports.exported import exported as _exported
 
 from . import settings
+from .camera import Cameras
 from .devices import Cuff, Lights, Navigator
-from .gripper import Gripper, get_current_gripper_interface
+from .gripper import Gripper, SimpleClickSmartGripper, get_current_gripper_interface
 from .head import Head, HeadDisplay
 from .limb import Limb
 from .robot_enable import RobotEnable

@@ -10,7 +10,7 @@ from intera_core_msgs.msg import IONodeConfiguration
 
 from .devices import Device
 
-__all__ = ["Gripper", "get_current_gripper_interface"]
+__all__ = ["Gripper", "SimpleClickSmartGripper", "get_current_gripper_interface"]
 
 
 class Gripper(Device):
@@ -127,6 +127,19 @@ class Gripper(Device):
     def get_dead_zone(self) -> float:
         """Return how far from its goal a move may end [m]."""
         return float(self.get_signal_value("dead_zone_m"))
+
+
+class SimpleClickSmartGripper:
+    """Is a gripper on a ClickSmart plate, which the twin's arm has not.
+
+    Raises:
+        OSError: always, as where none is attached.
+    """
+
+    def __init__(self, ee_device_id: str, initialize: bool = True) -> None:
+        raise OSError(
+            f"no ClickSmart gripper '{ee_device_id}' is attached; the twin has the electric one"
+        )
 
 
 def get_current_gripper_interface() -> Gripper:

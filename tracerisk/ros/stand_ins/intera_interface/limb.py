@@ -289,6 +289,12 @@ class Limb:
         asked.tip_names.append(end_point)
         return self._fksvc(asked)
 
+    def joint_angles_to_cartesian_pose(
+        self, joint_angles: Mapping[str, float], end_point: str = "right_hand"
+    ) -> Any:
+        """Return the pose of an end point at some joint angles [rad]."""
+        return self.fk_request(joint_angles, end_point).pose_stamp[0].pose
+
     def ik_request(
         self,
         pose: Any,

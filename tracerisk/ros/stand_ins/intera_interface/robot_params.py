@@ -16,12 +16,12 @@ class RobotParams:
         self._sdk_networked = True
 
     def get_camera_names(self) -> list[str]:
-        """Return the cameras: the twin has none."""
-        return []
+        """Return the cameras."""
+        return ["head_camera", "right_hand_camera"]
 
     def get_camera_details(self) -> dict[str, Any]:
-        """Return the details of each camera: the twin has none."""
-        return {}
+        """Return the details of each camera."""
+        return {name: {} for name in self.get_camera_names()}
 
     def get_robot_assemblies(self) -> list[str]:
         """Return the parts of the robot: limbs, head and torso."""
