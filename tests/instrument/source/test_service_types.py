@@ -24,6 +24,13 @@ WAIT = "rospy.wait_for_service('detect')\n"
             "/detect",
             1,
         ),
+        ("from std_srvs.srv import *\nServiceProxy('detect', Trigger)\n", "/detect", 1),
+        (
+            "from a.srv import *\nfrom b.srv import *\nServiceProxy('detect', Trigger)\n",
+            "/detect",
+            0,
+        ),
+        ("from std_srvs.srv import *\nServiceProxy('detect', kind.Trigger)\n", "/detect", 0),
         ("from std_srvs.srv import Trigger\nServiceProxy('other', Trigger)\n", "/detect", 0),
         ("from std_srvs.srv import Trigger\nServiceProxy('detect', kind)\n", "/detect", 0),
         ("x = ServiceProxy('detect')\n", "/detect", 0),

@@ -230,3 +230,28 @@ def test_a_usage_that_names_numbers_alone_is_no_command(tmp_path):
     written = [(("X",), "c.py:1"), (("0.3",), "README.md:2")]
     found = command_lines(load_controller(tmp_path / "c.py"), written, REACH)
     assert [each.words for each in found] == [("0.3",), ("0.4",)]
+
+
+STARRED = """\
+import rospy
+from cell.msg import *
+from cell.srv import *
+from std_msgs.msg import String
+
+rospy.Subscriber("/part", Part, print)
+rospy.Subscriber("/task", String, print)
+rospy.wait_for_service("/pick")
+rospy.ServiceProxy("/pick", Pick)
+rospy.Service("/place", Place, print)
+"""
+
+
+def test_the_types_of_a_star_are_those_of_its_package(tmp_path):
+    assert [found[:3] for found in asked(tmp_path, STARRED)] == [
+        ("topic", "/part", "cell/Part"),
+        ("topic", "/task", "std_msgs/String"),
+        ("service", "/pick", "cell/Pick"),
+        ("call", "/place", "cell/Place"),
+    ]
+    two = STARRED.replace("from std_msgs.msg import String", "from std_msgs.msg import *")
+    assert asked(tmp_path, two)[0][:3] == ("topic", "/part", "Part")

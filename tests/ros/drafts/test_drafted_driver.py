@@ -291,6 +291,19 @@ TOPICS = {
         "/joint_goal", "sensor_msgs/JointState", {"joints": "position", "joint_names": "name"},
     ),
     "a list of joints": ("/joint_cmd", "std_msgs/Float64MultiArray", {"joints": "data"}),
+    "a list of joints by its name": ("/pose_joint", "std_msgs/Float32MultiArray", {"joints": "data"}),
+    "a list of a pose by its name": ("/pose_euler", "std_msgs/Float32MultiArray", {"pose": "data"}),
+    "a list of anything": ("/weights", "std_msgs/Float32MultiArray", None),
+    "a reference": (
+        "/ref_pose", "geometry_msgs/Pose", {"position": "position", "orientation": "orientation"},
+    ),
+    "where an arm is held": (
+        "/equilibrium_pose", "geometry_msgs/PoseStamped",
+        {"pose": "pose", "frame": {"field": "header.frame_id"}},
+    ),
+    "a goal as no base takes it": (
+        "/goal_pose", "geometry_msgs/Pose", {"position": "position", "orientation": "orientation"},
+    ),
     "where RViz sends a base": ("/goal_pose", "geometry_msgs/PoseStamped", None),
     "where a base begins": ("/initialpose", "geometry_msgs/PoseStamped", None),
     "where a thing is": ("/block_pose", "geometry_msgs/PoseStamped", None),

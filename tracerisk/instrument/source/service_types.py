@@ -50,7 +50,7 @@ def service_type(name: str, waited_at: Location | None) -> str:
         for call in _calls(tree, "wait_for_service")
         if call.args and call.lineno <= (waited_at.line or 0) <= (call.end_lineno or call.lineno)
     }
-    imported = dict(_imported(tree))
+    imported, starred = dict(_imported(tree)), starred_package(tree, _SERVICES)
     for call in _calls(tree, "ServiceProxy"):
         given = {keyword.arg: keyword.value for keyword in call.keywords}
         named = call.args[0] if call.args else given.get("name")
@@ -62,7 +62,23 @@ def service_type(name: str, waited_at: Location | None) -> str:
             text = _type(kind, imported)
             if text:
                 return text
+            if starred and isinstance(kind, ast.Name) and kind.id not in imported:
+                return f"{starred}/{kind.id}"
     return ""
+
+
+def starred_package(tree: ast.AST, folder: str) -> str:
+    """Return the package of `from package.srv import *`; empty for none, and for several.
+
+    `folder` is `msg`, `srv` or `action`.
+    """
+    packages = {
+        node.module.partition(".")[0]
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.module and not node.level
+        if node.module.endswith(f".{folder}") and node.names[0].name == "*"
+    }
+    return packages.pop() if len(packages) == 1 else ""
 
 
 def _calls(tree: ast.AST, function: str) -> Iterator[ast.Call]:

@@ -11,6 +11,7 @@ from typing import Literal
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import last_name
+from tracerisk.instrument.source.service_types import starred_package
 from tracerisk.pipeline.workspace.controller import Controller, from_root
 from tracerisk.pipeline.workspace.own_modules import own_modules, source_bytes
 from tracerisk.pipeline.workspace.project import Project
@@ -84,12 +85,20 @@ def asked_in_file(path: Path, ros: Literal[1, 2], project: Project) -> Iterator[
         if kind == "parameter" and _has_default(call):
             continue
         shown = repr(name) if kind == "input" and name else name or _expression(call, signatures)
-        kept = types.get(type_name, type_name)
+        kept = types.get(type_name) or _starred(tree, kind, type_name, ros)
         if kind == "parameter":
             kept = _declared_type(call)
         if ros == 1 and kind in ("action", "goal"):
             kept = kept.removesuffix("Action")
         yield Missed(Need(kind, shown, kept), 0, 0, Location(str(path), call.lineno))
+
+
+def _starred(tree: ast.Module, kind: str, name: str, ros: Literal[1, 2]) -> str:
+    """Return the type of a name that `from package.srv import *` brings, else the name alone."""
+    of_actions = "msg" if ros == 1 else "action"
+    folder = {"topic": "msg", "service": "srv", "call": "srv"}.get(kind, of_actions)
+    package = starred_package(tree, folder) if name.isidentifier() else ""
+    return f"{package}/{name}" if package else name
 
 
 def _declared_type(call: ast.Call) -> str:

@@ -22,6 +22,7 @@ _SAYING_PACKAGES = frozenset({
 _MOVES = re.compile(
     r"trajectory_msgs/|control_msgs/(JointJog|GripperCommand)$|std_msgs/Float(32|64)MultiArray$"
 )
+_LIST = re.compile(r"std_msgs/Float(32|64)MultiArray$")
 _PLACES = re.compile(
     r"geometry_msgs/(Pose|Point|Twist|Wrench)(Stamped|Array)?$|sensor_msgs/JointState$"
 )
@@ -35,7 +36,7 @@ _SAYS = re.compile(
     r"|estimated|predicted|name|led|lights?|lamp|sound|voice|speech|speak|say|screen)(_|$)"
 )
 _COMMANDS = re.compile(
-    r"(^|_)(cmd|ctrl|commands?|goals?|targets?|set_?points?|desired|references?|equilibrium|jog|servo"
+    r"(^|_)(cmd|ctrl|commands?|goals?|targets?|set_?points?|desired|ref(erence)?s?|equilibrium|jog|servo"
     r"|script)(_|$)"
 )
 _GRIPS = re.compile(
@@ -83,6 +84,16 @@ def commands_something(topic: str, type_name: str, message: Any) -> bool:
     words = f"{name}_{kind}"
     is_called = any(pattern.search(words) for pattern in (_COMMANDS, _GRIPS, _ACTS))
     return is_called or (message is not None and any(_moving(message, _DEEP)))
+
+
+def is_called_command(topic: str, type_name: str) -> bool:
+    """Return whether the name of a topic says that it commands.
+
+    A list of numbers is a command where the name says what they are numbers of: joints, a pose.
+    """
+    name = topic.strip("/").lower().replace("/", "_")
+    is_list = _LIST.match(type_name) is not None
+    return bool(_COMMANDS.search(name)) or (is_list and bool(_ACTS.search(name)))
 
 
 def _moving(message: Any, deep: int) -> Iterator[bool]:

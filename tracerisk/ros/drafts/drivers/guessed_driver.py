@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from tracerisk.ros.drafts.commanding_messages import commands_something
+from tracerisk.ros.drafts.commanding_messages import commands_something, is_called_command
 from tracerisk.ros.drafts.drivers.asked import (
     Asked,
     Found,
@@ -47,7 +47,7 @@ _NO_STATE = re.compile(
     r"object|group|frame|arm|robot|planner|link|tool|joint|type|colou?r|file|program"
 )
 _FRAME_FIELD = re.compile(r"(^|_)frame(_?(id|name))?$")
-# RViz's button for where a mobile base shall go.
+# RViz's button for where a mobile base shall go, which sends a pose with a frame.
 _OF_A_BASE = re.compile(r"^(goal_pose|initialpose|move_base)")
 _LINE = re.compile(r"(^|_)(lin|line(ar)?|cart(esian)?|straight|l)(_|$)|move_?l(_|$)")
 _IN_JOINTS = re.compile(r"joint|angle|ax[ie]s|(^|_)(ptp|p2p|j)(_|$)|move_?j(_|$)")
@@ -172,12 +172,13 @@ def _named_by_field(asked: Asked, parts: tuple[Part, ...], states: Collection[st
 
 def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
     called = asked.called
-    if is_of_others(called) or _OF_A_BASE.search(called):
+    is_of_a_base = _OF_A_BASE.search(called) and type_of(asked.request) != "geometry_msgs/Pose"
+    if is_of_others(called) or is_of_a_base:
         return None
     is_named = names_motion(asked, parts)
     if not is_named and not _may_be_heard(asked):
         return None
-    in_space = bool(_IN_SPACE.search(called))
+    in_space = "joint" not in called and bool(_IN_SPACE.search(called))
     motion = _of_whole(asked.request) or _of_messages(parts)
     if motion is None:
         lists = _ANY_LIST if _IN_JOINTS.search(called) else _JOINT_LIST
@@ -215,6 +216,8 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
 def names_motion(asked: Asked, parts: tuple[Part, ...]) -> bool:
     """Return whether a name says that it moves something, or a field that it is a target."""
     is_called = _MOVES.search(asked.called) is not None
+    if asked.kind == "subscribed_topics" and not is_called:
+        is_called = is_called_command(asked.name, asked.type_name)
     return is_called or any(_TARGETS.search(part.name) for part in parts)
 
 
