@@ -265,8 +265,26 @@ def test_each_button_of_a_game_pad_is_held_while_the_sticks_are_moved(values):
     (found,) = drafts([Missed(need, 0, 0, None)], Interfaces(), values)
     sent = found.value["messages"]
     assert all(any(each["axes"]) for each in sent)
-    assert [sum(each["buttons"]) for each in sent] == [0, *[1] * 12]
+    assert [sum(each["buttons"]) for each in sent] == [0, 0, *[1] * 12]
     assert found.value["count"] == len(sent)
+    assert sum(each["axes"][0] for each in sent) == pytest.approx(0.0)
+
+
+def test_a_game_pad_moves_and_holds_what_the_code_reads(tmp_path, values):
+    path = tmp_path / "c.py"
+    path.write_text(
+        "def on_joy(msg):\n"
+        "    x, turn, up = msg.axes[1], msg.axes[3], msg.axes[7]\n"
+        "    if msg.buttons[4] or msg.buttons[13]: pass\n"
+        "rospy.Subscriber('/joy', Joy, on_joy)\n"
+    )
+    need = Need("topic", "/joy", "sensor_msgs/Joy")
+    (found,) = drafts([Missed(need, 0, 0, Location(str(path), 4))], Interfaces(), values)
+    sent = found.value["messages"]
+    assert sent[0]["axes"] == [0.0, 0.6, 0.0, 0.6, 0.0, 0.0, 0.0, 1.0]
+    assert [[at for at, on in enumerate(each["buttons"]) if on] for each in sent] == [
+        [], [], [4], [13],
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("line", [2, 3])  # that of the server, or where it is started

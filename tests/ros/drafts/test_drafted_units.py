@@ -6,6 +6,7 @@ from tracerisk.errors import Location
 from tracerisk.ros.controller.needs import Missed, Need
 from tracerisk.ros.drafts.drafting import drafts
 from tracerisk.ros.drafts.named_numbers import SI, Units, units_said
+from tracerisk.ros.drafts.posture_numbers import numbers_of
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.ros.messages.ros1 import Interfaces
 from tracerisk.ros.messages.ros2 import Interfaces2
@@ -175,3 +176,40 @@ def test_a_pose_in_a_drivers_message_is_in_the_drivers_units(tmp_path, package, 
     assert request["pose"][3:] == pytest.approx(values.reach.turn, abs=1e-4)
     # What the field itself says goes first.
     assert (request["x"], request["y_cm"]) == (x, round(100 * values.pose.position[1], 4))
+
+
+TIMES = {
+    "a wait": ("float32 timeout_sec", {"timeout_sec": 60.0}),
+    "a wait in milliseconds": ("float32 timeout_ms", {"timeout_ms": 60000.0}),
+    "a motion": ("float64 duration\nfloat64 move_time", {"duration": 3.0, "move_time": 3.0}),
+    "a length": ("float64 distance", {"distance": 0.1}),
+}
+
+
+@pytest.mark.parametrize("kind", TIMES)
+def test_a_time_is_long_enough_for_a_motion(values, tmp_path, kind):
+    text, fields = TIMES[kind]
+    folder = tmp_path / "cell" / "srv"
+    folder.mkdir(parents=True)
+    (folder / "Go.srv").write_text(f"{text}\n---\nbool ok\n")
+    interfaces = Interfaces2(workspace={"cell": tmp_path / "cell"})
+    (draft,) = drafts([Missed(Need("call", "/go", "cell/Go"), 0, 0, None)], interfaces, values)
+    assert draft.value["request"] == fields
+
+
+def test_a_matrix_is_that_of_a_pose(values):
+    x, y, z = values.pose.position
+    by_rows = numbers_of("transform_matrix", 16, values.posture, values.pose)
+    by_columns = numbers_of("O_T_EE", 16, values.posture, values.pose)
+    assert (by_rows[3::4], by_columns[12:]) == ([x, y, z, 1.0], [x, y, z, 1.0])
+    assert by_rows[1] == by_columns[4]
+    assert numbers_of("NE_T_EE", 16, values.posture, values.pose)[:6] == [1, 0, 0, 0, 0, 1]
+    assert numbers_of("stiffness", 16, values.posture, values.pose) == []
+
+
+@pytest.mark.parametrize("name", ["approach", "surface_normal", "approaches_filtered"])
+def test_a_direction_is_upwards(values, name):
+    assert numbers_of(name, 3, values.posture, values.pose) == [0.0, 0.0, 1.0]
+    assert numbers_of("approach_point", 3, values.posture, values.pose) == list(
+        values.pose.position
+    )

@@ -65,3 +65,48 @@ def test_three_numbers_that_say_nothing_are_a_place(tmp_path, values, kind):  # 
     missed, interfaces = drafted(tmp_path, source, Need("call", "/place", "cell/Place"))
     (draft,) = drafts([missed], interfaces, values)
     assert draft.value["request"]["numbers"] == pytest.approx(values.pose.position)
+
+
+SHAPED = {
+    "rows": (
+        "places = np.array(request.numbers).reshape((-1, 3))\n"
+        "scores = np.array(request.scores).reshape((-1))\n",
+        3,
+        1,
+    ),
+    "a table": ("places = np.reshape(request.numbers, (2, 4))\n", 8, 0),
+    "a flat list": ("places = np.array(request.numbers).reshape(-1)\n", 0, 0),
+}
+
+
+@pytest.mark.parametrize("kind", SHAPED)
+def test_a_list_has_the_shape_that_the_code_gives_it(tmp_path, values, kind):  # noqa: F811
+    body, *lengths = SHAPED[kind]
+    source = HEAD + "    def on_place(self, request, response):\n" + indented(body)
+    missed, interfaces = drafted(tmp_path, source, Need("call", "/place", "cell/Place"))
+    path = tmp_path / "cell" / "srv" / "Place.srv"
+    path.write_text("float32[] numbers\nfloat32[] scores\n---\nbool ok\n")
+    (draft,) = drafts([missed], interfaces, values)
+    request = draft.value["request"]
+    assert [len(request["numbers"]), len(request["scores"])] == lengths
+
+
+NAMED = {
+    "a pose by its topic": ("/euler_pos", 6),
+    "joints by their topic": ("/joint_cmd", None),
+}
+
+
+@pytest.mark.parametrize("kind", NAMED)
+def test_plain_data_are_what_their_topic_is_called(tmp_path, values, kind):  # noqa: F811
+    topic, count = NAMED[kind]
+    source = HEAD.replace("/seen", topic) + "    def on_seen(self, msg):\n        print(msg)\n"
+    need = Need("topic", topic, "std_msgs/Float32MultiArray")
+    missed, interfaces = drafted(tmp_path, source, need)
+    (draft,) = drafts([missed], interfaces, values)
+    data = draft.value["message"]["data"]
+    if count is None:
+        assert data == pytest.approx(values.posture)
+    else:
+        assert data[:3] == pytest.approx(values.pose.position)
+        assert len(data) == count

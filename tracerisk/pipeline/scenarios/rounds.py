@@ -77,7 +77,10 @@ _PUBLISHERS = ("joint_state_publisher_gui", "joint_state_publisher", "joint_stat
 _MOST_PLACES = 2  # other poses for what a motion did not reach
 _MOST_SHIFTS = 4  # of the poses, by as much as brings the goals made of them within reach
 _UNREACHED = frozenset(
-    {"planning-failed", "ik-failed", "path-cut", "command-aborted", "command-rejected"}
+    {
+        *("planning-failed", "ik-failed", "path-cut"),
+        *("command-aborted", "command-ignored", "command-rejected"),
+    }
 )
 _CARRIED_OUT: frozenset[CommandEnd | None] = frozenset(
     {"arrived", "replaced", "left_on", "cut_by_end", "cancelled"}

@@ -19,14 +19,15 @@ from tracerisk.instrument.source.literals.compared_values import (
 from tracerisk.instrument.source.literals.filled_messages import largest_given, listed_names
 from tracerisk.instrument.source.literals.known_keys import known_keys
 from tracerisk.ros.controller.needs import FROM_USE, KEYS, WINDOW_MODULES, Need, NeedKind
+from tracerisk.ros.drafts.answers.known_answers import known_answers
 from tracerisk.ros.drafts.asked_results import used_as
 from tracerisk.ros.drafts.commanding_messages import commands_something
 from tracerisk.ros.drafts.draft import WELL
 from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter
 from tracerisk.ros.drafts.drivers.asked import Asked, parts_of
 from tracerisk.ros.drafts.drivers.guessed_driver import Guess, guessed_driver, names_motion
+from tracerisk.ros.drafts.game_pad import pressed_in_turn
 from tracerisk.ros.drafts.json_texts import json_texts
-from tracerisk.ros.drafts.known_answers import known_answers
 from tracerisk.ros.drafts.named_numbers import named_number, units_of
 from tracerisk.ros.drafts.pictures.drafted_pictures import PICTURES, picture
 from tracerisk.ros.drafts.pictures.seen_in_pictures import seen_in_pictures, takes_pixels
@@ -122,13 +123,10 @@ def _topic(lack: Lack) -> _Made:
     elif need.type_name == "std_msgs/Bool" and message["data"]:
         several = compared.truths(("data",))
     if need.type_name == "sensor_msgs/Joy":
-        # A dead man's button, whichever it is, is held while the sticks are moved.
-        count = len(message["buttons"])
-        alone = [[int(at == index) for at in range(count)] for index in range(count)]
-        held = [{**message, "buttons": item} for item in (message["buttons"], *alone)]
+        held = pressed_in_turn(message, compared)
         timing = {"at": 1.0, "rate": 1 / _PRESSED_S, "count": len(held)}
         entry = {**entry, "messages": held, **timing}
-        return entry, "the sticks moved, without a button and then with each"
+        return entry, "the sticks moved to and fro, without a button and then with each"
     field, in_turn = ("data", several) if several else _values_in_turn(need, message, compared)
     if len(in_turn) > 1:
         entry = sent_in_turn(entry, [{**message, field: item} for item in in_turn])

@@ -31,6 +31,13 @@ _ANGLE = re.compile(r"(^|_)(angles?|rot(ation)?|theta|turn|tilt|joints?)(_|$)")
 _LENGTH = re.compile(
     r"(^|_)(height|depth|width|distance|dist|radius|length|clearance|approach|retreat|lift)(_|$)"
 )
+_WAITS = re.compile(r"(^|_)time_?out(_|$)")
+_LASTS = re.compile(
+    r"(^|_)(duration|(move|moving|motion|travel|execution|trajectory)_time|time_from_start)(_|$)"
+)
+_PER_SECOND = {"ms": 1e3, "msec": 1e3, "millis": 1e3, "milliseconds": 1e3}
+_WAITS_S = 60.0  # as long as a caller has patience
+_LASTS_S = 3.0  # as long as a motion takes
 _STEP_M = 0.05
 _STEP_RAD = 0.2
 
@@ -86,9 +93,14 @@ class Reach:
 
 
 def named_number(name: str, units: Units, reach: Reach) -> float | None:
-    """Return a number for what is called `name`: reachable where it is a place; None if unknown."""
+    """Return a number for what is called `name`; None if unknown.
+
+    A place is reachable, and time is long enough for a motion.
+    """
     plain = _WORDS.sub("_", name.strip("-_ ").replace("-", "_").lower())
     plain = _UNIT.sub("", plain) or plain
+    if lasting := lasting_number(plain):
+        return lasting
     is_step = _STEP.search(plain) is not None
     turn, joint, place = _TURN.match(plain), _JOINT.match(plain), _COORDINATE.match(plain)
     if turn is not None:
@@ -105,6 +117,13 @@ def named_number(name: str, units: Units, reach: Reach) -> float | None:
     if (_LENGTH.search(plain) or is_step) and units.per_metre > 1.0:
         return units.length(_STEP_M)
     return None
+
+
+def lasting_number(name: str) -> float:
+    """Return the number for a time that is waited or that a motion takes; 0 for other names."""
+    plain = name.lower()
+    seconds = _WAITS_S if _WAITS.search(plain) else _LASTS_S if _LASTS.search(plain) else 0.0
+    return seconds * _PER_SECOND.get(plain.rpartition("_")[2], 1.0)
 
 
 def numbers_in_place(count: int, units: Units, reach: Reach) -> Sequence[float] | None:

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 
+from tracerisk.common.geometry.frames import matrix_of
 from tracerisk.ros.drafts.named_numbers import SI, Units
 from tracerisk.twin.physics.motion import Pose
 
@@ -24,7 +25,14 @@ _ANGLES = re.compile(r"orient|rot|rpy|euler", re.IGNORECASE)
 _POINT = re.compile(
     r"pos|point|xyz|target|goal|cent(er|re)|translation|place|locat|coord|object", re.IGNORECASE
 )
-_POSE = re.compile(r"(^|_)pose$|cartesian|xyz_?rpy|tcp", re.IGNORECASE)
+_POSE = re.compile(r"(^|_)pose$|euler_?pos|cartesian|xyz_?rpy|tcp", re.IGNORECASE)
+_UPWARDS = re.compile(r"(^|_)(approach(es)?|normals?|direction|ax[ie]s)(_|$)", re.IGNORECASE)
+_NO_VECTOR = re.compile(r"pos|point|pose|place|dist|joint", re.IGNORECASE)
+_MATRIX = 16
+# As libfranka names them: column by column, of the tool in the frame of the base.
+_OF_TOOL = re.compile(r"^O_T_")
+_ANY_MATRIX = re.compile(r"^data$|matrix|transf|(^|_)(tf|pose)(_|$)", re.IGNORECASE)
+_OF_PARTS = re.compile(r"^[A-Z]+_T_[A-Z]+$")
 
 
 def says_no_place(name: str) -> bool:
@@ -44,8 +52,12 @@ def numbers_of(
     `length` is that of a fixed list. A pose is x, y, z and, where there is room, the turn: as a
     quaternion of four numbers or as roll, pitch and yaw.
     """
+    if length == len("xyz") and _UPWARDS.search(name) and not _NO_VECTOR.search(name):
+        return [0.0, 0.0, 1.0]
     if says_no_place(name):
         return []
+    if length == _MATRIX and (_OF_PARTS.match(name) or _ANY_MATRIX.search(name)):
+        return _matrix(name, pose)
     if "joint" not in name.lower():
         numbers = _of_pose(name, length, pose, units)
         if numbers:
@@ -73,6 +85,20 @@ def _of_pose(name: str, length: int | None, pose: Pose, units: Units) -> list[fl
     if length == len(position) + len(turn):
         return position + turn
     return position + angles if length in (None, 6) else []
+
+
+def _matrix(name: str, pose: Pose) -> list[float]:
+    """Return the 16 numbers of a pose as a matrix, row by row; [] where the name says no pose."""
+    rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+    is_of_tool = _OF_TOOL.match(name) is not None
+    if is_of_tool or not _OF_PARTS.match(name):
+        *vector, w = pose.orientation
+        turns = matrix_of((w, *vector))
+        for row, turn, at in zip(rows, turns, pose.position, strict=False):
+            row[:] = [*(round(float(value), 6) + 0.0 for value in turn), at]
+    if is_of_tool:
+        rows = [list(column) for column in zip(*rows, strict=True)]
+    return [number for row in rows for number in row]
 
 
 def roll_pitch_yaw(turn: tuple[float, float, float, float]) -> tuple[float, float, float]:

@@ -18,6 +18,7 @@ from tracerisk.instrument.source.literals.compared_values import Compared
 from tracerisk.ros.drafts.named_numbers import (
     SI,
     Units,
+    lasting_number,
     named_number,
     numbers_in_place,
     units_of,
@@ -102,6 +103,12 @@ class _Place:
         name = self.path[-1] if self.path else ""
         said = units_of(name, self.comments.get(name, ""), self.said)
         return self.of_driver if said == SI else said
+
+    @property
+    def called(self) -> str:
+        """The name of the field; of plain data that of what it is in, a field or the topic."""
+        *outer, name = self.path
+        return name if name != "data" else snake_case([_last(self.name), *outer][-1])
 
     @property
     def point_units(self) -> Units:
@@ -267,7 +274,7 @@ class UsableValues(ReachedPoses):
         if count != len(self.posture) and known and max(known) < count:
             # Each has a meaning of its own: no list of joints.
             return [float(known.get(index, _SOME)) for index in range(count)]
-        if numbers_of(field.name, field.length, self.posture, self.pose, place.units):
+        if numbers_of(place.called, field.length, self.posture, self.pose, place.units):
             return []
         numbers = (
             None if says_no_place(field.name) else numbers_in_place(count, place.units, self.reach)
@@ -280,9 +287,10 @@ class UsableValues(ReachedPoses):
                 return [joint.name for joint in self.joints]
             return [str(text) for text in place.compared.texts(place.path)]
         if field.base in FLOATS:
-            numbers = numbers_of(field.name, field.length, self.posture, self.pose, place.units)
-            if numbers:
-                return numbers
+            for called in (place.called, field.name):
+                numbers = numbers_of(called, field.length, self.posture, self.pose, place.units)
+                if numbers:
+                    return numbers
         if field.base == "bool":
             return [True] * (field.length or 0)
         if field.base not in FLOATS and field.length is None:
@@ -345,7 +353,9 @@ class UsableValues(ReachedPoses):
         return next(iter(states), "open" if is_hand else "home")
 
     def _float(self, field: MessageField, place: _Place, owner: str) -> float:
-        if place.numbers:
+        lasting = lasting_number(field.name)
+        # `timeout > 0` asks for no more than that there is one.
+        if place.numbers and (not lasting or place.numbers[0] > 1.0):
             return float(place.numbers[0])
         if owner.startswith("geometry_msgs/"):
             return 0.1

@@ -20,6 +20,8 @@ LENGTH = "len()"
 """The last part of the path of a list's length."""
 LEAST = "least len()"
 """The last part of the path of the length that a list must have at least."""
+ROWS = "rows"
+"""The last part of the path of a list that is taken as rows, with the length of a row."""
 _SIDES: dict[type[ast.cmpop], int] = {ast.Lt: -1, ast.LtE: -1, ast.Gt: +1, ast.GtE: +1}
 _SAYS = re.compile(
     r"log|info|warn|error|debug|print|fatal|abort|cancel|succeed|reject", re.IGNORECASE
@@ -115,7 +117,10 @@ def lengths(test: ast.expr, *, is_refused: bool) -> Iterator[tuple[ast.expr, str
 
 
 def lengths_read(node: ast.AST) -> Iterator[tuple[ast.expr, str, int]]:
-    """Yield a list that a node indexes or takes apart, with `LENGTH` or `LEAST`, and the length."""
+    """Yield a list that a node indexes, takes apart or gives a shape, with what that asks of it.
+
+    That is `LENGTH`, `LEAST` or `ROWS`, and the length of the list or of a row.
+    """
     if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Load):
         is_part = isinstance(node.slice, ast.Slice)
         last = node.slice.upper if isinstance(node.slice, ast.Slice) else node.slice
@@ -126,6 +131,24 @@ def lengths_read(node: ast.AST) -> Iterator[tuple[ast.expr, str, int]]:
         parts = node.targets[0].elts
         if not any(isinstance(part, ast.Starred) for part in parts):
             yield node.value, LENGTH, len(parts)
+    elif isinstance(node, ast.Call) and last_name(node.func) == "reshape":
+        yield from _shaped(node)
+
+
+def _shaped(call: ast.Call) -> Iterator[tuple[ast.expr, str, int]]:
+    """Yield the list that a call gives a shape: `reshape(4, 4)` takes 16, `reshape(-1, 3)` rows."""
+    listed, sizes = call.args[:1], call.args[1:]
+    owner = call.func.value if isinstance(call.func, ast.Attribute) else None
+    if owner is not None and dotted_name(owner) not in ("np", "numpy"):
+        listed, sizes = [owner], call.args
+    if sizes and isinstance(sizes[0], ast.Tuple | ast.List):
+        sizes = sizes[0].elts
+    known = [whole(size) for size in sizes]
+    numbers = [number for number in known if number is not None]
+    if not listed or len(numbers) < len(known) or len(numbers) < len("xy"):
+        return
+    fixed = math.prod(number for number in numbers if number > 0)
+    yield listed[0], ROWS if -1 in numbers else LENGTH, fixed
 
 
 def whole(node: ast.expr) -> int | None:

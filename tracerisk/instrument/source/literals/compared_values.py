@@ -18,6 +18,7 @@ from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 from tracerisk.instrument.source.literals.bounds import (
     LEAST,
     LENGTH,
+    ROWS,
     bounds,
     lengths,
     lengths_read,
@@ -72,7 +73,11 @@ class Compared:
 
     def length(self, path: tuple[str, ...]) -> int | None:
         """Return the length that the code asks of a list; None where it asks none."""
-        return next(iter(self.values.get((*path, LENGTH), ())), None)
+        if asked := self.values.get((*path, LENGTH)):
+            return int(asked[0])
+        # One row of each list, where any is taken as rows.
+        has_rows = any(inner[-1:] == (ROWS,) for inner in self.values)
+        return next(iter(self.values.get((*path, ROWS), ())), 1 if has_rows else None)
 
     def least(self, path: tuple[str, ...]) -> int:
         """Return how long the code asks a list to be at least."""

@@ -25,7 +25,7 @@ from tracerisk.pipeline.workspace.entry_point import EntryPoint, find_entry_poin
 from tracerisk.pipeline.workspace.project import Project
 from tracerisk.pipeline.workspace.workspace import Workspace
 from tracerisk.ros.controller.needs import asking_place
-from tracerisk.ros.drafts.known_answers import known_answers
+from tracerisk.ros.drafts.answers.known_answers import known_answers
 from tracerisk.ros.graph.runtime import activate
 from tracerisk.ros.imports.numpy_names import removed_numpy_names
 from tracerisk.ros.imports.opencv_names import served_opencv_names

@@ -3,7 +3,7 @@
 import pytest
 
 from tracerisk.errors import Location
-from tracerisk.ros.drafts.known_answers import known_answers
+from tracerisk.ros.drafts.answers.known_answers import known_answers
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import load_robot

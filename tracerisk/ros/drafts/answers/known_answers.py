@@ -10,13 +10,13 @@ from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 from tracerisk.instrument.source.literals.answers import ordered_answers
 from tracerisk.instrument.source.literals.comparisons import comparisons
+from tracerisk.ros.drafts.answers.split_answers import numbers_answer
 from tracerisk.ros.drafts.asked_results import (
     calls_of,
     compared_results,
     held_by,
     is_held,
 )
-from tracerisk.ros.drafts.split_answers import numbers_answer
 from tracerisk.ros.drafts.usable_values import UsableValues
 
 _OPTION = re.compile(r"^\s*[\[(]?(\w{1,2})(?:[\])]|[.:]\s|\s+[-=:]\s)\s*(\S.*)$", re.MULTILINE)

@@ -3,8 +3,8 @@
 import pytest
 
 from tracerisk.errors import Location
+from tracerisk.ros.drafts.answers.split_answers import numbers_answer
 from tracerisk.ros.drafts.asked_results import compared_results
-from tracerisk.ros.drafts.split_answers import numbers_answer
 from tracerisk.ros.drafts.usable_values import UsableValues
 from tracerisk.twin.physics.motion import Pose
 from tracerisk.twin.robots.robot import load_robot
