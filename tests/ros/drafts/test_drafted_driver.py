@@ -6,7 +6,11 @@ import pytest
 
 from tracerisk.common.text.yaml_reader import read_large_yaml
 from tracerisk.errors import Location
-from tracerisk.instrument.source.literals.filled_messages import largest_given, listed_names
+from tracerisk.instrument.source.literals.filled_messages import (
+    largest_given,
+    listed_lengths,
+    listed_names,
+)
 from tracerisk.ros.drafts.drivers.asked import Asked
 from tracerisk.ros.drafts.drivers.guessed_driver import guessed_driver
 from tracerisk.ros.drafts.said_around import ranges_said
@@ -415,3 +419,34 @@ def test_what_a_source_puts_into_lists_is_known_by_its_names():
 )
 def test_the_largest_number_that_a_source_gives_is_the_end_of_its_range(source, expected):
     assert largest_given(ast.parse(source)) == expected
+
+
+APPENDED = """\
+goal.target.data.append(x)
+goal.target.data.append(y)
+goal.target.data.append(z)
+request.angles = [1.0, 2.0]
+request.angles = [1.0]
+request.axes = [*axes, 1.0]
+send(joints=(0.0, 0.1))
+"""
+
+
+def test_a_list_is_as_long_as_what_the_source_puts_into_it():
+    assert listed_lengths(ast.parse(APPENDED)) == {"data": 3, "joints": 2}
+    assert listed_lengths(None) == {}
+
+
+LENGTHS = {3: {"position": "target"}, 6: {"joints": "target"}, 4: None}
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_a_list_is_a_place_or_joints_by_its_length(guess, length):
+    said = {"lengths": {"target": length}}
+    _, interface, _ = guess("/go", "float64[] target", said=said)
+    assert interface.get("move") == LENGTHS[length]
+
+
+def test_a_list_of_a_pose_has_room_for_its_turn(guess):
+    _, interface, _ = guess("/go_pose", "float64[] pose", said={"lengths": {"pose": 6}})
+    assert interface["move"] == {"pose": "pose"}

@@ -16,7 +16,11 @@ from tracerisk.instrument.source.literals.compared_values import (
     compared_in_callback,
     compared_in_file,
 )
-from tracerisk.instrument.source.literals.filled_messages import largest_given, listed_names
+from tracerisk.instrument.source.literals.filled_messages import (
+    largest_given,
+    listed_lengths,
+    listed_names,
+)
 from tracerisk.instrument.source.literals.known_keys import known_keys
 from tracerisk.ros.controller.needs import FROM_USE, KEYS, WINDOW_MODULES, Need, NeedKind
 from tracerisk.ros.drafts.answers.known_answers import known_answers
@@ -241,7 +245,7 @@ def _guess(asked: Asked, reply: Mapping[str, Any], lack: Lack) -> Guess | None:
     largest = {name: (number, False) for name, number in largest_given(tree).items()}
     largest |= ranges_said(lack.place)
     return guessed_driver(
-        replace(asked, elements=listed_names(tree), largest=largest),
+        replace(asked, elements=listed_names(tree), lengths=listed_lengths(tree), largest=largest),
         reply,
         joints=len(values.joints),
         states=values.robot.named_states.get(group or "", {}),

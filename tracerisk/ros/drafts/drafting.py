@@ -121,7 +121,7 @@ def _in_turn(draft: Draft, place: Location | None, interfaces: Any) -> Iterator[
     for (name, *deeper), literals in compared.values.items():
         now = sent.get(name)
         # A switch that would stop or only pretend stays off.
-        if deeper or isinstance(now, list | dict) or now is None or now is False:
+        if deeper or isinstance(now, list | dict | float) or now is None or now is False:
             continue
         others = [literal for literal in literals if type(literal) is type(now) and literal != now]
         for number, value in enumerate(others[: _MOST_IN_TURN - 1], 2):

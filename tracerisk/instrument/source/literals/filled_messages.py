@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from tracerisk.instrument.source.dotted_names import last_name
@@ -59,6 +59,33 @@ def listed_names(tree: ast.AST | None) -> dict[str, tuple[str, ...]]:
     `request.angle = [command.force, command.position]` gives `angle: (force, position)`.
     """
     names_of: dict[str, tuple[str, ...]] = {}
+    for name, elements in _lists_given(tree):
+        names_of.setdefault(name, tuple(last_name(element) for element in elements))
+    return names_of
+
+
+def listed_lengths(tree: ast.AST | None) -> dict[str, int]:
+    """Return how long the lists are that a source gives each field; none where they differ.
+
+    `goal.data.append(x)` adds one to a list that is given nothing at once.
+    """
+    lengths: dict[str, set[int]] = {}
+    for name, elements in _lists_given(tree):
+        lengths.setdefault(name, set()).add(len(elements))
+    added: dict[str, dict[str, int]] = {}
+    for node in () if tree is None else ast.walk(tree):
+        called = node.func if isinstance(node, ast.Call) else None
+        if isinstance(called, ast.Attribute) and called.attr == "append":
+            name, owner = last_name(called.value), ast.unparse(called.value)
+            counts = added.setdefault(name, {})
+            counts[owner] = counts.get(owner, 0) + 1
+    for name, counts in added.items():
+        lengths.setdefault(name, set(counts.values()))
+    return {name: known.pop() for name, known in lengths.items() if len(known) == 1}
+
+
+def _lists_given(tree: ast.AST | None) -> Iterator[tuple[str, Sequence[ast.expr]]]:
+    """Yield the fields and keywords that a source gives lists, with what is in each."""
     for node in () if tree is None else ast.walk(tree):
         given: list[tuple[str, ast.expr]] = []
         if isinstance(node, ast.Assign):
@@ -67,9 +94,11 @@ def listed_names(tree: ast.AST | None) -> dict[str, tuple[str, ...]]:
         elif isinstance(node, ast.Call):
             given = [(keyword.arg, keyword.value) for keyword in node.keywords if keyword.arg]
         for name, value in given:
-            if isinstance(value, ast.List | ast.Tuple) and value.elts:
-                names_of.setdefault(name, tuple(last_name(element) for element in value.elts))
-    return names_of
+            has_stars = isinstance(value, ast.List | ast.Tuple) and any(
+                isinstance(element, ast.Starred) for element in value.elts
+            )
+            if isinstance(value, ast.List | ast.Tuple) and value.elts and not has_stars:
+                yield name, value.elts
 
 
 def largest_given(tree: ast.AST | None) -> dict[str, float]:

@@ -46,6 +46,8 @@ class Asked:
     """The class of its request, goal or message."""
     elements: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     """What the source puts into lists, by the name of the field: `angle: (force, position)`."""
+    lengths: Mapping[str, int] = dataclasses.field(default_factory=dict)
+    """How many numbers the source puts into lists, by the name of the field."""
     largest: Mapping[str, tuple[float, bool]] = dataclasses.field(default_factory=dict)
     """The largest number that the source gives what is so called, and whether 0 is then open."""
 

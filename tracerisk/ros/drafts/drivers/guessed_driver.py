@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tracerisk.ros.drafts.commanding_messages import commands_something, is_called_command
@@ -113,7 +113,7 @@ def guessed_driver(
     shown = (
         grip_of(asked, parts)
         or _named(asked, parts, states)
-        or _motion(asked, parts, joints)
+        or _motion(asked, _with_lengths(parts, asked.lengths), joints)
         or _named_by_field(asked, parts, states)
     )
     if shown is None:
@@ -211,6 +211,16 @@ def _motion(asked: Asked, parts: tuple[Part, ...], joints: int) -> Found | None:
             if part.is_number and part.field.base in FLOATS and _DURATION.search(part.name):
                 roles.setdefault("duration", part.path)
     return "move", roles, what
+
+
+def _with_lengths(parts: tuple[Part, ...], lengths: Mapping[str, int]) -> tuple[Part, ...]:
+    """Return the fields with the lengths of lists that the source puts into them."""
+    return tuple(
+        replace(part, field=replace(part.field, length=lengths.get(part.field.name)))
+        if part.field.is_array and part.field.length is None
+        else part
+        for part in parts
+    )
 
 
 def names_motion(asked: Asked, parts: tuple[Part, ...]) -> bool:
