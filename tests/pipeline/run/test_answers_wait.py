@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from tracerisk.pipeline.run.scripted_input import Answers
+from tracerisk.ros.controller.needs import NeedLedger
 from tracerisk.ros.scenario.topics import ScenarioTopic
 from tracerisk.ros.scenario.world import ScenarioWorld
 
@@ -16,6 +17,7 @@ class Clock:
 
     def __init__(self):
         self.now_ns = 0
+        self.needs = NeedLedger()
 
     def pass_until(self, time_ns):
         self.now_ns = time_ns

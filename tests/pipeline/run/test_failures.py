@@ -213,8 +213,9 @@ def test_a_loop_that_asks_for_keys_that_never_come_ends(example, quick):
     example.write("controller.py", source)
     outcome = example.run("trace", "controller.py", "--no-draft")
     assert outcome.code == 4
-    place = f"controller.py:{line_of(source, 'while sys')}"
-    assert f"{place}: the answer to a read of the standard input was asked for 200" in outcome.err
+    line = line_of(source, "while sys")
+    asked = f"the answer to a read of the standard input in line {line} was asked for 200"
+    assert f"controller.py:{line}: {asked}" in outcome.err
 
 
 def test_a_controller_that_takes_too_much_memory_is_reported_the_limit(example, quick):

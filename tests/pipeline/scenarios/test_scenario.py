@@ -519,3 +519,31 @@ def test_a_menu_without_an_end_that_has_moved_the_arm_is_over_with_its_answers(e
     assert outcome.json["verdict"]["kind"] == "partial"
     reasons = {each["code"]: each["words"] for each in outcome.json["verdict"]["reasons"]}
     assert reasons["unmet-need"] == "nothing provides an answer to 'Which?'"
+
+
+NUMBERS = """\
+while True:
+    print("choose x:")
+    x = float(input())
+    print("choose y:")
+    y = float(input())
+    group.set_joint_value_target("panda_joint1", x + y)
+    group.go()
+"""
+
+
+def test_questions_without_words_are_answered_each_and_are_over_with_their_answers(example):
+    head = "import moveit_commander\nimport rospy\n\n" + ENDLESS_MENU.partition("def go")[0]
+    example.write("c.py", head + NUMBERS)
+    options = ("trace", "c.py", "--json", "--no-draft", "--answer", "0.1")
+    outcome = example.run(*options, "--answer", "0.2")
+    assert outcome.code == 0, outcome.err
+    assert outcome.json["trace"]["end"]["cause"] == "idle"
+    reasons = {each["code"]: each["words"] for each in outcome.json["verdict"]["reasons"]}
+    line = head.count("\n") + 3
+    words = f"nothing provides an answer to a read of the standard input in line {line}"
+    assert reasons["unmet-need"] == words
+    # A question that was never answered is lacking.
+    outcome = example.run(*options)
+    assert outcome.code == 4
+    assert "could not convert string to float" in outcome.err

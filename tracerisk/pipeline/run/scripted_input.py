@@ -75,7 +75,6 @@ class Answers(io.TextIOBase):
     """The assumed answers that are left, by question."""
     _last_asked: tuple[str, object] = field(default=("", None), init=False)
     """The last question, and the progress when it was asked."""
-    _answered: set[str] = field(default_factory=set, init=False)
     """The questions that were answered, by the user or by assumption."""
     _times: int = field(default=0, init=False)
     """How many times in a row the last question came without progress."""
@@ -142,7 +141,7 @@ class Answers(io.TextIOBase):
                 self.scheduler.pass_until(due_ns + _SEEN_NS)
         answer = self._given()
         if answer is not None:
-            self._answered.add(self._asked)
+            self.scheduler.needs.meet(Need("input", self._asked))
         else:
             answer = self._unscripted()
             self.recorder.note("input", answer=answer)
@@ -150,7 +149,12 @@ class Answers(io.TextIOBase):
 
     @property
     def _asked(self) -> str:
-        return repr(self.prompt) if self.prompt else "a read of the standard input"
+        if self.prompt:
+            return repr(self.prompt)
+        # Each question without words is one of its own.
+        place = asking_place()
+        line = "" if place is None else f" in line {place.line}"
+        return f"a read of the standard input{line}"
 
     def _unscripted(self) -> str:
         """Return Enter, or an answer that the code knows where Enter leads nowhere."""
@@ -162,7 +166,7 @@ class Answers(io.TextIOBase):
             self._assumed[asked] = list(self.assume())
         self.scheduler.touch()
         if self._assumed.get(asked):
-            self._answered.add(asked)
+            self.scheduler.needs.meet(Need("input", asked))
             answer = self._assumed[asked].pop(0)
             self.recorder.finding(
                 "answer_assumed",
@@ -175,7 +179,8 @@ class Answers(io.TextIOBase):
         self.scheduler.miss(Need("input", asked))
         if self._times == _ASKED_IN_VAIN:
             # A menu that has moved the arm waits for a user who has said all.
-            is_over = asked in self._answered and self.progress() is not None
+            was_answered = self.scheduler.needs.is_met("input", asked)
+            is_over = was_answered and self.progress() is not None
             self.scheduler.end(
                 "idle" if is_over else "deadlock",
                 f"the answer to {asked} was asked for {_ASKED_IN_VAIN} times and was only "

@@ -128,6 +128,9 @@ class UnmetNeeds:
             text = f"in the scenario, but {text}"
             self.runtime.recorder.finding("unused", text, here, object_name=entry)
         cause, message = self._judge_unanswered(cause, message)
+        if cause == "raised" and self._is_asked_beyond_answers(message):
+            # A menu that has moved the arm waits for a user who has said all.
+            cause = "idle"
         scheduler = self.runtime.scheduler
         named = scheduler.needs.named_in(message, scheduler.now_ns) if cause == "raised" else ()
         sought = scheduler.needs.sought_in_vain
@@ -419,6 +422,21 @@ class UnmetNeeds:
         ]
         if needs:
             self.runtime.recorder.note(UNMET, needs=needs)
+
+    def _is_asked_beyond_answers(self, message: str) -> bool:
+        """Return whether an exception is for Enter, where a question that was answered comes again.
+
+        The controller has moved something by then.
+        """
+        if not self.has_commanded() or _OF_ENTER.search(message) is None:
+            return False
+        needs, now_ns = self.runtime.scheduler.needs, self.runtime.scheduler.now_ns
+        return any(
+            missed.need.kind == "input"
+            and missed.last_ns == now_ns
+            and needs.is_met("input", missed.need.name)
+            for missed in needs.missed
+        )
 
     def _led_to(self, cause: EndCause, message: str) -> tuple[Missed, ...]:
         if cause in ("raised", "exited"):

@@ -53,9 +53,11 @@ class Entries:
         sections: dict[str, list[str]] = {}
         if self.arguments is not None:
             sections["arguments"] = word_lines(self.arguments.words, self.arguments.remark)
-        for key, draft in self.drafts.items():
-            for _ in range(self.repeats.get(key, 1)):
-                sections.setdefault(draft.section, []).extend(entry_lines(draft))
+        # What is asked again is asked after all else, as a menu does.
+        for time in range(max(self.repeats.values(), default=1)):
+            for key, draft in self.drafts.items():
+                if time < self.repeats.get(key, 1):
+                    sections.setdefault(draft.section, []).extend(entry_lines(draft))
         return sections
 
 

@@ -69,6 +69,7 @@ _MOST_DURATIONS = 4  # simulated time of all runs, in that which one may take
 _LEAST_WALL_S = 1.0  # what a run may take, however little is left of the wall time of all
 _MOST_FRUITLESS = 3  # runs in a row that show nothing which no run before has shown
 _IDLE_S = 20.0  # what is drafted comes sooner: for how long a run with it may wait [s]
+_MOST_WALLS = 4.0  # wall time of all, in the time that they may compute or sleep
 _LEAST_CPU_S = 10.0  # what a run may compute, however little is left of the search
 SEARCH_S = 60.0
 """For how long the runs of a search may compute or sleep in all [s]."""
@@ -144,6 +145,7 @@ class Rounds:
         self._places = 0
         self._shifts = 0
         self._began = time.monotonic()
+        self._wall_limit_s = settings.wall_limit_s
         self._simulated_s = 0.0
         self._read: dict[str, str] = {}
         self.best = Attempt(Entries())
@@ -162,7 +164,12 @@ class Rounds:
         self._in_other_units: set[EntryKey] = set()
 
     def result(self) -> ScenarioDraft:
-        """Run until nothing is lacking, or nothing helps."""
+        """Run until nothing is lacking, or nothing helps.
+
+        A run that lasts as its simulated time does, for a library of the controller waits, ends
+        with the wall time of the search.
+        """
+        self._wall_limit_s = min(self._wall_limit_s, _MOST_WALLS * max(self._own_s, _LEAST_CPU_S))
         try:
             self.go_on(self._run(Entries()))
         except KeyboardInterrupt:
@@ -254,7 +261,7 @@ class Rounds:
         """Yield what may be tried after a run, the likeliest first."""
         if attempt.trace is not None and attempt.trace.end.cause in OF_THE_MACHINE:
             # Nothing is concluded from it, and no other run begins.
-            if self._is_over():
+            if self._is_over() or self._wall_limit_s < self._settings.wall_limit_s:
                 self._end_at_limit()
             else:
                 self.is_cut_short = True
@@ -373,7 +380,7 @@ class Rounds:
 
     def trace(self, entries: Entries, options: RunOptions = PLAIN) -> Trace:
         """Run the controller with these entries; raise what keeps it from running."""
-        wall_s = self._settings.wall_limit_s - (time.monotonic() - self._began)
+        wall_s = self._wall_limit_s - (time.monotonic() - self._began)
         with scratch() as folder:
             # Files that the base names stand in its own folder.
             path = folder / self.draft_name

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -24,7 +24,7 @@ from tracerisk.instrument.source.literals.filled_messages import (
 from tracerisk.instrument.source.literals.known_keys import known_keys
 from tracerisk.ros.controller.needs import FROM_USE, KEYS, WINDOW_MODULES, Need, NeedKind
 from tracerisk.ros.drafts.answers.known_answers import known_answers
-from tracerisk.ros.drafts.asked_results import used_as
+from tracerisk.ros.drafts.asked_results import calls_of, held_by, used_as
 from tracerisk.ros.drafts.commanding_messages import commands_something
 from tracerisk.ros.drafts.draft import WELL
 from tracerisk.ros.drafts.drafted_parameter import ANY_NUMBER, drafted_parameter
@@ -333,20 +333,25 @@ def _answer(lack: Lack) -> _Made:
         words = "each key that the code knows" if keys else "the code names no key"
         return keys or None, words
     answers = known_answers(lack.place, lack.values)
-    asked = _ASKED_NUMBER.search(need.name.lower())
-    if (
-        asked
-        and {*answers} <= {*map(str, ANY_NUMBER)}
-        and used_as(lack.place, "input") in ("int", "float")
-    ):
+    if {*answers} <= {*map(str, ANY_NUMBER)} and used_as(lack.place, "input") in ("int", "float"):
         units = units_of("", f"{need.name} {said_at(lack.place)}")
-        number = named_number(asked[0].replace(" ", "_"), units, lack.values.reach)
-        if number is not None:
-            return [f"{number + 0.0:.4g}"], f"within reach of {lack.values.robot.name}"
+        for name in _names_asked(lack):
+            number = named_number(name, units, lack.values.reach)
+            if number is not None:
+                words = f"within reach of {lack.values.robot.name}"
+                return [f"{number + 0.0:.4g}"], words
     if not answers:
         answers = ("y",) if _YES_OR_NO.search(need.name) else ("1",)
         return list(answers), f"an answer to {need.name}"
     return list(answers), f"as the code compares the answer to {need.name}"
+
+
+def _names_asked(lack: Lack) -> Iterator[str]:
+    """Yield what a question asks for, by its words or by the variable that holds the answer."""
+    if asked := _ASKED_NUMBER.search(lack.need.name.lower()):
+        yield asked[0].replace(" ", "_")
+    for tree, call in calls_of(lack.place, "input"):
+        yield from sorted(name.rpartition(".")[2] for name in held_by(tree, call)[0])
 
 
 def _module(lack: Lack) -> _Made:

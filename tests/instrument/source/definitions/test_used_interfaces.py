@@ -38,6 +38,9 @@ def _defined(source, package="own_msgs"):
         ("def take(m: Target):\n    if m.mode == 'fast':\n        pass", "string mode"),
         ("def take(m):\n    for i in range(m.count):\n        pass\n"
          "rospy.Subscriber('/t', Target, callback=take)", "int64 count"),
+        ("PLACES = ['a', 'b']\ndef take(m: Target):\n    go(PLACES[m.number])", "int64 number"),
+        ("PLACES = {'a': 1}\ndef take(m: Target):\n    go(PLACES[m.place])", "string place"),
+        ("PLACES = load()\ndef take(m: Target):\n    go(PLACES[m.place])", "float64 place"),
         ("class A:\n    def __init__(self):\n        self.t = Target()\n"
          "    def go(self):\n        self.t.name = f'{1}'", "string name"),
         ("m = rospy.wait_for_message('/t', Target)\nif not m.ready:\n    pass", "bool ready"),

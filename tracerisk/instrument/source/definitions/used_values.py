@@ -51,6 +51,7 @@ class UsedValues:
         self._clients: dict[str, ast.expr] = {}
         self._futures: dict[str, ast.expr] = {}
         self._references = dict(_references(tree))
+        self._keys = dict(_keys(tree))
         calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
         self._called = {id(call.func) for call in calls}
 
@@ -90,6 +91,9 @@ class UsedValues:
             self._kind(node.operand, scope, "bool")
         elif isinstance(node, ast.Attribute | ast.Subscript):
             self._shape(node, scope)
+            key = self._keys.get(dotted_name(node.value)) if isinstance(node, ast.Subscript) else ""
+            if isinstance(node, ast.Subscript) and key:
+                self._kind(node.slice, scope, key)
 
     def _kind(self, node: ast.expr, scope: int, kind: str) -> None:
         shape = self._shape(node, scope)
@@ -333,3 +337,17 @@ def _references(tree: ast.AST) -> Iterator[tuple[str, str]]:
             package, kind, name = dotted_name(node).split(".")
             if kind == "msg":
                 yield dotted_name(node), f"{package}/{name}"
+
+
+def _keys(tree: ast.AST) -> Iterator[tuple[str, str]]:
+    """Yield the names of written lists and tables, with the type of their keys."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Assign):
+            continue
+        kind = ""
+        if isinstance(node.value, ast.List | ast.Tuple) and node.value.elts:
+            kind = "int64"
+        elif isinstance(node.value, ast.Dict):
+            keys = {type(key.value) for key in node.value.keys if isinstance(key, ast.Constant)}
+            kind = {str: "string", int: "int64"}.get(keys.pop(), "") if len(keys) == 1 else ""
+        yield from ((dotted_name(target), kind) for target in node.targets if kind)
