@@ -38,6 +38,10 @@ def _defined(source, package="own_msgs"):
         ("def take(m: Target):\n    if m.mode == 'fast':\n        pass", "string mode"),
         ("def take(m):\n    for i in range(m.count):\n        pass\n"
          "rospy.Subscriber('/t', Target, callback=take)", "int64 count"),
+        ("t = Target()\nt.rates = [0.8] * 6\n", "float64[] rates"),
+        ("t = Target()\nt.speed = [0.8] * count\n", "float64[] speed"),
+        ("class A:\n    _t = Target()\n    def go(self):\n        self._t.steps.append(1)",
+         "float64[] steps"),
         ("PLACES = ['a', 'b']\ndef take(m: Target):\n    go(PLACES[m.number])", "int64 number"),
         ("PLACES = {'a': 1}\ndef take(m: Target):\n    go(PLACES[m.place])", "string place"),
         ("PLACES = load()\ndef take(m: Target):\n    go(PLACES[m.place])", "float64 place"),

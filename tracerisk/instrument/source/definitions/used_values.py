@@ -67,6 +67,8 @@ class UsedValues:
                 self._assign(target, node.value, scope)
         elif isinstance(node, ast.AnnAssign) and node.value is not None:
             self._assign(node.target, node.value, scope)
+        elif isinstance(node, ast.ClassDef):
+            self._hold_of_class(node, scope)
         elif isinstance(node, ast.AugAssign):
             self._kind(node.target, scope, "float64")
         elif isinstance(node, ast.For | ast.comprehension):
@@ -123,6 +125,14 @@ class UsedValues:
         if shape is not None:
             self._value(shape, value, scope)
 
+    def _hold_of_class(self, owner: ast.ClassDef, scope: int) -> None:
+        """Hold what the body of a class is given, which its methods have as their own."""
+        for line in owner.body:
+            made = self._shape(line.value, scope) if isinstance(line, ast.Assign) else None
+            for target in line.targets if isinstance(line, ast.Assign) and made else ():
+                if isinstance(target, ast.Name) and made is not None:
+                    self._held.setdefault(self._key(f"self.{target.id}", scope), made)
+
     def _hold_client(self, name: str, call: ast.Call) -> None:
         kind = _class_of_client(call)
         if kind is not None:
@@ -156,6 +166,9 @@ class UsedValues:
             self._value(shape, value.operand, scope)
         elif isinstance(value, ast.Compare | ast.BoolOp | ast.UnaryOp):
             shape.kinds.add("bool")
+        elif isinstance(value, ast.BinOp) and (lists := _lists_in(value)):
+            for part in lists:
+                self._value(shape, part, scope)
         elif isinstance(value, ast.BinOp):
             is_text = isinstance(value.left, ast.Constant) and isinstance(value.left.value, str)
             shape.kinds.add("string" if is_text else "float64")
@@ -337,6 +350,11 @@ def _references(tree: ast.AST) -> Iterator[tuple[str, str]]:
             package, kind, name = dotted_name(node).split(".")
             if kind == "msg":
                 yield dotted_name(node), f"{package}/{name}"
+
+
+def _lists_in(value: ast.BinOp) -> list[ast.expr]:
+    """Return the lists that are repeated or joined: `[0.1] * 6`, `[x] + [y]`."""
+    return [part for part in (value.left, value.right) if isinstance(part, ast.List)]
 
 
 def _keys(tree: ast.AST) -> Iterator[tuple[str, str]]:
