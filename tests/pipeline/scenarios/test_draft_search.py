@@ -178,6 +178,15 @@ def test_a_run_of_a_search_has_what_is_left_of_its_computing(tmp_path):
     assert [each.key for each in found.given] == ["/go"]
 
 
+def test_a_search_ends_with_its_wall_time(tmp_path, monkeypatch):
+    monkeypatch.setattr(rounds, "_MOST_WALLS", 0.1)
+    waits = HEAD + "n = 0\nwhile not rospy.is_shutdown():\n    n += 1\n"
+    (tmp_path / "c.py").write_text(waits)
+    found = draft_scenario(load_controller(tmp_path / "c.py"), Settings(), None)
+    assert found.cut == "the search was ended after 6 s of wall time"
+    assert found.text
+
+
 LOOKS_UP = (
     HEAD.replace("import moveit_commander, rospy", "import moveit_commander, rospy, tf2_ros")
     + """\

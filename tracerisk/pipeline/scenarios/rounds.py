@@ -261,10 +261,13 @@ class Rounds:
         """Yield what may be tried after a run, the likeliest first."""
         if attempt.trace is not None and attempt.trace.end.cause in OF_THE_MACHINE:
             # Nothing is concluded from it, and no other run begins.
-            if self._is_over() or self._wall_limit_s < self._settings.wall_limit_s:
+            if self._is_over():
                 self._end_at_limit()
             else:
                 self.is_cut_short = True
+                is_own = self._wall_limit_s < self._settings.wall_limit_s
+                if is_own and attempt.trace.end.cause == "wall_limit":
+                    self.cut = f"the search was ended after {self._wall_limit_s:g} s of wall time"
             if not self.best.is_traced:
                 self.best = attempt
             return
