@@ -178,6 +178,17 @@ def test_a_run_of_a_search_has_what_is_left_of_its_computing(tmp_path):
     assert [each.key for each in found.given] == ["/go"]
 
 
+def test_answers_that_a_run_assumes_are_drafted(tmp_path):
+    menu = (
+        "while True:\n    said = input('Which? ')\n    if said == 'go':\n        turn(0.1)\n"
+        "    elif said == 'end':\n        break\n"
+    )
+    draft = _drafted(tmp_path, HEAD + menu)
+    assert [each.need.kind for each in draft.given] == ["input"]
+    answers = [line.split()[1] for line in draft.text.splitlines() if line.startswith("  - ")]
+    assert answers == ["go", "end"]
+
+
 def test_a_search_ends_with_its_wall_time(tmp_path, monkeypatch):
     monkeypatch.setattr(rounds, "_MOST_WALLS", 0.1)
     waits = HEAD + "n = 0\nwhile not rospy.is_shutdown():\n    n += 1\n"

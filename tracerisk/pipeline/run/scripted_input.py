@@ -75,7 +75,8 @@ class Answers(io.TextIOBase):
     """The assumed answers that are left, by question."""
     _last_asked: tuple[str, object] = field(default=("", None), init=False)
     """The last question, and the progress when it was asked."""
-    """The questions that were answered, by the user or by assumption."""
+    _took_assumed: set[str] = field(default_factory=set, init=False)
+    """The questions that were answered by assumption: a scenario lacks their answers still."""
     _times: int = field(default=0, init=False)
     """How many times in a row the last question came without progress."""
     _line: str = field(default="", init=False)
@@ -166,7 +167,7 @@ class Answers(io.TextIOBase):
             self._assumed[asked] = list(self.assume())
         self.scheduler.touch()
         if self._assumed.get(asked):
-            self.scheduler.needs.meet(Need("input", asked))
+            self._took_assumed.add(asked)
             answer = self._assumed[asked].pop(0)
             self.recorder.finding(
                 "answer_assumed",
@@ -179,7 +180,8 @@ class Answers(io.TextIOBase):
         self.scheduler.miss(Need("input", asked))
         if self._times == _ASKED_IN_VAIN:
             # A menu that has moved the arm waits for a user who has said all.
-            was_answered = self.scheduler.needs.is_met("input", asked)
+            needs = self.scheduler.needs
+            was_answered = asked in self._took_assumed or needs.is_met("input", asked)
             is_over = was_answered and self.progress() is not None
             self.scheduler.end(
                 "idle" if is_over else "deadlock",

@@ -40,6 +40,22 @@ while running:
         3,
         ("1", "2", "0"),
     ),
+    "a word behind a verb": (
+        """
+while True:
+    cmd = input("> ").strip().lower()
+    if cmd == "quit":
+        break
+    elif cmd == "home":
+        home()
+    elif cmd.startswith("move "):
+        place = cmd.split()[1].upper()
+        if place == "BL" or place == "TR":
+            move(place)
+""",
+        3,
+        ("home", "move BL", "move TR", "quit"),
+    ),
     "a function asks, another decides": (
         """
 def ask():

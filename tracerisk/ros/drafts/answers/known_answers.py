@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
@@ -33,12 +33,44 @@ def known_answers(place: Location | None, values: UsableValues) -> tuple[str, ..
     """
     numbers = numbers_answer(place, values)
     answers = ordered_answers((*compared_results(place, "input"), *_keys(place)))
+    answers = tuple(_with_verbs(answers, place))
     leaving = tuple(answer for answer in answers if answer in _leaving(place))
     if numbers is not None:
         return (numbers, *leaving)
     if not answers or set(answers) <= set(leaving):
         answers = (*(answer for answer in _printed(place) if answer not in leaving), *leaving)
     return (*(answer for answer in answers if answer not in leaving), *leaving)
+
+
+def _with_verbs(answers: Sequence[str], place: Location | None) -> Iterator[str]:
+    """Yield answers; a word that is split off another has this before it: `move home`.
+
+    The code asks for the first word (`cmd.startswith('move ')`), and compares the part behind.
+    """
+    verbs: list[str] = []
+    whole: set[str] = set()
+    for tree, call in calls_of(place, "input"):
+        names, _ = held_by(tree, call)
+        split = {
+            dotted_name(target)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Assign) and ".split(" in ast.unparse(node.value)
+            for target in node.targets
+        }
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and last_name(node.func) == "startswith" and node.args:
+                owner = node.func.value if isinstance(node.func, ast.Attribute) else node
+                text = node.args[0].value if isinstance(node.args[0], ast.Constant) else ""
+                if is_held(owner, call, names) and isinstance(text, str) and text.endswith(" "):
+                    verbs.append(text)
+            for subject, value in comparisons(node) if isinstance(node, ast.Compare) else ():
+                if subject is not None and is_held(subject, call, names - split):
+                    whole.add(str(value))
+    for answer in answers:
+        if not verbs or answer in whole or any(answer.startswith(verb) for verb in verbs):
+            yield answer
+        else:
+            yield from (f"{verb}{answer}" for verb in verbs)
 
 
 def _leaving(place: Location | None) -> frozenset[str]:
