@@ -42,6 +42,11 @@ while running:
     ),
     "a word behind a verb": (
         """
+def move(place):
+    if place not in ("BL", "TR"):
+        return
+    go(place)
+
 while True:
     cmd = input("> ").strip().lower()
     if cmd == "quit":
@@ -49,12 +54,11 @@ while True:
     elif cmd == "home":
         home()
     elif cmd.startswith("move "):
-        place = cmd.split()[1].upper()
-        if place == "BL" or place == "TR":
-            move(place)
+        where = cmd.split()[1].upper()
+        move(where)
 """,
-        3,
-        ("home", "move BL", "move TR", "quit"),
+        8,
+        ("move BL", "move TR", "home", "quit"),
     ),
     "a function asks, another decides": (
         """

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from tracerisk.errors import Location
 from tracerisk.instrument.source.dotted_names import dotted_name, last_name
 from tracerisk.instrument.source.literals.answers import ordered_answers
+from tracerisk.instrument.source.literals.called_functions import functions_of, parameter_name
 from tracerisk.instrument.source.literals.comparisons import comparisons
 from tracerisk.ros.drafts.answers.split_answers import numbers_answer
 from tracerisk.ros.drafts.asked_results import (
@@ -51,12 +52,7 @@ def _with_verbs(answers: Sequence[str], place: Location | None) -> Iterator[str]
     whole: set[str] = set()
     for tree, call in calls_of(place, "input"):
         names, _ = held_by(tree, call)
-        split = {
-            dotted_name(target)
-            for node in ast.walk(tree)
-            if isinstance(node, ast.Assign) and ".split(" in ast.unparse(node.value)
-            for target in node.targets
-        }
+        split = _split_off(tree)
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and last_name(node.func) == "startswith" and node.args:
                 owner = node.func.value if isinstance(node.func, ast.Attribute) else node
@@ -71,6 +67,25 @@ def _with_verbs(answers: Sequence[str], place: Location | None) -> Iterator[str]
             yield answer
         else:
             yield from (f"{verb}{answer}" for verb in verbs)
+
+
+def _split_off(tree: ast.AST) -> set[str]:
+    """Return the names that hold a part of a text, also those of a function that is handed it."""
+    split = {
+        dotted_name(target)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Assign) and ".split(" in ast.unparse(node.value)
+        for target in node.targets
+    }
+    functions = functions_of(tree)
+    handed = (
+        parameter_name(functions[last_name(node.func)], index)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and last_name(node.func) in functions
+        for index, value in enumerate(node.args)
+        if dotted_name(value) in split
+    )
+    return split.union(name for name in handed if name is not None)
 
 
 def _leaving(place: Location | None) -> frozenset[str]:
