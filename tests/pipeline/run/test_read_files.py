@@ -81,6 +81,40 @@ def test_what_the_run_wrote_itself_and_a_log_are_none(example):
         assert _files(example) == {}
 
 
+_BESIDE = {
+    "src/mine/.git/HEAD": "ref: refs/heads/main\n",
+    "src/mine/plan.txt": "2",
+    "src/mine/cell/package.xml": _PACKAGE,
+    "src/tools/.git/HEAD": "ref: refs/heads/main\n",
+    "src/tools/arm_tools/package.xml": _PACKAGE.replace("cell", "arm_tools"),
+    "src/tools/arm_tools/turns.txt": "2",
+    "src/other/unrelated/package.xml": _PACKAGE.replace("cell", "unrelated"),
+}
+
+
+def test_contained_or_not_it_has_the_same_inputs_and_no_neighbour_is_one(example):
+    for name, text in _BESIDE.items():
+        example.write(name, text)
+    example.write(
+        "src/mine/cell/c.py",
+        "import os, rospkg, rospy, moveit_commander\n"
+        "rospy.init_node('cell')\n"
+        "tools = rospkg.RosPack().get_path('arm_tools')\n"
+        "turns = int(open(os.path.join(tools, 'turns.txt')).read())\n"
+        "turns += int(open(os.path.join(os.path.dirname(__file__), '../plan.txt')).read())\n"
+        "arm = moveit_commander.MoveGroupCommander('panda_arm')\n"
+        "for _ in range(turns): arm.go([0.1, 0, 0, -1, 0, 1, 0], wait=True)\n",
+    )
+    path = "src/mine/cell/c.py"
+    contained = example.run("trace", path, "--sandbox", "auto", "--json").json
+    inputs = contained["trace"]["inputs"]
+    assert [name for name in inputs if not name.endswith(".py")] == [
+        "../../tools/arm_tools/turns.txt",
+        "../plan.txt",
+    ]
+    assert contained == example.run("trace", path, "--sandbox", "off", "--json").json
+
+
 def test_a_variable_that_the_settings_name_is_an_input(example, monkeypatch):
     example.write("pyproject.toml", '[tool.tracerisk]\nenv = ["TURNS", "OTHER"]\n')
     example.write("c.py", quick_controller("turns = int(os.environ['TURNS'])", _TURNS))

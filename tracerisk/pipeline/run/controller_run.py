@@ -221,11 +221,12 @@ def run_request(
     `watch` waits for the end of the process, in the place of what ends it at its limits.
     """
     folder, asked_for = Path(request.folder), request
+    reads = (*_workspace(request), *settings.readable, *settings.writable)
+    request = replace(request, readable=reads)
     if request.live_speed is None and is_contained(settings.limits.sandbox):
-        reads = (*_workspace(request), *settings.readable, *settings.writable)
         branches = () if request.plan is None else request.plan.writable
         writes = (str(folder), str(written), *branches, *settings.writable)
-        request = replace(request, written=str(written), readable=reads, writable=writes)
+        request = replace(request, written=str(written), writable=writes)
     (folder / ROBOT).write_text(dump_robot(robot), encoding="utf-8")
     if options.progress is not None:
         options.progress(_STARTING, 0.0)

@@ -236,7 +236,7 @@ def _recording(folder: Path, request: RunRequest) -> Recording:
     commands = (*recording.commands, *recording.refused)
     files |= {frame.function.file for command in commands for frame in command.stack}
     root = Path(request.root)
-    within = list(map(Path, request.readable)) or [root, *map(Path, request.packages.values())]
+    within = list(map(Path, request.readable))
     known = regular_within((str(root / name) for name in files), within)
     if request.written is not None and len(known) < len(files):
         strange = sorted(name for name in files if root / name not in known)

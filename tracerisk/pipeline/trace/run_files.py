@@ -241,7 +241,8 @@ class RunRequest:
     """The folder into which the controller's files are redirected; `None` where it writes in
     place."""
     readable: tuple[str, ...] = ()
-    """The files and folders that it may read, where `written` is set."""
+    """The files and folders of which those that it reads are inputs; where `written` is set, it
+    may read no others."""
     writable: tuple[str, ...] = ()
     """The folders that it may write, where `written` is set."""
     faults: tuple[Fault, ...] = ()

@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from tracerisk.common.sandbox.files.noted_reads import unnoted
 from tracerisk.common.text.bounded import file_text
 from tracerisk.config import PACKAGE_FILE
 from tracerisk.instrument.source.ros_version import RosVersion, build_tools
@@ -129,10 +130,14 @@ def manifest_text(folder: Path) -> str:
 
 
 def head_of(path: Path, most: int) -> str:
-    """Return the first bytes of a file, at most `most`, as a text; empty where it is not a file."""
+    """Return the first bytes of a file, at most `most`, as a text; empty where it is not a file.
+
+    It is no input of a run: to find what a run uses, all around it are looked through.
+    """
     try:
         # A pipe, which Windows has in no folder, would keep who opens it waiting.
-        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+        with unnoted():
+            descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         with os.fdopen(descriptor, "rb") as stream:
             if not stat.S_ISREG(os.fstat(descriptor).st_mode):
                 return ""

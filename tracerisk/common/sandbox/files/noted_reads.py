@@ -77,7 +77,9 @@ class NotedReads:
         return sorted(path for path in self._noted if Path(path).is_file())
 
     def _opened(self, event: str, arguments: tuple[Any, ...]) -> None:
-        if event not in ("open", _DATABASE) or not isinstance(arguments[0], str | bytes):
+        if event not in ("open", _DATABASE) or _is_apart.get():
+            return
+        if not isinstance(arguments[0], str | bytes):
             return
         if not (path := _full(arguments[0])).startswith((*self._folders, *self._data)):
             return
@@ -91,7 +93,7 @@ class NotedReads:
         return path.startswith(self._folders) or self._is_data(path)
 
     def _is_data(self, path: str) -> bool:
-        if path.startswith(self._apart) or path.endswith(_CODE) or _is_apart.get():
+        if path.startswith(self._apart) or path.endswith(_CODE):
             return False
         if self._is_of_tool():
             return False
