@@ -132,6 +132,60 @@ def test_an_import_that_a_signal_breaks_is_an_interruption(end, raised, monkeypa
         assert capsys.readouterr().err == ""
 
 
+@pytest.mark.parametrize("end", [KeyboardInterrupt(), SystemExit(143)])
+def test_one_that_comes_while_a_verb_is_imported_is_an_interruption(end, monkeypatch, capsys):
+    def parse(_: object) -> None:
+        try:
+            raise end
+        except BaseException as error:
+            # What Python makes of it in the body of a class.
+            raise RuntimeError("Error calling __set_name__") from error
+
+    monkeypatch.setattr("tracerisk.cli.parser.parse", parse)
+    if isinstance(end, KeyboardInterrupt):
+        assert main(["robots"]) == 130
+        assert capsys.readouterr().err == "tracerisk: interrupted\n"
+    else:
+        with pytest.raises(SystemExit) as ended:
+            main(["robots"])
+        assert ended.value.code == 143
+
+
+# A signal in the callback of a weak reference, as each import has one: Python drops what it raises.
+DROPPED = """
+import signal, sys, time, weakref
+import tracerisk.cli.set_up.robots as verb
+from tracerisk.cli import main
+
+class Imported: pass
+
+def run(options):
+    item = Imported()
+    reference = weakref.ref(item, lambda _: signal.raise_signal({number}))
+    del item
+    time.sleep(20)
+    return 0
+
+verb.run = run
+sys.argv = ["tracerisk", "robots"]
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "code", "said"),
+    [(signal.SIGINT, 130, "tracerisk: interrupted\n"), (signal.SIGTERM, 143, "")],
+)
+def test_a_signal_ends_a_command_wherever_it_comes(number, code, said):
+    done = subprocess.run(
+        [sys.executable, "-c", DROPPED.format(number=int(number))],
+        capture_output=True,
+        text=True,
+        timeout=15,
+    )
+    assert (done.returncode, done.stderr) == (code, said)
+
+
 def test_a_command_that_is_killed_leaves_no_controller_behind(simulating):
     process, theirs, _ = simulating
     process.kill()

@@ -5,10 +5,12 @@ No verb is imported before it is chosen, and no parser where a verb has paths al
 
 from __future__ import annotations
 
+import _thread
 import gc
 import io
 import os
 import sys
+import time
 from collections.abc import Sequence
 from importlib import import_module
 from types import SimpleNamespace
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
     from typing import Any
 
 _MADE_BEFORE_A_LOOK = 100_000  # objects, in place of 700
+_CTRL_C, _END = 2, 15  # numbers of signals, on every system
+_SOON_S = 0.01
 _AT_THE_END = {"atexit", "threading"}  # what is to be done, or waited for, when a process ends
 
 
@@ -31,6 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # The process is ours: most of what a command makes it keeps to its end, and nobody is to look
     # through it again and again for what might be thrown away.
     gc.set_threshold(_MADE_BEFORE_A_LOOK)
+    sys.unraisablehook = _raised_once_more
     if "PYTHONPATH" in os.environ:
         # A sourced ROS may have other versions there of what we import.
         from tracerisk.common.sandbox.ros_prefix import without_ros
@@ -58,12 +63,52 @@ def _guarded(given: list[str]) -> int:
     try:
         return _run(given)
     except KeyboardInterrupt:
-        print("tracerisk: interrupted", file=sys.stderr)
-        return 130
+        return _interrupted()
     except BrokenPipeError:
         # The reader of our output has gone; there is nobody left to print for.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except Exception as error:
+        from tracerisk.errors import interruption
+
+        # One that came while a verb was imported, of which Python makes another error.
+        ended = interruption(error)
+        if isinstance(ended, KeyboardInterrupt):
+            return _interrupted()
+        if ended is not None:
+            raise ended from None
+        raise
+
+
+def _interrupted() -> int:
+    print("tracerisk: interrupted", file=sys.stderr)
+    return 130
+
+
+def _raised_once_more(dropped: sys.UnraisableHookArgs) -> None:
+    """Raise a Ctrl-C or an end once more where Python has dropped it.
+
+    It drops what is raised in callbacks of weak references, of which each import has one, and as
+    objects go.
+    """
+    error = dropped.exc_value
+    is_end = isinstance(error, SystemExit) and error.code == 128 + _END
+    if not is_end and not isinstance(error, KeyboardInterrupt):
+        sys.__unraisablehook__(dropped)
+        return
+    number = _END if is_end else _CTRL_C
+    # Here it would be dropped again.
+    _thread.start_new_thread(_interrupt_soon, (_thread.get_ident(), number))
+
+
+def _interrupt_soon(thread: int, number: int) -> None:
+    import signal
+
+    time.sleep(_SOON_S)
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(thread, number)  # this wakes it too where it waits
+    else:
+        _thread.interrupt_main(signal.Signals(number))
 
 
 def _run(given: list[str]) -> int:
