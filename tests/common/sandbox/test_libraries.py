@@ -144,6 +144,12 @@ cv2.imwrite(name, picture), int(cv2.GaussianBlur(cv2.imread(name), (5, 5), 0).su
     "google.protobuf.timestamp_pb2": "google.protobuf.timestamp_pb2.Timestamp(seconds=5).SerializeToString()",
     "greenlet": "greenlet.greenlet(lambda: 5).switch()",
     "h11": "h11.Connection(h11.CLIENT).our_state",
+    "h5py": """
+import os, tempfile
+name = os.path.join(tempfile.mkdtemp(), "x.h5")
+with h5py.File(name, "w") as store: store["a"] = [1, 2]; store["a"].attrs["unit"] = "m"
+with h5py.File(name, "r") as store: result = store["a"][:].tolist(), store["a"].attrs["unit"]
+result""",
     "jinja2": "jinja2.Template('{{ a }}').render(a=1)",
     "joblib": "joblib.hash([1, 2]), joblib.Parallel(1)(joblib.delayed(abs)(n) for n in (-1, 2))",
     "jsonschema": "jsonschema.validate(1, {'type': 'integer'})",
@@ -171,6 +177,10 @@ import os, tempfile
 a = numpy.random.default_rng(1).random((300, 300))
 name = os.path.join(tempfile.mkdtemp(), "a.npy"); numpy.save(name, a)
 numpy.load(name, mmap_mode="r").sum(), numpy.linalg.solve(a, a).sum(), numpy.abs(numpy.fft.fft(a)).sum(), (a @ a).sum()""",
+    "open3d": """
+cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector([[0, 0, 0], [0, 0, 1.0], [0, 1, 0]]))
+tree = open3d.geometry.KDTreeFlann(cloud)
+cloud.get_center().round(6).tolist(), list(tree.search_knn_vector_3d([0, 0, 0.9], 1)[1])""",
     "pandas": "pandas.DataFrame({'a': [1, 2]}).describe().to_csv()",
     "platformdirs": "platformdirs.user_cache_dir('x') > ''",
     "psutil": "psutil.cpu_count() > 0, psutil.virtual_memory().total > 0",
@@ -183,6 +193,12 @@ numpy.load(name, mmap_mode="r").sum(), numpy.linalg.solve(a, a).sum(), numpy.abs
     "ruamel.yaml": "ruamel.yaml.YAML(typ='safe').load('a: [1, 2]')",
     "scipy.optimize": "scipy.optimize.minimize(lambda x: (x[0] - 3) ** 2, [0.0]).x.round(6).tolist()",
     "scipy.spatial.transform": "scipy.spatial.transform.Rotation.from_euler('z', 1).as_quat().tolist()",
+    "serial": """
+try: serial.Serial("/dev/ttyUSB0", 115200); result = "opened"
+except serial.SerialException: result = "no port"
+port = serial.serial_for_url("loop://", timeout=1); port.write(b"x")
+result, port.read(1)""",
+    "shapely": "shapely.Point(0, 0).buffer(1).intersection(shapely.box(0, 0, 2, 2)).area.__round__(6)",
     "sklearn.linear_model": "sklearn.linear_model.LinearRegression(n_jobs=2).fit([[0.0], [1.0]], [0, 2]).coef_.round(6)",
     "sortedcontainers": "sortedcontainers.SortedList([3, 1])",
     "sympy": "sympy.Symbol('x') + 1",
@@ -193,6 +209,7 @@ loader = torch.utils.data.DataLoader(list(range(4)), batch_size=2)
 x.grad.tolist(), [b.tolist() for b in loader], torch.get_num_threads() > 0, torch.nn.Linear(2, 1)(torch.ones(1, 2)).shape""",
     "tornado.ioloop": "import asyncio, tornado.gen\ntornado.ioloop.IOLoop().run_sync(lambda: tornado.gen.sleep(0.01))",
     "tqdm": "list(tqdm.tqdm([1, 2], disable=True))",
+    "trimesh": "mesh = trimesh.creation.box((1, 2, 3))\nmesh.volume.round(6), mesh.is_watertight, mesh.bounds.tolist()",
     "tree_sitter": "import tree_sitter_c\ntree_sitter.Parser(tree_sitter.Language(tree_sitter_c.language())).parse(b'int a;').root_node.type",
     "yaml": "yaml.safe_load('a: [1, 2]'), yaml.__with_libyaml__",
     "zmq": """
@@ -217,6 +234,12 @@ async def main():
     writer.close(); server.close()
     return result
 asyncio.run(main())""",
+    "grpc": """
+import concurrent.futures
+server = grpc.server(concurrent.futures.ThreadPoolExecutor(1))
+port = server.add_insecure_port("127.0.0.1:0")
+with grpc.insecure_channel(f"127.0.0.1:{port}") as channel: call = channel.unary_unary("/a/b")
+port > 0, callable(call)""",
     "http.server": """
 import threading, urllib.request
 class Handler(http.server.BaseHTTPRequestHandler):
@@ -247,6 +270,18 @@ server = Manager(address=("127.0.0.1", 0), authkey=b"key").get_server()
 threading.Thread(target=server.serve_forever, daemon=True).start()
 client = Manager(address=server.address, authkey=b"key"); client.connect()
 str(client.values())""",
+    "requests": """
+import http.server, threading
+class Handler(http.server.BaseHTTPRequestHandler):
+    def do_POST(self):
+        body = self.rfile.read(int(self.headers["Content-Length"]))
+        self.send_response(200); self.end_headers(); self.wfile.write(body.upper())
+    def log_message(self, *_): pass
+server = http.server.HTTPServer(("127.0.0.1", 0), Handler)
+thread = threading.Thread(target=server.serve_forever); thread.start()
+result = requests.post(f"http://127.0.0.1:{server.server_port}/", data=b"x", timeout=5).content
+server.shutdown(); thread.join(); server.server_close()
+result""",
     "socketserver": """
 import socket
 class Handler(socketserver.DatagramRequestHandler):
@@ -276,6 +311,16 @@ code = "import socket, sys; socket.create_connection(('127.0.0.1', int(sys.argv[
 process = subprocess.Popen([sys.executable, "-c", code, str(server.getsockname()[1])])
 connection, _ = server.accept()
 result = connection.recv(9), process.wait()
+result""",
+    "websockets.sync.server": """
+import threading, websockets.sync.client
+def echo(connection): connection.send(connection.recv().upper())
+server = websockets.sync.server.serve(echo, "127.0.0.1", 0)
+thread = threading.Thread(target=server.serve_forever); thread.start()
+with websockets.sync.client.connect(f"ws://127.0.0.1:{server.socket.getsockname()[1]}") as client:
+    client.send("x")
+    result = client.recv(timeout=5)
+server.shutdown(); thread.join()
 result""",
     "xmlrpc.server": """
 import threading, xmlrpc.client
