@@ -24,7 +24,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from tracerisk.ros.graph.runtime import running
 from tracerisk.ros.imports.cfg_modules import cfg_module
 from tracerisk.ros.imports.compiled_modules import compiled_module
-from tracerisk.ros.imports.fork_robots import robot_of_a_fork
 from tracerisk.ros.imports.vendor_libraries import (
     FROM_INDEX,
     VENDOR_LIBRARIES,
@@ -222,6 +221,8 @@ class _MissingRosFinder(MetaPathFinder):
     ) -> ModuleSpec | None:
         if path is not None:
             if fullname.startswith("pymoveit2.robots."):
+                from tracerisk.ros.imports.fork_robots import robot_of_a_fork
+
                 return robot_of_a_fork(fullname)
             return cfg_module(fullname, path) or compiled_module(fullname, path)
         message = missing_module(fullname, self._stand_ins.provides)
