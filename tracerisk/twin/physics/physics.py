@@ -10,6 +10,9 @@ from __future__ import annotations
 from importlib import metadata
 from typing import Any, Protocol
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tracerisk.twin.physics.builder import compile_model, place_robot
 from tracerisk.twin.physics.no_display import no_display
 from tracerisk.twin.physics.scene import Scene
@@ -18,11 +21,9 @@ from tracerisk.twin.robots.robot import Robot
 # After the builder, which says that no window is needed.
 import mujoco  # isort: skip
 
-_UNSTABLE = (
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-)
+_DIVERGED = slice(
+    int(mujoco.mjtWarning.mjWARN_BADQPOS), int(mujoco.mjtWarning.mjWARN_BADQACC) + 1
+)  # of the warnings: bad positions, velocities and accelerations
 
 
 class Physics(Protocol):
@@ -90,6 +91,10 @@ def engine() -> str:
     return f"dm-control {metadata.version('dm-control')} on {name}"
 
 
-def is_unstable(data: Any) -> bool:
-    """Return whether MuJoCo warned that positions, velocities or accelerations diverged."""
-    return any(data.warning[kind].number for kind in _UNSTABLE)
+def divergence(data: Any) -> NDArray[np.int32]:
+    """Return how often MuJoCo has warned of positions, velocities and accelerations: a live view.
+
+    Where any of the three is not 0, the simulation has become unstable.
+    """
+    counts: NDArray[np.int32] = data.warning.number[_DIVERGED]
+    return counts

@@ -60,6 +60,8 @@ class ContactWatch:
         self._robot = robot
         self._log = log
         self._overlaps = overlaps
+        self.seen: list[Points] = []
+        """The contacts of steps that are not logged yet, in order."""
         self._until = 0
         self._is_welded = False
         self._looked_at: Array = np.full(len(robot.joints), np.inf)
@@ -72,6 +74,11 @@ class ContactWatch:
         """Call `notify` for each pair of bodies, the first time from now on that they touch."""
         self._notify = notify
         self._pairs_reported.clear()
+
+    @property
+    def is_reporting(self) -> bool:
+        """Whether anyone is told of what touches."""
+        return self._notify is not None
 
     def use(self, model: Any, declared: Declared, step: int) -> None:
         """Take `model` for what is simulated from `step` on."""
@@ -103,14 +110,15 @@ class ContactWatch:
         """Return whether the contacts of every step from `step` on are to be seen."""
         return self._is_welded or step < self._until
 
-    def seen(self, until: int, found: list[Points], *, touched: bool) -> None:
-        """Log the contacts that were seen in some steps up to `until`, in order.
+    def touched(self, until: int) -> None:
+        """Note that something touched the robot in some steps up to `until`."""
+        self._until = until + AFTER_STEPS
 
-        `touched` says that something touched the robot meanwhile.
-        """
-        if touched:
-            self._until = until + AFTER_STEPS
+    def log(self) -> None:
+        """Log the contacts that were seen since the last call, which are in order."""
+        found = self.seen
         sizes = [len(addresses) for _, _, addresses, _ in found]
+        self.seen = []
         if not sum(sizes):
             return
         rows = np.empty(sum(sizes), dtype=ROW)
@@ -145,6 +153,7 @@ class ContactWatch:
             self._overlapping = self._overlaps(positions)
             self._looked_at = positions.copy()
         if self._overlapping:
+            self.log()
             rows = np.zeros(len(self._overlapping), dtype=ROW)
             rows["step"], rows["force"] = step, OVERLAP
             for row, pair in zip(rows, self._overlapping, strict=True):

@@ -134,6 +134,7 @@ class SampleWriter:
         self._map: mmap.mmap | None = None
         self._segment: Array = np.empty((0, 0))
         self._committed = 0
+        self._unwritten = bytearray()
         self._contacts: ContactLogWriter | None = None
         self._declared: DeclaredLogWriter | None = None
 
@@ -159,15 +160,16 @@ class SampleWriter:
         return self._segment[at : at + wanted]
 
     def commit(self, count: int) -> None:
-        """Mark the first `count` of the rows last asked for as written."""
+        """Mark the first `count` of the rows last asked for as written; write the poses."""
+        self._write_poses()
         at = self._committed % _SEGMENT_ROWS
         numbers = np.arange(self._committed + 1, self._committed + count + 1)
         self._segment[at : at + count, 0] = numbers
         self._committed += count
 
     def pose(self, qpos: Array) -> None:
-        """Append the pose of everything that can move; qpos: (n_pose,)."""
-        os.write(self._poses, qpos.tobytes())
+        """Append the pose of everything that can move, with the next `commit`; qpos: (n_pose,)."""
+        self._unwritten += qpos.tobytes()
 
     def contacts(self) -> ContactLogWriter:
         """Return the writer of what touches what, which closes with this; raise as `begin`."""
@@ -203,6 +205,7 @@ class SampleWriter:
         if self._file < 0 or self._header is None:
             return
         self._drop_segment()
+        self._write_poses()
         os.ftruncate(self._file, self._committed * self._header.width * 8)
         os.close(self._file)
         os.close(self._poses)
@@ -219,6 +222,12 @@ class SampleWriter:
 
     def __exit__(self, *error: object) -> None:
         self.close()
+
+    def _write_poses(self) -> None:
+        # Together: one write takes longer than to make the pose.
+        if self._unwritten:
+            os.write(self._poses, self._unwritten)
+            self._unwritten.clear()
 
     def _open_segment(self, width: int) -> None:
         self._drop_segment()

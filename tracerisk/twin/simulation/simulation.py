@@ -13,9 +13,10 @@ from tracerisk.errors import RobotError, one_of
 from tracerisk.twin.faults.armed import ArmedFaults
 from tracerisk.twin.faults.fault import Fault
 from tracerisk.twin.faults.sensing import SensorFaults
+from tracerisk.twin.motion.execution import LOOK_STEPS
 from tracerisk.twin.physics.declared import Declared, logged_bodies, rebuild
 from tracerisk.twin.physics.motion import STEP_NS, JointState, Pose
-from tracerisk.twin.physics.physics import begin_physics, is_unstable
+from tracerisk.twin.physics.physics import begin_physics, divergence
 from tracerisk.twin.physics.scene import Scene
 from tracerisk.twin.physics.scene_body import SceneBody, body_name
 from tracerisk.twin.physics.wrench import Wrench, load_on, touch_on
@@ -23,7 +24,6 @@ from tracerisk.twin.recording.contact_log import LOOK_EVERY, POSTURE_EVERY
 from tracerisk.twin.recording.contact_watch import (
     FRESH_STEPS,
     ContactWatch,
-    Points,
     Touched,
     points,
 )
@@ -35,7 +35,7 @@ from tracerisk.twin.simulation.sample_header import sample_header
 # After the builder, which says that no window is needed.
 import mujoco  # isort: skip
 
-_CHUNK = 500  # steps at most between two looks at what happened
+CHUNK = 500  # steps at most between two looks at what happened
 _STOP_GIVES = 0.002  # how far a joint is pressed past its limit [rad or m]
 _RESTS_AT = 1e-4  # a velocity at which a thing counts as at rest [rad/s or m/s]
 _RESTS_WITH = 1e-3  # the acceleration of a joint [rad/s2 or m/s2]
@@ -93,7 +93,7 @@ class Simulation:
         self._steps = 0
         self._samples = samples
         # The last sensor shows when to look at contacts, and is not sampled.
-        self._scratch = np.zeros((_CHUNK, 1 + model.nu + model.nsensordata - 1))
+        self._scratch = np.zeros((CHUNK, 1 + model.nu + model.nsensordata - 1))
         self._declared = Declared()
         self._wanted: tuple[SceneBody, ...] = ()
         self._watch: ContactWatch | None = None
@@ -143,48 +143,22 @@ class Simulation:
         """
         if self._wanted != self._declared.bodies:
             self._rebuild()
-        wanted = self._begin_faults(wanted)
+        wanted = self._steps_until_look(self._begin_faults(wanted))
         writer = self._samples
-        if writer is None:
-            rows = self._scratch[: min(wanted, _CHUNK)]
-        else:
-            if self._steps % POSE_EVERY == 0:
-                writer.pose(self._data.qpos[: self._n_pose])
-                if self._data.qpos.size > self._n_pose:
-                    writer.declared().pose(self._steps, self._data.qpos[self._n_pose :])
-                if self._watch is not None and self._steps % POSTURE_EVERY == 0:
-                    self._watch.posture(self._steps, self._data.qpos[self._qpos])
-            rows = writer.rows(min(wanted, POSE_EVERY - self._steps % POSE_EVERY))
-        n = len(rows)
-        block = controls.set_points(n)
-        first_sensor = 1 + block.shape[1]
-        rows[:, 1:first_sensor] = block
-        # Only views and C calls in here: this loop is the cost of sampling.
-        model, data = self._model, self._data
-        step = _stand if self._is_at_rest(block) else mujoco.mj_step
-        control, sensors, touching = data.ctrl, data.sensordata[:-1], data.sensordata[-1:]
-        watch, seen, touched = self._watch, list[Points](), False
-        always = watch is not None and watch.is_on(self._steps)
-        count, fresh = self._n_contacts, self._fresh_until
-        for at, (set_points, sampled) in enumerate(
-            zip(block, rows[:, first_sensor:], strict=True), start=self._steps
-        ):
-            control[:] = set_points
-            step(model, data)
-            sampled[:] = sensors
-            if touching[0] or always:
-                touched = touched or touching[0] > 0.0
-                if data.ncon != count:
-                    count, fresh = data.ncon, at + FRESH_STEPS
-                if at < fresh or at % LOOK_EVERY == 0:
-                    seen.append(points(at, data))
-        self._n_contacts, self._fresh_until = count, fresh
+        rows = self._scratch[:wanted] if writer is None else writer.rows(wanted)
+        block = controls.set_points(len(rows))
+        sampled = rows[:, 1 + block.shape[1] :]
+        rows[:, 1 : 1 + block.shape[1]] = block
+        begin, diverged = 0, divergence(self._data)
+        while begin < len(rows) and not diverged.any():
+            end = min(len(rows), begin + POSE_EVERY - self._steps % POSE_EVERY)
+            self._span(block[begin:end], sampled[begin:end])
+            begin = end
         if writer is not None:
-            writer.commit(n)
-        if watch is not None:
-            watch.seen(self._steps + n, seen, touched=touched)
-        self._steps += n
-        if is_unstable(data):
+            writer.commit(begin)
+        if self._watch is not None:
+            self._watch.log()
+        if diverged.any():
             raise RobotError(
                 f"the simulation of robot '{self.robot.name}' in scene '{self.scene.name}' became "
                 f"unstable at {self.time_ns * 1e-9:.3f} s; bodies may overlap, or a servo of the "
@@ -320,6 +294,49 @@ class Simulation:
         )
 
     # How
+
+    def _steps_until_look(self, wanted: int) -> int:
+        """Return how many of the `wanted` steps may be made before anyone looks at the state.
+
+        Whoever looks every few steps looks at each pose too.
+        """
+        is_reporting = self._watch is not None and self._watch.is_reporting
+        looks = wanted <= LOOK_STEPS or is_reporting or self.passes_over_rest or self.faults.live
+        return min(wanted, POSE_EVERY - self._steps % POSE_EVERY if looks else CHUNK)
+
+    def _span(self, block: Array, rows: Array) -> None:
+        """Make the steps of some set-points, all before the next pose, and sample the sensors."""
+        # Only views and C calls in here: this loop is the cost of sampling.
+        model, data, watch = self._model, self._data, self._watch
+        if self._samples is not None and self._steps % POSE_EVERY == 0:
+            self._sample_pose(self._samples)
+        step = _stand if self._is_at_rest(block) else mujoco.mj_step
+        control, sensors, touching = data.ctrl, data.sensordata[:-1], data.sensordata[-1:]
+        always, touched = watch is not None and watch.is_on(self._steps), False
+        count, fresh = self._n_contacts, self._fresh_until
+        for at, (set_points, sampled) in enumerate(zip(block, rows, strict=True), self._steps):
+            control[:] = set_points
+            step(model, data)
+            sampled[:] = sensors
+            if touching[0] or always:
+                touched = touched or touching[0] > 0.0
+                if data.ncon != count:
+                    count, fresh = data.ncon, at + FRESH_STEPS
+                if watch is not None and (at < fresh or at % LOOK_EVERY == 0):
+                    watch.seen.append(points(at, data))
+        self._n_contacts, self._fresh_until = count, fresh
+        self._steps += len(block)
+        if watch is not None and touched:
+            watch.touched(self._steps)
+
+    def _sample_pose(self, writer: SampleWriter) -> None:
+        """Sample where everything is that can move, and now and then which links overlap."""
+        qpos = self._data.qpos
+        writer.pose(qpos[: self._n_pose])
+        if qpos.size > self._n_pose:
+            writer.declared().pose(self._steps, qpos[self._n_pose :])
+        if self._watch is not None and self._steps % POSTURE_EVERY == 0:
+            self._watch.posture(self._steps, qpos[self._qpos])
 
     def _is_at_rest(self, set_points: Array) -> bool:
         """Return whether physics may be left out of steps with these set-points."""

@@ -33,7 +33,8 @@ from tracerisk.pipeline.trace.run_files import (
 )
 from tracerisk.ros.controller.programs import Programs
 from tracerisk.twin.faults.armed import step_at
-from tracerisk.twin.recording.samples import POSE_EVERY, SampleWriter
+from tracerisk.twin.recording.samples import SampleWriter
+from tracerisk.twin.simulation.simulation import CHUNK
 from tracerisk.twin.simulation.twin import Twin
 
 _LOOK_S = POLL_S / 4
@@ -97,7 +98,7 @@ class BranchPoints:
 
     def _before_chunk(self, now_ns: int) -> None:
         # A chunk that ends beyond the instant would be cut short in the run with the fault.
-        reached = now_ns // self._twin.step_ns + POSE_EVERY
+        reached = now_ns // self._twin.step_ns + CHUNK
         while self._pending and _step_of(self._pending[0]) < reached:
             self._leave(self._pending.pop(0))
 
