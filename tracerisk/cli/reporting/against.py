@@ -8,18 +8,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tracerisk.cli.reporting.report_input import shown_sources
 from tracerisk.cli.shared.progress import progress_bar
 from tracerisk.errors import InputError
-from tracerisk.pipeline.history.repository import Repository
-from tracerisk.pipeline.pictures.earlier_run import earlier_run
-from tracerisk.pipeline.review.git_versions import compared
-from tracerisk.pipeline.review.review import review
-from tracerisk.report.html.report_input import EarlierRun, SideBySide
 
+# What a revision needs is imported where there is one: most runs are compared with none.
 if TYPE_CHECKING:
     from tracerisk.pipeline.workspace.controller import Controller
     from tracerisk.prm.review.risk_diff import Review
+    from tracerisk.report.html.report_input import SideBySide
     from tracerisk.report.html.run.replay import RecordedRun
 
 
@@ -75,6 +71,9 @@ def both_runs(
         return ""
     if isinstance(now, str):
         return now or "No run is known of the present sources."
+    from tracerisk.cli.reporting.report_input import shown_sources
+    from tracerisk.pipeline.pictures.earlier_run import earlier_run
+    from tracerisk.report.html.report_input import EarlierRun, SideBySide
 
     given = getattr(options, "against_recording", None)
     here = os.path.relpath(controller.path)
@@ -116,6 +115,8 @@ def check_against(options: argparse.Namespace) -> None:
             f"--against compares with the sources as the run writes them, and {given} writes none"
         )
     read_against(options)
+    from tracerisk.pipeline.history.repository import Repository
+    from tracerisk.pipeline.review.git_versions import compared
 
     with Repository.opened(Path.cwd()) as repository:
         if compared(repository, Path.cwd(), [options.against]).paths is not None:
@@ -138,6 +139,7 @@ def review_against(revision: str | None, files: Iterable[str]) -> Review | None:
     """
     if revision is None:
         return None
+    from tracerisk.pipeline.review.review import review
 
     return review([revision, *(str(Path(file)) for file in files)])
 
@@ -150,6 +152,9 @@ def _one_revision(revision: str) -> str:
     """
     one, dots, _ = revision.partition("...")
     if dots:
+        from tracerisk.pipeline.history.repository import Repository
+        from tracerisk.pipeline.review.git_versions import compared
+
         with Repository.opened(Path.cwd()) as repository:
             what = compared(repository, Path.cwd(), [revision])
             head = compared(repository, Path.cwd(), ["HEAD"]).before

@@ -21,8 +21,6 @@ from tracerisk.cli.shared.run_report import (
 from tracerisk.cli.shared.verdict import verdict_json
 from tracerisk.common.verdict import verdict_line
 from tracerisk.errors import InputError
-from tracerisk.pipeline.pictures.run_section import recorded_run, run_section
-from tracerisk.report.html.fault_report import render_fault_report
 from tracerisk.trace import Trace
 
 if TYPE_CHECKING:
@@ -86,12 +84,17 @@ def run_faults(options: argparse.Namespace) -> int:
             ),
         )
         if keep is not None and is_shown:
+            from tracerisk.pipeline.pictures.run_section import recorded_run
+
             recorded = recorded_run(keep)
     nominal, trace = (
         trace_as_typed(item, options.controller) for item in (done.nominal, done.trace)
     )
     lines = _lines(replace(done, nominal=nominal, trace=trace))
     if options.report is not None:
+        from tracerisk.pipeline.pictures.run_section import run_section
+        from tracerisk.report.html.fault_report import render_fault_report
+
         controller = api.load_controller(options.controller)
         settings = api.load_settings(controller, shared.run_settings(options))
         hardware = api.load_hardware(settings, done.trace.robot)

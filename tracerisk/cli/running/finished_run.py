@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tracerisk import api
-from tracerisk.cli.running.run_page import write_page
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.explain import explained
 from tracerisk.cli.shared.output import note, note_warnings, write_file, write_sarif
@@ -19,8 +18,6 @@ from tracerisk.pipeline.failure_data.band import figure_band
 from tracerisk.pipeline.freshness.unread_hardware import unread_hardware
 from tracerisk.pipeline.freshness.used_evidence import evidence_gap
 from tracerisk.pipeline.model import blocks_of
-from tracerisk.pipeline.review.alerts import run_alerts
-from tracerisk.prm.formats import model_json
 from tracerisk.report.run_figures import outcomes_set_by_hand, run_figures, set_by_hand
 from tracerisk.trace import RunFailedError
 
@@ -141,11 +138,17 @@ def _write_files(options: argparse.Namespace, finished: FinishedRun) -> None:
     done = finished.assessed
     write_outputs(options, done.annotated.computed)
     if options.model is not None:
+        from tracerisk.prm.formats import model_json
+
         write_file(options.model, model_json.dumps(done.model))
     if options.trace is not None:
         write_file(options.trace, trace_json.dumps(done.trace))
     if options.sarif is not None:
+        from tracerisk.pipeline.review.alerts import run_alerts
+
         write_sarif(options.sarif, run_alerts(done.trace, done.controller.root))
     if options.report is not None:
         # A page takes more modules than all else that a run writes.
+        from tracerisk.cli.running.run_page import write_page
+
         write_page(options, done, finished.band)

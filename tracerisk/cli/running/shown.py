@@ -39,8 +39,6 @@ from tracerisk.common import trace_json
 from tracerisk.common.traced.findings import NOTHING_TO_GRASP
 from tracerisk.common.verdict import GAPS
 from tracerisk.errors import ExitCode
-from tracerisk.prm.formats import model_json
-from tracerisk.prm.formats.assessment_json import assessment_to_json
 from tracerisk.report.terminal import render_assessment, render_brief
 from tracerisk.trace import Trace
 
@@ -80,6 +78,9 @@ def show_run(options: argparse.Namespace, done: FinishedRun) -> int:
     if options.check and annotated.is_changed:
         code = ExitCode.WOULD_CHANGE
     if options.json:
+        from tracerisk.prm.formats import model_json
+        from tracerisk.prm.formats.assessment_json import assessment_to_json
+
         print_json(
             "run",
             exit_code=int(code),

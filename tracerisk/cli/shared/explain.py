@@ -6,11 +6,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.adder.figures.derivation_json import derivation_data
 from tracerisk.common.text.printable import escaped
-from tracerisk.pipeline.failure_data.explanation import explain
-from tracerisk.report.explain.function import render_derivation
-from tracerisk.report.explain.mission import render_mission
 
 if TYPE_CHECKING:
     from tracerisk.adder.figures.derivation import FunctionDerivation
@@ -30,6 +26,7 @@ def explained(
     """
     if options.explain is None:
         return None
+    from tracerisk.pipeline.failure_data.explanation import explain
 
     return explain(annotated, hardware, settings, options.explain)
 
@@ -38,6 +35,7 @@ def derivation_json(derivation: FunctionDerivation | None) -> dict[str, Any]:
     """Return what `--json` has of it: nothing, or the key `derivation`."""
     if derivation is None:
         return {}
+    from tracerisk.adder.figures.derivation_json import derivation_data
 
     return {"derivation": derivation_data(derivation)}
 
@@ -50,6 +48,8 @@ def print_derivation(
     """Print it on standard output, where it was asked for; up to the mission of a solved model."""
     if derivation is None:
         return
+    from tracerisk.report.explain.function import render_derivation
+    from tracerisk.report.explain.mission import render_mission
 
     text = render_derivation(derivation)
     if model is not None and assessment is not None:

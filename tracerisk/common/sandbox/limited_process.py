@@ -33,7 +33,7 @@ if sys.platform != "win32":
     import resource
     from time import clock_gettime  # the real one: a run puts its own clock into the module
 
-POLL_S = 0.02
+POLL_S = 0.05
 """How often a process is looked at [s]."""
 
 MOST_ANSWERED = 256 * 1024 * 1024

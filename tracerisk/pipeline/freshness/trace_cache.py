@@ -6,12 +6,12 @@ They are no part of the project: the folder has a `.gitignore`, and may be delet
 
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
 
 from tracerisk.adder.sources.write import atomic_write
 from tracerisk.common import trace_json
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_text
+from tracerisk.common.text.digests import sha256
 from tracerisk.errors import TraceRiskError
 from tracerisk.trace import Trace
 
@@ -92,4 +92,4 @@ class TraceCache:
 
 
 def _short(controller: str) -> str:
-    return hashlib.sha256(controller.encode()).hexdigest()[:_LENGTH]
+    return sha256(controller.encode())[:_LENGTH]

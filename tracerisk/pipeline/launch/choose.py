@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -228,6 +227,10 @@ def read_launch_files(
 
     Raises LimitError where reading one takes too long or too much memory.
     """
+    if not files:
+        return []
+    from concurrent.futures import ThreadPoolExecutor
+
     packages = workspace.findable
 
     def read(file: LaunchFile) -> LaunchReading:

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 
-from tracerisk.adder.sources.line_map import line_maps
 from tracerisk.adder.sources.python_lines import parse_python
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.config import Settings
@@ -128,7 +127,9 @@ def lines_since(sources: Mapping[str, bytes], controller: Controller) -> Callabl
     now keeps its lines, for the run itself may have made it.
     Raises InputError where more differs, for then what ran is another program.
     """
+    # The process that runs a controller reads no block.
     from tracerisk.adder.sources.insert import strip_blocks
+    from tracerisk.adder.sources.line_map import line_maps
 
     shown = {file: str(controller.path_of(file)) for file in sources}
     now = {

@@ -6,7 +6,6 @@ import os
 import sys
 from collections.abc import Iterable
 from functools import cache
-from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -67,6 +66,8 @@ def installed_files() -> tuple[Path, ...]:
 @cache
 def _installed_files(_places: tuple[str, ...]) -> tuple[Path, ...]:
     """Look for them once: every run asks several times, and each reads a file of every package."""
+    from importlib.metadata import entry_points
+
     installed_files: list[Path] = []
     for point in sorted(entry_points(group=ENTRY_POINTS), key=lambda entry_point: entry_point.name):
         try:

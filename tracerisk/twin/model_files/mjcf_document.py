@@ -11,7 +11,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 from tracerisk.errors import Location, RobotError
 from tracerisk.twin.model_files.paths import ModelFolder, read_model_text
@@ -248,6 +247,9 @@ def _beside(shown: str, path: Path, main: Path) -> str:
 
 
 def _write(element: XmlElement, lines: list[str], locations: list[Location]) -> None:
+    # It loads all that opens addresses of the web.
+    from xml.sax.saxutils import quoteattr
+
     attributes = "".join(f" {key}={quoteattr(value)}" for key, value in element.attributes.items())
     # A quoted line break would put the lines of the text out of step with the locations.
     attributes = attributes.replace("\n", "&#10;")

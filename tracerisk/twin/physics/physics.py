@@ -7,7 +7,6 @@ Both engines step the same MuJoCo model in C and give the same numbers to the la
 
 from __future__ import annotations
 
-from importlib import metadata
 from typing import Any, Protocol
 
 import numpy as np
@@ -82,6 +81,9 @@ def begin_physics(robot: Robot, scene: Scene) -> Physics:
 
 def engine() -> str:
     """Return which engine serves, with its version and why it is not the other one."""
+    # Here, for a run asks no package for its version.
+    from importlib import metadata
+
     name = f"mujoco {metadata.version('mujoco')}"
     try:
         with no_display():

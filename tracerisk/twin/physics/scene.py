@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from tracerisk.common.geometry.shapes import Shape, read_shapes
-from tracerisk.common.text.yaml_reader import YamlMap, read_yaml
+from tracerisk.common.text.yaml_reader import YamlMap, read_large_yaml, read_yaml
 from tracerisk.errors import RobotError, one_of
 
 SHIPPED_SCENES = Path(__file__).parent / "scenes"
@@ -161,7 +161,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
 @cache
 def _shipped(name: str) -> Scene:
     path = SHIPPED_SCENES / f"{name}.yaml"
-    return _scene(read_yaml(path, RobotError, shown=f"scenes/{path.name}"), path.name)
+    return _scene(read_large_yaml(path, RobotError, shown=f"scenes/{path.name}"), path.name)
 
 
 def _scene(top: YamlMap, file: str) -> Scene:

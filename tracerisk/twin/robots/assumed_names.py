@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
+from tracerisk.common.text.digests import sha256
 from tracerisk.twin.robots.generic import NAME
 from tracerisk.twin.robots.gripper_ends import gripper_ends
 from tracerisk.twin.robots.robot import Robot
@@ -202,7 +202,7 @@ class _StatesOfGroup(Mapping[str, Mapping[str, float]]):
                 return gripper.sign(joint) * end
         if re.fullmatch(r"home|rest|zero|init\w*", state, re.IGNORECASE):
             return rest
-        draw = hashlib.sha256(f"{state}\x00{joint}".encode()).digest()[0] / 255 * 2 - 1
+        draw = int(sha256(f"{state}\x00{joint}".encode())[:2], 16) / 255 * 2 - 1
         wanted = rest + draw * _SHARE * (own.upper - own.lower)
         return min(max(wanted, own.lower), own.upper)
 

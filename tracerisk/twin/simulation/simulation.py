@@ -150,7 +150,7 @@ class Simulation:
         sampled = rows[:, 1 + block.shape[1] :]
         rows[:, 1 : 1 + block.shape[1]] = block
         begin, diverged = 0, divergence(self._data)
-        while begin < len(rows) and not diverged.any():
+        while begin < len(rows) and not any(diverged.tolist()):
             end = min(len(rows), begin + POSE_EVERY - self._steps % POSE_EVERY)
             self._span(block[begin:end], sampled[begin:end])
             begin = end
@@ -158,7 +158,7 @@ class Simulation:
             writer.commit(begin)
         if self._watch is not None:
             self._watch.log()
-        if diverged.any():
+        if any(diverged.tolist()):
             raise RobotError(
                 f"the simulation of robot '{self.robot.name}' in scene '{self.scene.name}' became "
                 f"unstable at {self.time_ns * 1e-9:.3f} s; bodies may overlap, or a servo of the "

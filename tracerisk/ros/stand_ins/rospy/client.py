@@ -47,10 +47,13 @@ def load_command_line_node_params(argv: list[str]) -> dict[str, Any]:
     Raises:
         ROSInitException: a value is not YAML.
     """
+    parameters = graph_names.load_parameters(argv)
+    if not parameters:
+        return {}
     from ruamel.yaml.error import YAMLError
 
     try:
-        return {name: load_yaml(text) for name, text in graph_names.load_parameters(argv).items()}
+        return {name: load_yaml(text) for name, text in parameters.items()}
     except YAMLError as error:
         raise ROSInitException(f"invalid command-line parameters: {error}") from error
 
