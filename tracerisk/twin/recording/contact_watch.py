@@ -32,16 +32,13 @@ AFTER_STEPS = 125  # for so long after a touch the contacts of what was touched 
 
 Array = NDArray[np.float64]
 FRESH_STEPS = 10  # from a change of the number of contacts on each step is looked at
-Points = tuple[int, NDArray[np.int32], NDArray[np.int32], Array]
-"""The contacts of a step: its number, their geoms, where in the forces each begins, the forces."""
 Touched = Callable[[int, LoggedBody, LoggedBody], None]
 """Called with the step in which two bodies touch, and the two."""
 
 
-def points(step: int, data: Any) -> Points:
-    """Return copies of what MuJoCo knows of the contacts of a step."""
-    contact = data.contact
-    return step, contact.geom.copy(), contact.efc_address.copy(), data.efc_force.copy()
+_SEEN = np.dtype(
+    [("step", np.int64), ("geoms", np.int32, 2), ("address", np.int32), ("force", np.float64)]
+)  # a contact: the step, its geoms, where in the solver it is (-1 for nowhere), its force [N]
 
 
 class ContactWatch:
@@ -60,8 +57,8 @@ class ContactWatch:
         self._robot = robot
         self._log = log
         self._overlaps = overlaps
-        self.seen: list[Points] = []
-        """The contacts of steps that are not logged yet, in order."""
+        self._seen = np.zeros(0, dtype=_SEEN)
+        self._n_seen = 0
         self._until = 0
         self._is_welded = False
         self._looked_at: Array = np.full(len(robot.joints), np.inf)
@@ -114,24 +111,31 @@ class ContactWatch:
         """Note that something touched the robot in some steps up to `until`."""
         self._until = until + AFTER_STEPS
 
+    def see(self, step: int, data: Any) -> None:
+        """Note what MuJoCo knows of the contacts of a step."""
+        contact = data.contact
+        addresses, force = contact.efc_address, data.efc_force
+        end = self._n_seen + len(addresses)
+        if end > len(self._seen):
+            self._seen = np.concatenate((self._seen, np.zeros(end, dtype=_SEEN)))
+        seen = self._seen[self._n_seen : end]
+        seen["step"], seen["geoms"], seen["address"] = step, contact.geom, addresses
+        if len(force):
+            seen["force"] = force[addresses]
+        self._n_seen = end
+
     def log(self) -> None:
         """Log the contacts that were seen since the last call, which are in order."""
-        found = self.seen
-        sizes = [len(addresses) for _, _, addresses, _ in found]
-        self.seen = []
-        if not sum(sizes):
+        seen = self._seen[: self._n_seen]
+        self._n_seen = 0
+        if not len(seen):
             return
-        rows = np.empty(sum(sizes), dtype=ROW)
-        rows["step"] = np.repeat([at for at, *_ in found], sizes)
-        bodies = self._place_of_geom[np.concatenate([geoms for _, geoms, _, _ in found])]
+        rows = np.empty(len(seen), dtype=ROW)
+        rows["step"] = seen["step"]
+        bodies = self._place_of_geom[seen["geoms"]]
         rows["one"], rows["two"] = bodies[:, 0], bodies[:, 1]
-        addresses = np.concatenate([array for _, _, array, _ in found])
-        forces = [array for *_, array in found]
-        begins = np.repeat(np.cumsum([0, *(len(force) for force in forces[:-1])]), sizes)
-        # A contact that is not in the solver (address -1) has no force.
-        solved = addresses >= 0
-        rows["force"] = 0.0
-        rows["force"][solved] = np.concatenate(forces)[(begins + addresses)[solved]]
+        # A contact that is not in the solver has no force.
+        rows["force"] = np.where(seen["address"] >= 0, seen["force"], 0.0)
         self._append(rows[rows["force"] > 0.0])
 
     def _append(self, rows: Rows) -> None:

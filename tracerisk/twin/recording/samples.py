@@ -1,14 +1,13 @@
 """The samples of a run: what the twin measured at each physics step, in files that outlive it.
 
-Rows are written into mapped memory of `samples.bin`, so that what was sampled stays readable
-however the process that wrote it ended.
+Rows are written whenever the simulation pauses, so that what was sampled up to there stays
+readable however the process that wrote it ended.
 Row k holds the state at the time k step, and the controls applied from then on.
 """
 
 from __future__ import annotations
 
 import json
-import mmap
 import os
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -30,7 +29,6 @@ _HEADER = "samples.json"
 _CHANGED = "model_changed.bin"
 _VERSION = 1
 _MOST_HEADER = 16 * 1024**2
-_SEGMENT_ROWS = 16_384  # a multiple of every page size, in rows of 8 bytes
 POSE_EVERY = 20  # steps between two poses of everything that can move
 
 Array = NDArray[np.float64]
@@ -131,8 +129,7 @@ class SampleWriter:
         self._header: SampleHeader | None = None
         self._file = -1
         self._poses = -1
-        self._map: mmap.mmap | None = None
-        self._segment: Array = np.empty((0, 0))
+        self._rows: Array = np.empty((0, 0))
         self._committed = 0
         self._unwritten = bytearray()
         self._contacts: ContactLogWriter | None = None
@@ -151,20 +148,19 @@ class SampleWriter:
         self._poses = os.open(self._directory / _POSES, flags, 0o644)
 
     def rows(self, wanted: int) -> Array:
-        """Return a view (n, width) of the next rows to fill, 1 <= n <= wanted."""
+        """Return the next rows to fill, (wanted, width)."""
         if self._header is None:
             raise ValueError("rows asked for before begin")
-        at = self._committed % _SEGMENT_ROWS
-        if at == 0:
-            self._open_segment(self._header.width)
-        return self._segment[at : at + wanted]
+        if len(self._rows) < wanted:
+            self._rows = np.empty((wanted, self._header.width))
+        return self._rows[:wanted]
 
     def commit(self, count: int) -> None:
-        """Mark the first `count` of the rows last asked for as written; write the poses."""
+        """Write the first `count` of the rows last asked for, and the poses since the last call."""
+        rows = self._rows[:count]
+        rows[:, 0] = np.arange(self._committed + 1, self._committed + count + 1)
         self._write_poses()
-        at = self._committed % _SEGMENT_ROWS
-        numbers = np.arange(self._committed + 1, self._committed + count + 1)
-        self._segment[at : at + count, 0] = numbers
+        _write_all(self._file, rows.data)
         self._committed += count
 
     def pose(self, qpos: Array) -> None:
@@ -191,22 +187,15 @@ class SampleWriter:
     def moved(self, directory: Path) -> None:
         """Go on in a copy of the directory, whose files have taken the place of those open."""
         self._directory = directory
-        if self._header is None or self._map is None:
-            return
-        self._drop_segment()
-        if self._committed % _SEGMENT_ROWS:
-            self._open_segment(self._header.width)
 
     def close(self, end_pose: Array | None = None) -> None:
-        """Cut the file to the rows written, and close; further calls do nothing.
+        """Close the files; further calls do nothing.
 
         end_pose: (n_pose,) after the last step, of a run that came to its end.
         """
         if self._file < 0 or self._header is None:
             return
-        self._drop_segment()
         self._write_poses()
-        os.ftruncate(self._file, self._committed * self._header.width * 8)
         os.close(self._file)
         os.close(self._poses)
         if end_pose is not None:
@@ -225,23 +214,15 @@ class SampleWriter:
 
     def _write_poses(self) -> None:
         # Together: one write takes longer than to make the pose.
-        if self._unwritten:
-            os.write(self._poses, self._unwritten)
-            self._unwritten.clear()
+        _write_all(self._poses, memoryview(bytes(self._unwritten)))
+        self._unwritten.clear()
 
-    def _open_segment(self, width: int) -> None:
-        self._drop_segment()
-        size = _SEGMENT_ROWS * width * 8
-        offset = self._committed // _SEGMENT_ROWS * size
-        # Allocated now: a full disk is an error here, and not a signal at some later row.
-        os.posix_fallocate(self._file, offset, size)
-        self._map = mmap.mmap(self._file, size, offset=offset)
-        self._segment = np.frombuffer(self._map, dtype=np.float64).reshape(_SEGMENT_ROWS, width)
 
-    def _drop_segment(self) -> None:
-        # The map closes itself when the last view of it is gone.
-        self._segment = np.empty((0, 0))
-        self._map = None
+def _write_all(descriptor: int, data: memoryview) -> None:
+    """Write all of some data; raise OSError when the disk refuses."""
+    data = data.cast("B")
+    while data:
+        data = data[os.write(descriptor, data) :]
 
 
 def read_samples(directory: Path) -> Samples:

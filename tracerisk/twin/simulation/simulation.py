@@ -25,7 +25,6 @@ from tracerisk.twin.recording.contact_watch import (
     FRESH_STEPS,
     ContactWatch,
     Touched,
-    points,
 )
 from tracerisk.twin.recording.samples import POSE_EVERY, SampleWriter
 from tracerisk.twin.robots.robot import Robot
@@ -323,7 +322,7 @@ class Simulation:
                 if data.ncon != count:
                     count, fresh = data.ncon, at + FRESH_STEPS
                 if watch is not None and (at < fresh or at % LOOK_EVERY == 0):
-                    watch.seen.append(points(at, data))
+                    watch.see(at, data)
         self._n_contacts, self._fresh_until = count, fresh
         self._steps += len(block)
         if watch is not None and touched:
