@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -50,6 +51,10 @@ class Kinematics:
         self._dof = {name: int(item.dofadr[0]) for name, item in joints.items()}
         self._configuration = mink.Configuration(self._model)
         self._limits = [mink.ConfigurationLimit(self._model, gain=1.0)]
+        # A straight line asks at each of its points.
+        self._ranges = {joint.name: _range(joint, {}) for joint in robot.joints}
+        self._turning = {joint.name for joint in robot.joints if _turns_further(joint)}
+        self._frozen = cache(self._freezing)
         self._unreached: dict[Hashable, Miss] = {}
         self._body = {name: int(self._model.body(name).id) for name in robot.link_names}
 
@@ -175,7 +180,9 @@ class Kinematics:
         seed = seed or {}
         # What no start reaches is out of reach for the next who asks, too.
         near = tuple((name, round(value, 3)) for name, value in sorted(seed.items()))
-        ranges = {joint.name: _range(joint, bounds or {}) for joint in self._robot.joints}
+        ranges: Mapping[str, Bounds] = self._ranges
+        if bounds:
+            ranges = {joint.name: _range(joint, bounds) for joint in self._robot.joints}
         asked = (group, tuple(targets), near, restarts, tuple((bounds or {}).items()))
         if asked in self._unreached:
             raise self._out_of_reach(group, targets, seed, self._unreached[asked])
@@ -198,7 +205,7 @@ class Kinematics:
             given.append(found)
             return {name: float(found[self._address[name]]) for name in members.joints}
 
-        turns = any(_turns_further(self._robot.joint(name)) for name in members.joints)
+        turns = not self._turning.isdisjoint(members.joints)
         first = reached(at_seed.copy())
         if first is not None and (not turns or not restarts or _far(first, at_seed) <= _NEARBY):
             yield handed(first)
@@ -310,7 +317,7 @@ class Kinematics:
                 limit.upper[self._address[name]] = upper
         return limit
 
-    def _frozen(self, members: tuple[str, ...]) -> list[Any] | None:
+    def _freezing(self, members: tuple[str, ...]) -> list[Any] | None:
         others = sorted(set(self._dof.values()) - {self._dof[name] for name in members})
         return [mink.DofFreezingTask(self._model, others)] if others else None
 

@@ -74,7 +74,7 @@ class ContactWatch:
 
     @property
     def is_reporting(self) -> bool:
-        """Whether anyone is told of what touches."""
+        """Whether a touch is reported to anyone."""
         return self._notify is not None
 
     def use(self, model: Any, declared: Declared, step: int) -> None:
