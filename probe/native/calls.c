@@ -491,7 +491,8 @@ static void after_fork(void)
 /* Return a function that stands behind one of ours. */
 static void *behind(const char *name)
 {
-  static const char *const libraries[] = {"libroscpp.so", "librcl.so", "librcl_action.so"};
+  static const char *const libraries[] = {"libroscpp.so", "librcl.so", "librcl_action.so",
+                                          "librcutils.so"};
   void *found = dlsym(RTLD_NEXT, name);
   for (size_t at = 0; !found && at < sizeof libraries / sizeof *libraries; ++at) {
     /* An extension of Python loads it for itself alone. */
@@ -594,14 +595,151 @@ EXPORT bool ROS1_CALL(const struct service_client *const *self, const void *requ
 
 /* Never linked: only their types are used. */
 const char *rcl_publisher_get_topic_name(const void *publisher);
+const char *rcl_subscription_get_topic_name(const void *subscription);
 const char *rcl_client_get_service_name(const void *client);
+const char *rcl_service_get_service_name(const void *service);
 const char *rcl_action_client_get_action_name(const void *client);
+const char *rcl_node_get_fully_qualified_name(const void *node);
+void rcutils_reset_error(void);
 
 #define NAME(of, self)                        \
   ({                                          \
     __typeof__(&(of)) name_of = BEHIND(of);   \
     name_of ? name_of(self) : NULL;           \
   })
+
+/* The beginning of the structures of rosidl and rmw: the same since Foxy. */
+
+struct type_support {
+  const char *language;
+  const void *members;
+  const struct type_support *(*in)(const struct type_support *, const char *);
+};
+
+struct members {
+  const char *space, *name;
+};
+
+struct qos {
+  int history;
+  size_t depth;
+  int reliability, durability;
+};
+
+enum { BEST_EFFORT = 2, TRANSIENT_LOCAL = 1 };
+
+/* Return how a type is called; NULL where its package was built without descriptions. */
+static const struct members *members_of(const struct type_support *type)
+{
+  size_t length = type && type->language ? strlen(type->language) : 0;
+  bool is_cpp = length >= 4 && !strcmp(type->language + length - 4, "_cpp");
+  const struct type_support *described = NULL;
+  if (length && type->in)
+    described = type->in(type, is_cpp ? "rosidl_typesupport_introspection_cpp"
+                                      : "rosidl_typesupport_introspection_c");
+  if (!described && BEHIND(rcutils_reset_error)) BEHIND(rcutils_reset_error)();
+  return described ? described->members : NULL;
+}
+
+struct end {
+  const char *what, *name, *node;
+  const struct members *type; /* NULL of one that is gone */
+  const struct qos *qos;      /* NULL of a service's */
+};
+
+/* Record that a node made an end of a topic or service, or that it is gone. */
+static void record_end_of_name(const struct end *of)
+{
+  static const char none[] = "";
+  if (!is_on || is_recording || !of->name || !of->node) return;
+  const struct members unknown = {none, none}, *type = of->type ? of->type : &unknown;
+  int error = errno;
+  is_recording = true;
+  pthread_mutex_lock(&lock);
+  if (!has_begun) begin_process(false);
+  size_t letters = strlen(of->name) + strlen(of->node) + strlen(type->space) + strlen(type->name);
+  char *to = space(6 * letters + 256);
+  if (to) {
+    to = put_number(put(to, "{\"pid\":"), (uint64_t)pid);
+    to = put(put(to, of->type ? ",\"made\":\"" : ",\"gone\":\""), of->what);
+    to = put(to, "\",\"name\":");
+    to = put_string(to, of->name, strlen(of->name));
+    to = put_string(put(to, ",\"node\":"), of->node, strlen(of->node));
+    if (of->type) {
+      to = put_string(put(to, ",\"type\":["), type->space, strlen(type->space));
+      to = put(put_string(put(to, ","), type->name, strlen(type->name)), "]");
+    }
+    if (of->qos) {
+      to = put(to, of->qos->reliability == BEST_EFFORT ? ",\"reliable\":0" : ",\"reliable\":1");
+      to = put(to, of->qos->durability == TRANSIENT_LOCAL ? ",\"kept\":1" : ",\"kept\":0");
+    }
+    wrote(put(to, "}\n"));
+  }
+  pthread_mutex_unlock(&lock);
+  is_recording = false;
+  errno = error;
+}
+
+/* An end of a name is made by rcl_KIND_init, and destroyed by rcl_KIND_fini. */
+#define END_OF_NAME(kind, called, name_of, qos_of)                                              \
+  EXPORT int rcl_##kind##_init(void *self, const void *node, const struct type_support *type,    \
+                               const char *name, const void *options)                            \
+  {                                                                                              \
+    int failed = BEHIND(rcl_##kind##_init)(self, node, type, name, options);                     \
+    const struct members *members = is_on && !failed ? members_of(type) : NULL;                  \
+    if (members)                                                                                 \
+      record_end_of_name(&(struct end){called, NAME(name_of, self),                              \
+                                       NAME(rcl_node_get_fully_qualified_name, node), members,   \
+                                       qos_of});                                                 \
+    return failed;                                                                               \
+  }                                                                                              \
+  EXPORT int rcl_##kind##_fini(void *self, void *node)                                           \
+  {                                                                                              \
+    record_end_of_name(&(struct end){called, is_on ? NAME(name_of, self) : NULL,                 \
+                                     is_on ? NAME(rcl_node_get_fully_qualified_name, node) : NULL, \
+                                     NULL, NULL});                                               \
+    return BEHIND(rcl_##kind##_fini)(self, node);                                                \
+  }
+
+END_OF_NAME(publisher, "publisher", rcl_publisher_get_topic_name, options)
+END_OF_NAME(subscription, "subscription", rcl_subscription_get_topic_name, options)
+END_OF_NAME(client, "client", rcl_client_get_service_name, NULL)
+END_OF_NAME(service, "service", rcl_service_get_service_name, NULL)
+
+/* A live run gives its nodes arguments of ROS, a word a line, and one domain. On a robot there are
+ * none. */
+
+static const char *given_arguments(void)
+{
+  const char *given = getenv("TRACERISK_ROS_ARGUMENTS");
+  return given && *given ? given : NULL;
+}
+
+EXPORT int rcl_init(int argc, const char *const *argv, const void *options, void *context)
+{
+  const char *given = given_arguments();
+  size_t had = argv && argc > 0 ? (size_t)argc : 0, count = had + 1;
+  for (const char *at = given; at && *at; ++at) count += *at == '\n';
+  char *text = given ? strdup(given) : NULL;
+  const char **words = text ? calloc(count + 1, sizeof *words) : NULL;
+  if (words) {
+    if (had) memcpy(words, argv, had * sizeof *words);
+    char *rest = text;
+    while (rest && had < count) words[had++] = strsep(&rest, "\n");
+  }
+  int failed = words ? BEHIND(rcl_init)((int)had, words, options, context)
+                     : BEHIND(rcl_init)(argc, argv, options, context);
+  free(words);
+  free(text);
+  return failed;
+}
+
+EXPORT int rcl_init_options_set_domain_id(void *options, size_t domain)
+{
+  const size_t of_environment = SIZE_MAX;
+  if (given_arguments()) domain = of_environment;
+  return BEHIND(rcl_init_options_set_domain_id)(options, domain);
+}
 
 EXPORT int rcl_publish(const void *self, const void *message, void *allocation)
 {

@@ -120,8 +120,11 @@ def test_an_installed_script_is_found_by_its_prefix(package, monkeypatch):
 @pytest.mark.parametrize(
     ("command", "message"),
     [
-        (["ros2", "run", "cell", "nothing"], "no script nothing of a package cell is below"),
-        (["ros2", "run", "far", "built"], "is a compiled node of ROS 2"),
+        (["ros2", "run", "cell", "nothing"], "no executable nothing of a package cell is below"),
+        (
+            ["ros2", "run", "far", "built"],
+            "does not say from which source it was built: compile with -g",
+        ),
         (["ros2", "launch", "cell", "cell.launch.py"], "FILE.py --live --launch FILE"),
         (["ros2", "run", "cell"], "takes `ros2 run PACKAGE EXECUTABLE ARGUMENTS`"),
         (["python3", "-m", "cell.picking"], "takes the path of a script and its arguments"),

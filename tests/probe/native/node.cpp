@@ -52,6 +52,27 @@ class Cell {
   ros::ServiceClient gripper_{"/gripper/set"};
 };
 
+// As rosidl and rmw describe types and qualities.
+struct Members {
+  const char *space, *name;
+};
+struct Type {
+  const char *language;
+  const void *members;
+  const Type *(*in)(const Type *, const char *);
+};
+struct Qos {
+  int history;
+  size_t depth;
+  int reliability, durability;
+};
+static const Type *described(const Type *, const char *language)
+{
+  static const Members members = {"std_msgs::msg", "Float64"};
+  static const Type type = {language, &members, nullptr};
+  return std::strcmp(language, "rosidl_typesupport_introspection_cpp") ? nullptr : &type;
+}
+
 APART void dive(Cell &cell, int depth)
 {
   if (depth == 0)
@@ -131,6 +152,30 @@ int main(int argc, char **argv)
                     rcl_send_request(service, &message, &number) == 14 && number == 77 &&
                     rcl_action_send_goal_request(action, &message, &number) == 15;
     return is_right ? 0 : 1;
+  }
+  if (way == "ends") {
+    const Type type = {"rosidl_typesupport_cpp", nullptr, described};
+    const Type plain = {"unknown", nullptr, described};
+    const Qos kept = {1, 10, 2, 1}, usual = {1, 10, 1, 2};
+    char node[] = "/cell", topic[99], other[99], client[99], service[99], bad[99];
+    int code = rcl_publisher_init(topic, node, &type, "/speed", &kept) +
+               rcl_subscription_init(other, node, &type, "/states", &usual) +
+               rcl_client_init(client, node, &type, "/grip", nullptr) +
+               rcl_service_init(service, node, &type, "/stop", nullptr);
+    bool is_right = code == 0 && rcl_publisher_init(bad, node, &type, "no name", &kept) == 1 &&
+                    rcl_publisher_init(bad, node, &plain, "/unknown", &kept) == 0 &&
+                    rcl_publisher_fini(topic, node) == 20;
+    return is_right ? 0 : 1;
+  }
+  if (way == "arguments") {
+    char words[999];
+    const char *const given[] = {"node", "left"};
+    size_t domain = 0;
+    rcl_init_options_set_domain_id(&domain, 7);
+    int n_words = rcl_init(2, given, nullptr, words);
+    std::printf("%d %s %d\n", n_words, words, domain == 7);
+    std::fflush(stdout);
+    return rcl_init(0, nullptr, nullptr, words);
   }
   if (way == "truncate") {
     cell.home();

@@ -2,6 +2,7 @@
 #include "ros.h"
 
 #include <atomic>
+#include <cstring>
 #include <stdexcept>
 
 static std::atomic<long> sent;
@@ -33,6 +34,33 @@ extern "C" {
 const char *rcl_publisher_get_topic_name(const void *it) { return (const char *)it; }
 const char *rcl_client_get_service_name(const void *it) { return (const char *)it; }
 const char *rcl_action_client_get_action_name(const void *it) { return (const char *)it; }
+const char *rcl_subscription_get_topic_name(const void *it) { return (const char *)it; }
+const char *rcl_service_get_service_name(const void *it) { return (const char *)it; }
+const char *rcl_node_get_fully_qualified_name(const void *it) { return (const char *)it; }
+static long errors;
+void rcutils_reset_error() { ++errors; }
+#define MADE(kind)                                                                               \
+  int rcl_##kind##_init(void *self, const void *, const void *, const char *name, const void *)  \
+  {                                                                                              \
+    std::strcpy((char *)self, name);                                                             \
+    return name[0] != '/';                                                                       \
+  }                                                                                              \
+  int rcl_##kind##_fini(void *, void *) { return 20; }
+MADE(publisher)
+MADE(subscription)
+MADE(client)
+MADE(service)
+int rcl_init(int argc, const char *const *argv, const void *, void *context)
+{
+  std::string words;
+  for (int at = 0; at < argc; ++at) words += std::string(argv[at]) + ";";
+  std::strcpy((char *)context, words.c_str());
+  return argc;
+}
+int rcl_init_options_set_domain_id(void *options, size_t domain)
+{
+  return *(size_t *)options = domain, 0;
+}
 int rcl_publish(const void *, const void *, void *) { return 10 + (int)++sent; }
 int rcl_publish_serialized_message(const void *, const void *, void *) { return 10 + (int)++sent; }
 int rcl_publish_loaned_message(const void *, void *, void *) { return 10 + (int)++sent; }

@@ -55,4 +55,11 @@ int rcl_publish_serialized_message(const void *publisher, const void *message, v
 int rcl_publish_loaned_message(const void *publisher, void *message, void *allocation);
 int rcl_send_request(const void *client, const void *request, long *number);
 int rcl_action_send_goal_request(const void *client, const void *request, long *number);
+int rcl_publisher_init(void *, const void *node, const void *type, const char *, const void *qos);
+int rcl_publisher_fini(void *, void *node);
+int rcl_subscription_init(void *, const void *node, const void *type, const char *, const void *qos);
+int rcl_client_init(void *, const void *node, const void *type, const char *, const void *options);
+int rcl_service_init(void *, const void *node, const void *type, const char *, const void *options);
+int rcl_init(int argc, const char *const *argv, const void *options, void *context);
+int rcl_init_options_set_domain_id(void *options, size_t domain);
 }

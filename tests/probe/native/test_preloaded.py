@@ -131,6 +131,33 @@ def test_the_functions_of_rcl_are_recorded_and_answer_as_before(nodes, node):
     ]
 
 
+def test_what_a_node_of_rcl_makes_and_gives_up_is_noted(nodes, node):
+    assert nodes.run(node, "ends").returncode == 0
+    follower = CallFollower(nodes.folder / "calls.jsonl")
+    assert follower.new() == []
+    pid = follower.ends[0]["pid"]
+    of = {"pid": pid, "node": "/cell"}
+    typed = {**of, "type": ["std_msgs::msg", "Float64"]}
+    assert follower.ends == [
+        {**typed, "made": "publisher", "name": "/speed", "reliable": 0, "kept": 1},
+        {**typed, "made": "subscription", "name": "/states", "reliable": 1, "kept": 0},
+        {**typed, "made": "client", "name": "/grip"},
+        {**typed, "made": "service", "name": "/stop"},
+        # Not what rcl refused, nor what has no description.
+        {**of, "gone": "publisher", "name": "/speed"},
+    ]
+    assert nodes.log().calls == ()
+
+
+def test_only_a_run_gives_arguments_to_nodes(nodes, node, monkeypatch):
+    done = nodes.run(node, "arguments")
+    assert (done.stdout, done.returncode) == ("2 node;left; 1\n", 0)
+    monkeypatch.setenv("TRACERISK_ROS_ARGUMENTS", "--ros-args\n-p\nuse_sim_time:=true")
+    done = nodes.run(node, "arguments")
+    words = "node;left;--ros-args;-p;use_sim_time:=true;"
+    assert (done.stdout, done.returncode) == (f"5 {words} 0\n", 3)
+
+
 def test_a_node_that_closes_all_files_is_recorded_to_its_end(nodes, node):
     assert nodes.run(node, "closes").stdout == "closed 2000\n"
     assert len(nodes.log().calls) == 2000

@@ -30,10 +30,11 @@ def test_the_parts_of_a_service_are_its_classes(interfaces):
 
 
 def test_only_messages_of_ros1_begin_with_a_number():
-    assert wire_of(one := Interfaces()).has_header(one.message("sensor_msgs/JointState"))
-    assert not wire_of(one).has_header(one.message("std_msgs/String"))
-    two = Interfaces2()
-    assert not wire_of(two).has_header(two.message("sensor_msgs/JointState"))
+    content = bytes([2, 1, 0, 0, 9])
+    one, two = Interfaces(), Interfaces2()
+    assert wire_of(one).number(content, one.message("sensor_msgs/JointState")) == 258
+    assert wire_of(one).number(content, one.message("std_msgs/String")) is None
+    assert wire_of(two).number(content, two.message("sensor_msgs/JointState")) is None
 
 
 def test_padding_tells_nothing():

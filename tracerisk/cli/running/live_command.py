@@ -34,13 +34,13 @@ def name_source(options: argparse.Namespace) -> None:
     given = options.controller
     if not options.live or given is None or _is_source(Path(given)):
         return
-    in_python = _python_command([given, *options.argv], options.verb)
-    if in_python is not None:
-        options.controller, options.argv = os.path.relpath(in_python[0]), in_python[1]
+    named = _by_name([given, *options.argv], options.verb)
+    if named is not None and _is_source(named[0]):
+        options.controller, options.argv = os.path.relpath(named[0]), named[1]
         return
     command = " ".join([given, *options.argv])
     remedy = f"name the source with main() before --live: `tracerisk {options.verb} FILE.cpp --live"
-    program = shutil.which(given)
+    program = shutil.which(given) if named is None else str(named[0])
     if program is None and not Path(given).exists():
         raise InputError(
             f"the program {given} is not there; build it, source setup.bash of its workspace, or "
@@ -65,8 +65,11 @@ def name_source(options: argparse.Namespace) -> None:
     options.argv = [given, *options.argv]
 
 
-def _python_command(words: list[str], verb: str) -> tuple[Path, list[str]] | None:
-    """Return the script that a command runs in Python, and its arguments; None for any other."""
+def _by_name(words: list[str], verb: str) -> tuple[Path, list[str]] | None:
+    """Return the script or executable that `python3` or `ros2 run` starts, and its arguments.
+
+    None for any other command.
+    """
     program, *rest = words
     if _PYTHON.fullmatch(Path(program).name):
         if rest and _is_source(Path(rest[0])):
@@ -80,13 +83,18 @@ def _python_command(words: list[str], verb: str) -> tuple[Path, list[str]] | Non
     if rest[:1] != ["run"] or len(rest) < _N_NAMED or rest[1].startswith("-"):
         raise InputError(
             "of ros2, a live run takes `ros2 run PACKAGE EXECUTABLE ARGUMENTS`; for a launch file, "
-            f"name the script and what starts it: `tracerisk {verb} FILE.py --live --launch FILE`"
+            f"name the script and what starts it: `tracerisk {verb} FILE.py --live --launch FILE`, "
+            f"or the source of a compiled node: `tracerisk {verb} FILE.cpp --live -- "
+            f"{' '.join(words)}`"
         )
-    return _script_of(rest[1], rest[2], verb), rest[3:]
+    return _program_of(rest[1], rest[2], verb), rest[3:]
 
 
-def _script_of(package: str, executable: str, verb: str) -> Path:
-    """Return the script of an executable of ROS 2, from the sources below here or an install."""
+def _program_of(package: str, executable: str, verb: str) -> Path:
+    """Return the script of an executable of ROS 2, from the sources below here or an install.
+
+    Of a compiled node, return the executable itself.
+    """
     here = Path.cwd()
     workspace = Project(here).workspace(2)
     folder = workspace.packages.get(package)
@@ -95,16 +103,10 @@ def _script_of(package: str, executable: str, verb: str) -> Path:
             return script
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
         installed = Path(prefix, "lib", package, executable)
-        if prefix and _is_source(installed):
+        if prefix and (_is_source(installed) or _begin(installed).startswith(_ELF)):
             return installed
-        if prefix and _begin(installed).startswith(_ELF):
-            raise InputError(
-                f"{installed} is a compiled node of ROS 2; --live runs compiled nodes of ROS 1, "
-                "and nodes in Python of both; let it log its functions on a robot or in a "
-                "simulation, and give the log by `tracerisk annotate FILE.cpp --log LOG`"
-            )
     raise InputError(
-        f"no script {executable} of a package {package} is below {here}, nor in a prefix of "
+        f"no executable {executable} of a package {package} is below {here}, nor in a prefix of "
         f"AMENT_PREFIX_PATH; name it: `tracerisk {verb} FILE.py --live -- ARGUMENTS`"
     )
 

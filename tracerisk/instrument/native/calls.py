@@ -30,10 +30,12 @@ VARIABLE = "TRACERISK_CALLS"
 """The environment variable that names the file to the probe."""
 KINDS = ("publish", "goal", "call", "end")
 """A message, a goal of an action, a call of a service, and the end of such a call."""
-_KEYS = {"probe", "modules", "kind", "exit"}
+_KEYS = {"probe", "modules", "kind", "exit", "made", "gone"}
 """Each line has one of these."""
 _INSTALLED = ("/usr/", "/opt/ros/", "/build/", "/nix/")
 """Where sources of installed libraries are; their inlined functions are none of the controller."""
+_C_OF_ROS = ("rcl_", "rcutils_", "rmw_")
+"""How the functions begin that ROS 2 has in C."""
 _REMEDY = (
     "compile with -g and link without -s; -fno-optimize-sibling-calls keeps a function that ends "
     "with a call"
@@ -166,7 +168,7 @@ def named_calls(entries: Iterable[dict[str, Any]], names_at: NamesAt | None = No
         elif "modules" in entry:
             there = [_Module(*module) for module in entry["modules"]]
             modules[entry["pid"], entry["map"]] = there
-        elif "exit" not in entry:
+        elif "kind" in entry:
             known = modules.get((entry.get("pid", 0), entry.get("map", 0)), [])
             commands.append((entry, _addresses(entry.get("at", ()), known)))
     names = _Names((address for _, addresses in commands for address in addresses), names_at)
@@ -235,7 +237,10 @@ class _Names:
                 for frame, _ in self._active[module.path, offset]:
                     if (_changed_ns(frame.file) or 0) > module.mtime_ns:
                         self.newer[frame.file] = module.path
-            without_line = Counter(place.line > 0 for there in places.values() for place in there)
+            named = [place for there in places.values() for place in there]
+            if named and all(_is_of_ros(place.symbol) for place in named):
+                continue  # a library that was built in a workspace: nobody asks for its lines
+            without_line = Counter(place.line > 0 for place in named)
             if not all(places.values()):
                 self.notes.append(f"{module.path} has functions without names: {_REMEDY}")
             elif not without_line[True]:
@@ -250,6 +255,10 @@ class _Names:
                     frames.pop()
                 frames.append(frame)
         return tuple(frames)
+
+
+def _is_of_ros(symbol: str) -> bool:
+    return symbol.startswith(_C_OF_ROS) or is_of_library(source_name(symbol))
 
 
 def _unchanged_since(time_ns: int, names_at: NamesAt | None) -> NamesAt:
@@ -293,7 +302,7 @@ def _function(places: Sequence[Place], names_at: NamesAt) -> tuple[QualifiedName
     """
     symbol, file, line = places[0]
     name = source_name(symbol)
-    if file.startswith(_INSTALLED) or (not file and is_of_library(name)):
+    if file.startswith(_INSTALLED) or (not file and _is_of_ros(symbol)):
         return None, False
     # In a file of the controller only a lambda has such a name.
     is_part = is_lambda(symbol) or is_of_library(name) or name == "operator()"

@@ -21,7 +21,7 @@ class CallFollower:
     A stack is named once, however often it issues a command; `names_at` is that of `read_calls`.
     `notes` (an attribute) are the sentences of `CallLog` on what is missing, `newer` its sources
     that have changed, `programs` those that reported, `codes` those with which processes have
-    ended by themselves.
+    ended by themselves, `ends` the lines on topics and services of nodes of ROS 2 that have come.
     """
 
     def __init__(self, file: Path, names_at: NamesAt | None = None) -> None:
@@ -29,6 +29,7 @@ class CallFollower:
         self.newer: dict[str, str] = {}
         self.programs: dict[str, None] = {}
         self.codes: dict[int, int] = {}
+        self.ends: list[dict[str, Any]] = []
         self._file = file
         self._names_at = names_at
         self._open: dict[int, int] = {}  # the pieces that may grow, and what is read of each
@@ -84,6 +85,8 @@ class CallFollower:
             if entry["modules"]:
                 self._own.add(pid)
             self._binaries.update((module[0], None) for module in entry["modules"])
+        elif "made" in entry or "gone" in entry:
+            self.ends.append(entry)
         elif "exit" in entry:
             self.codes[pid] = entry["exit"]
 

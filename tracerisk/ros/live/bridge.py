@@ -44,7 +44,8 @@ class Bridge:
     `message` and `service` classes come from `interfaces`. `report` gets the words for what cannot
     be passed on, `acts` the number of the controller's thread that has sent what comes next.
     `sender` (an attribute) returns the functions that sent what has come, by its topic or service,
-    its bytes, and whether these begin with a header; at first those that `sent` has noted.
+    its bytes, and its number among those of its publisher, if it has one; at first those that
+    `sent` has noted.
     """
 
     def __init__(
@@ -62,7 +63,7 @@ class Bridge:
         self._relay = relay
         self._report = report
         self._acts = acts
-        self.sender: Callable[[str, bytes, bool], tuple[Frame, ...]] = self._reported
+        self.sender: Callable[[str, bytes, int | None], tuple[Frame, ...]] = self._reported
         self._making = False
         self._stacks: dict[str, deque[tuple[tuple[Frame, ...], int]]] = {}
         self._on_behalf: dict[Any, tuple[Frame, ...]] = {}
@@ -132,7 +133,7 @@ class Bridge:
         """Take a frame of the relay."""
         what = header["is"]
         if what == "message":
-            self._message(header["topic"], header["caller"], body)
+            self._message(header, body)
         elif what in ("goal", "cancel"):
             self._goal(header, body)
         elif what == "publisher":
@@ -165,11 +166,18 @@ class Bridge:
         set_time(message.clock, self.now_ns)
         self._relay.send({"do": "publish", "topic": CLOCK}, self._wire.encode(message))
 
-    def listen(self, topic: str) -> None:
-        """Receive in real ROS what is published on a topic."""
+    def listen(
+        self, topic: str, type_name: str | None = None, quality: dict[str, Any] | None = None
+    ) -> None:
+        """Receive in real ROS what is published on a topic, in ROS 2 of a type and quality."""
         self._heard.add(topic)
-        known = {"type": self._types.get(topic), **self._qualities.get(topic, {})}
-        self._relay.send({"do": "subscribe", "topic": topic, **known})
+        known = quality or self._qualities.get(topic, {})
+        kind = type_name or self._types.get(topic)
+        self._relay.send({"do": "subscribe", "topic": topic, "type": kind, **known})
+
+    def decoded(self, type_name: str, body: bytes) -> Any:
+        """Return the message of a type that the bytes hold."""
+        return self._wire.decode(body, self._interfaces.message(type_name))
 
     def give_parameters(self) -> None:
         """Set all parameters of the graph at the master, and what the twin offers besides."""
@@ -262,15 +270,17 @@ class Bridge:
         if topic in self._advertised:
             self._relay.send({"do": "publish", "topic": topic}, self._wire.encode(message))
 
-    def _message(self, topic: str, caller: str, body: bytes) -> None:
-        publication = self._publication(topic, caller)
+    def _message(self, header: dict[str, Any], body: bytes) -> None:
+        topic, number = header["topic"], header.get("sequence")
+        publication = self._publication(topic, header["caller"])
         if publication is None:
-            self.sender(topic, body, False)
+            self.sender(topic, body, number)
             return
         kind: Any = self._interfaces.message(publication.type_name)
         message = self._wire.decode(body, kind)
         content = self._wire.content(body, message)
-        stack = self.sender(topic, content, self._wire.has_header(kind))
+        number = self._wire.number(content, kind) if number is None else number
+        stack = self.sender(topic, content, number)
         with self._acting_for(stack):
             publication.publish(message)
 
@@ -319,7 +329,7 @@ class Bridge:
         if server is not None:
             asked, _ = self._wire.parts(self._interfaces.service(server.type_name))
             content = self._content(body, asked)
-        stack = self.sender(name, content, False)
+        stack = self.sender(name, content, None)
 
         def answer() -> None:
             server = self._graph.services.find(name, self._types.get(name))
@@ -345,7 +355,7 @@ class Bridge:
         kind = self.actions.goal_class(header["name"])
         stack: tuple[Frame, ...] = ()
         if header["is"] == "goal" and kind is not None:
-            stack = self.sender(header["name"], self._content(body, kind), False)
+            stack = self.sender(header["name"], self._content(body, kind), None)
         with self._acting_for(stack):
             self.actions.take(header, body)
 
@@ -354,7 +364,7 @@ class Bridge:
 
     # Stacks
 
-    def _reported(self, name: str, body: bytes, has_header: bool) -> tuple[Frame, ...]:  # noqa: ARG002
+    def _reported(self, name: str, body: bytes, number: int | None) -> tuple[Frame, ...]:  # noqa: ARG002
         of = digest(body)
         known = self._stacks.get(of)
         if not known:

@@ -94,6 +94,8 @@ class Session:
         self._domain = domain_of_run()
         self.on_relay: Callable[[dict[str, Any], bytes], None] = lambda header, body: None  # noqa: ARG005
         self.on_controller: Callable[[dict[str, Any], bytes], None] = lambda header, body: None  # noqa: ARG005
+        self.look: Callable[[], bool] = lambda: False
+        """Takes what compiled nodes of ROS 2 have noted; returns whether there was anything."""
         self.master = ""
         self.relay, self._relay_process = start_linked(
             _RELAYS[ros], environment=self._surroundings(), ros=ros
@@ -150,7 +152,11 @@ class Session:
 
     def begin_command(self, command: Command) -> int:
         """Start a command in the place of a controller; return the number of its process."""
-        environment = command_environment(command.environment, self.master)
+        environment = (
+            domain_environment(command.environment, self._domain)
+            if self._ros == 2
+            else command_environment(command.environment, self.master)
+        )
         others = [self._relay_process.pid]
         self._tree = ProcessTree(command.words, environment, others, command.answers)
         return self._tree.pid
@@ -221,12 +227,13 @@ class Session:
     def _take(self) -> bool:
         """Take all frames that have come, of the controller first: it reports before it sends."""
         of_relay = self.relay.waiting()
+        has_noted = self.look()
         of_controller = self.controller.waiting() if self.controller is not None else []
         for header, body in of_controller:
             self.on_controller(header, body)
         for header, body in of_relay:
             self.on_relay(header, body)
-        return bool(of_relay or of_controller)
+        return bool(of_relay or of_controller or has_noted)
 
     def _has_computed_a_step(self) -> bool:
         """Return whether a compiled node has computed for as long as a step of the clock takes."""

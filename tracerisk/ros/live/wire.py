@@ -33,8 +33,8 @@ class Wire(Protocol):
     def parts(self, kind: Any) -> tuple[Any, Any]:
         """Return the classes of a service's request and response."""
 
-    def has_header(self, kind: Any) -> bool:
-        """Return whether the bytes of a class of messages begin with a number of its publisher."""
+    def number(self, content: bytes, kind: Any) -> int | None:
+        """Return the number of its publisher with which a message begins; None if with none."""
 
 
 class Wire1:
@@ -73,9 +73,10 @@ class Wire1:
         """Return the classes of a service's request and response."""
         return kind._request_class, kind._response_class
 
-    def has_header(self, kind: Any) -> bool:
-        """Return whether the bytes of a class of messages begin with a header."""
-        return bool(kind._fields) and kind._fields[0].base == "std_msgs/Header"
+    def number(self, content: bytes, kind: Any) -> int | None:
+        """Return the number in the header of a message; None where it has no header."""
+        has_header = bool(kind._fields) and kind._fields[0].base == "std_msgs/Header"
+        return int.from_bytes(content[:4], "little") if has_header else None
 
 
 class Wire2:
@@ -107,9 +108,9 @@ class Wire2:
         """Return the classes of a service's request and response."""
         return kind.Request, kind.Response
 
-    def has_header(self, kind: Any) -> bool:  # noqa: ARG002
-        """Return False: publishers of ROS 2 number nothing."""
-        return False
+    def number(self, content: bytes, kind: Any) -> int | None:  # noqa: ARG002
+        """Return None: the transport numbers the messages of ROS 2."""
+        return None
 
 
 def wire_of(interfaces: Any) -> Wire:

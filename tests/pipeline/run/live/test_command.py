@@ -44,16 +44,24 @@ other.kill()
 )
 def test_what_starts_no_node_is_refused(given, message):
     with pytest.raises(InputError, match=message):
-        check_command(given, "pick.cpp", HERE)
+        check_command(given, "pick.cpp", HERE, 1)
 
 
-def test_a_launch_file_is_started_by_roslaunch(tmp_path):
-    file = tmp_path / "cell.launch"
+@pytest.mark.parametrize(
+    ("name", "ros", "by", "remedy"),
+    [
+        ("cell.launch", 1, ("roslaunch",), "apt install python3-roslaunch"),
+        ("cell.launch.py", 2, ("ros2", "launch"), "ros2, which starts launch files, is not in"),
+        ("cell.launch.yaml", 2, ("ros2", "launch"), "source setup.bash of ROS"),
+    ],
+)
+def test_a_launch_file_is_started_by_what_launches_it(tmp_path, name, ros, by, remedy):
+    file = tmp_path / name
     file.write_text("<launch/>")
     given = (str(file), "speed:=2")
-    assert command_words(given) == ("roslaunch", *given)
-    with pytest.raises(DependencyError, match="apt install python3-roslaunch"):
-        check_command(given, "pick.cpp", {"PATH": str(tmp_path)})
+    assert command_words(given, ros) == (*by, *given)
+    with pytest.raises(DependencyError, match=remedy):
+        check_command(given, "pick.cpp", {"PATH": str(tmp_path)}, ros)
 
 
 def test_nodes_have_the_environment_of_the_user_but_for_the_addresses():

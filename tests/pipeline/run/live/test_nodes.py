@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from tracerisk.errors import DependencyError
 from tracerisk.instrument.recorder import Recorder
 from tracerisk.pipeline.run.live.nodes import CompiledNodes
 
@@ -19,7 +20,7 @@ def made(tmp_path, monkeypatch):
     files = {"controller": str(source), "root": str(tmp_path)}
     request = SimpleNamespace(argv=("./pick",), answers=(), **files)
     with (tmp_path / "events.jsonl").open("wb", buffering=0) as stream:
-        nodes = CompiledNodes(request, Recorder(stream, clock=lambda: 0), tmp_path, {})
+        nodes = CompiledNodes(request, Recorder(stream, clock=lambda: 0), tmp_path, {}, 1)
 
         def recorded(event):
             lines = (tmp_path / "events.jsonl").read_text().splitlines()
@@ -30,7 +31,7 @@ def made(tmp_path, monkeypatch):
 
 def test_without_a_probe_everything_is_assumed_to_be_of_main(made):
     nodes, recorded = made
-    (frame,) = nodes.sender("/speed", b"", False)
+    (frame,) = nodes.sender("/speed", b"", None)
     assert (frame.function.name, frame.line, frame.root) == ("main", 1, "main")
     nodes.report_attribution()
     (finding,) = recorded("finding")
@@ -72,12 +73,49 @@ def test_a_folder_that_the_loader_cannot_name_is_told(made, tmp_path, monkeypatc
     folder.mkdir()
     source = str(tmp_path / "pick.cpp")
     request = SimpleNamespace(argv=("./pick",), answers=(), controller=source, root=str(tmp_path))
-    nodes = CompiledNodes(request, nodes._recorder, folder, {})
-    nodes.sender("/speed", b"", False)
+    nodes = CompiledNodes(request, nodes._recorder, folder, {}, 1)
+    nodes.sender("/speed", b"", None)
     nodes.report_attribution()
     (finding,) = recorded("finding")
     assert "LD_PRELOAD cannot name the folder" in finding["message"]
     assert "set TMPDIR to another" in finding["message"]
+
+
+def test_nodes_of_ros2_are_not_started_without_the_probe(made, tmp_path):
+    source = str(tmp_path / "pick.cpp")
+    request = SimpleNamespace(argv=("./pick",), answers=(), controller=source, root=str(tmp_path))
+    with pytest.raises(DependencyError, match="the compiler no-such-compiler cannot be run"):
+        CompiledNodes(request, made[0]._recorder, tmp_path, {}, 2)
+
+
+def test_nodes_of_ros2_get_parameters_and_simulated_time(made, tmp_path, monkeypatch):
+    monkeypatch.delenv("CC")
+    monkeypatch.setattr("tracerisk.pipeline.run.live.nodes.build_probe", lambda folder: folder)
+    source, begun = str(tmp_path / "pick.cpp"), []
+    request = SimpleNamespace(argv=("./pick",), answers=(), controller=source, root=str(tmp_path))
+    nodes = CompiledNodes(request, made[0]._recorder, tmp_path, {"HOME": "/root"}, 2)
+    nodes.begin(SimpleNamespace(begin_command=begun.append), "/run/parameters.yaml")
+    (command,) = begun
+    assert command.environment["TRACERISK_ROS_ARGUMENTS"].split("\n") == [
+        *("--ros-args", "--params-file", "/run/parameters.yaml", "-p", "use_sim_time:=true", "--")
+    ]
+    assert command.environment["HOME"] == "/root"
+
+
+def test_a_node_of_ros2_that_has_made_something_has_come(made, tmp_path, monkeypatch):
+    monkeypatch.setattr("tracerisk.pipeline.run.live.nodes.build_probe", lambda folder: folder)
+    source = str(tmp_path / "pick.cpp")
+    request = SimpleNamespace(argv=("./pick",), answers=(), controller=source, root=str(tmp_path))
+    nodes = CompiledNodes(request, made[0]._recorder, tmp_path, {}, 2)
+    assert nodes.is_awaited
+    line = {"pid": 7, "made": "client", "name": "/grip", "node": "/cell"}
+    type_name = ["std_srvs::srv", "SetBool"]
+    (tmp_path / "calls.jsonl").write_text(json.dumps({**line, "type": type_name}) + "\n")
+    assert nodes.new_ends() == [
+        {"is": "service_client", "name": "/grip", "type": "std_srvs/SetBool"}
+    ]
+    assert not nodes.is_awaited
+    assert nodes.new_ends() == []
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ from tracerisk.pipeline.launch_files.records import NOTHING_LAUNCHED
 from tracerisk.pipeline.run.assembly.graph import build_graph
 from tracerisk.pipeline.run.assembly.world import build_world
 from tracerisk.pipeline.run.child import recorded
-from tracerisk.pipeline.run.live.nodes import LOG, LOG_TYPE, CompiledNodes
+from tracerisk.pipeline.run.live.nodes import LOG, LOG_TYPES, CompiledNodes
 from tracerisk.pipeline.run.live.watch import RemoteThreads
 from tracerisk.pipeline.run.run_watch import RunWatch
 from tracerisk.pipeline.trace.run_files import (
@@ -135,17 +135,24 @@ class _LiveRun:
             ),
             dict(launch.environment),
             dict(private_of(self._runtime.parameters)),
-            None
-            if self._graph.ros == 1
-            else write_overrides(self._runtime.parameters, temporary / "parameters.yaml"),
+            self._parameter_file(temporary),
         )
+
+    def _parameter_file(self, temporary: Path) -> str | None:
+        if self._graph.ros == 1:
+            return None
+        return write_overrides(self._runtime.parameters, temporary / "parameters.yaml")
 
     def _run(self, temporary: Path) -> None:
         begin: Callable[[Session], None]
         bad_end: tuple[EndCause, str] | None = None
         if is_c(self._request.controller):
-            self._nodes = CompiledNodes(self._request, self._recorder, temporary, self._environment)
-            begin = self._nodes.begin
+            ros = self._graph.ros
+            self._nodes = CompiledNodes(
+                self._request, self._recorder, temporary, self._environment, ros
+            )
+            parameters = self._parameter_file(temporary)
+            begin = functools.partial(self._nodes.begin, parameter_file=parameters)
         else:
             program = self._program(temporary)
             begin = functools.partial(Session.begin, program=program)
@@ -162,6 +169,8 @@ class _LiveRun:
                 session.on_relay, session.on_controller = self._of_relay, self._of_controller
                 if self._nodes is not None:
                     self._bridge.sender = self._nodes.sender
+                if self._nodes is not None and self._graph.ros == 2:
+                    session.look = self._look
                 if self._graph.ros == 1:
                     self._give_parameters()
                 mark_start()
@@ -242,16 +251,26 @@ class _LiveRun:
     def _of_relay(self, header: dict[str, Any], body: bytes) -> None:
         if self._nodes is not None and header["is"] == "publisher":
             self._nodes.registered(header["caller"])
-            if header["name"] == LOG:
-                self._bridge.listen(LOG)
+            self._hear_log(header)
         elif self._nodes is not None and header.get("topic") == LOG:
-            line = self._interfaces.message(LOG_TYPE)()
-            line.deserialize(body)
-            self._nodes.logged(line)
+            self._nodes.logged(self._bridge.decoded(LOG_TYPES[self._graph.ros], body))
             return
         if header["is"] in ("message", "call", "goal", "cancel"):
             self._threads.stirred()
         self._bridge.take(header, body)
+
+    def _hear_log(self, header: dict[str, Any]) -> None:
+        if header["name"] == LOG and header["is"] == "publisher":
+            self._bridge.listen(LOG, LOG_TYPES[self._graph.ros], header.get("quality"))
+
+    def _look(self) -> bool:
+        """Take what compiled nodes of ROS 2 have made, as nodes in Python report it."""
+        assert self._nodes is not None
+        frames = self._nodes.new_ends()
+        for frame in frames:
+            self._hear_log(frame)
+            self._of_controller(frame, b"")
+        return bool(frames)
 
     def _of_controller(self, header: dict[str, Any], body: bytes) -> None:
         what = header["is"]

@@ -7,7 +7,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tracerisk.adder.sources.c_source import CFunction, CSource, parse_c
 from tracerisk.adder.sources.lines_of_functions import functions_at
@@ -18,6 +18,7 @@ from tracerisk.instrument.native.calls import Call
 from tracerisk.instrument.native.calls import Frame as NativeFrame
 from tracerisk.instrument.native.following import CallFollower
 from tracerisk.instrument.source.language import is_c
+from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.instrument.tracer import Frame, RootKind
 from tracerisk.pipeline.workspace.controller import from_root
 from tracerisk.ros.live.process_tree import has_ended
@@ -63,7 +64,8 @@ class CompiledCalls:
     """Says which functions of compiled nodes issued what the twin receives.
 
     `file` is that of the probe, `main` the name of the source with `main()`, from `root`.
-    `on_function` and `on_source` get each function and source when they are first seen.
+    `on_function` and `on_source` get each function and source when they are first seen. `ros` is
+    the version of ROS: in ROS 1 a goal is a message, and who calls a service waits for it.
     """
 
     def __init__(
@@ -73,8 +75,10 @@ class CompiledCalls:
         main: str,
         on_function: Callable[[FunctionRef, int], None],
         on_source: Callable[[str, bytes], None],
+        ros: RosVersion = 1,
     ) -> None:
         self._follower = CallFollower(file, functions_at)
+        self._ros = ros
         self._root = root.resolve()
         self._on_function, self._on_source = on_function, on_source
         self._sources: dict[str, CSource | None] = {}
@@ -115,8 +119,9 @@ class CompiledCalls:
     def stack(self, name: str, number: int | None) -> tuple[Frame, ...]:
         """Return the functions behind what came on a topic or service, the outermost first.
 
-        `number` is that of the message's header, by which roscpp counts those of a publisher, from
-        0 on again when a node has destroyed the publisher and made another.
+        `number` is that by which roscpp, in the message's header, or the transport of ROS 2 counts
+        those of a publisher, from 0 on again when a node has destroyed the publisher and made
+        another.
         """
         self._take()
         call = self._call(self._pending[name], number)
@@ -146,8 +151,15 @@ class CompiledCalls:
         late: set[int] = set()
         for calls in self._pending.values():
             calls[:] = [call for call in calls if id(call) not in self._late]
-            late.update(id(call) for call in calls if call.kind != "call")
+            # In ROS 1 its end says that a call is over.
+            late.update(id(call) for call in calls if call.kind != "call" or self._ros == 2)
         self._late = late
+
+    def new_ends(self) -> list[dict[str, Any]]:
+        """Return the probe's lines on topics and services of ROS 2 that have come since."""
+        self._take()
+        ends, self._follower.ends = self._follower.ends, []
+        return ends
 
     def ended(self) -> list[tuple[int, str, int | None]]:
         """Return each process of the controller's nodes that is there no more, and its program.
@@ -162,7 +174,8 @@ class CompiledCalls:
 
     def _take(self) -> None:
         for call in self._follower.new():
-            topic = f"{call.name}/goal" if call.kind == "goal" else call.name
+            is_message = call.kind == "goal" and self._ros == 1
+            topic = f"{call.name}/goal" if is_message else call.name
             pending = self._pending[topic]
             if call.kind != "end":
                 pending.append(call)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from tracerisk.common.hardware.binding import bind
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.config import Settings
-from tracerisk.errors import InputError, Location, SandboxError
+from tracerisk.errors import SandboxError
 from tracerisk.pipeline.launch.choose import NOTHING_CHOSEN, choose_launch
 from tracerisk.pipeline.robot.choice import choose_launched_robot
 from tracerisk.pipeline.robot.scenario_settings import with_scenario
@@ -31,10 +31,14 @@ _LOST_OF_ROS2 = (
     "timeouts of rclpy's functions: they are on the wall clock; clocks of nodes, their timers and "
     "rates, and time.sleep() follow the twin's time",
 )
+_LOST_OF_RCLCPP = (
+    "clocks besides those of nodes: wall timers, WallRate, rclcpp::sleep_for and timeouts are on "
+    "the wall clock; clocks of nodes, their timers and rates follow /clock",
+)
 _LOST_OF_COMPILED = (
     "what functions do besides commanding: the probe of a compiled node sees a function when it "
     "sends something, so one that ran and sent nothing counts as one that never ran",
-    "exceptions that the node caught: errors that it logs are known (ROS_ERROR, ROS_FATAL)",
+    "exceptions that the node caught: errors that it logs are known (ROS_ERROR, RCLCPP_ERROR)",
     "visits: calls of a function are distinguished by the lines and loops of the source",
 )
 
@@ -45,25 +49,18 @@ def trace_live(controller: Controller, settings: Settings, options: RunOptions) 
     One in C or C++ is run by the command that its settings give as arguments.
 
     Raises:
-        InputError: it is compiled and of ROS 2, or no command starts its node.
+        InputError: it is compiled, and no command starts its node.
         DependencyError: there is no rospy or rclpy.
         SandboxError: settings require a sandbox, which a live run has not.
     """
     ros = controller.ros_version
-    if ros == 2 and not controller.is_python:
-        raise InputError(
-            "is a compiled node of ROS 2, and --live runs compiled nodes of ROS 1, and nodes in "
-            "Python of both; let the node log its functions on a robot or in a simulation, and "
-            f"give the log by `tracerisk annotate {controller.path} --log LOG`",
-            Location(str(controller.path)),
-        )
     if settings.limits.sandbox.mode == "require":
         raise SandboxError(
             "the sandbox is required, and --live runs the controller outside of it, on a network "
             "of its own; leave out one of the two"
         )
     if not controller.is_python:
-        check_command(settings.args, str(controller.path), os.environ)
+        check_command(settings.args, str(controller.path), os.environ, ros)
         function_main(controller.source, str(controller.path))
     python_of_ros(ros)
     settings = with_scenario(settings)
@@ -72,9 +69,10 @@ def trace_live(controller: Controller, settings: Settings, options: RunOptions) 
     choice = choose_launched_robot(controller, settings, launch)
     bind(load_hardware(settings, choice.robot.name), elements_of(choice.robot, settings))
     done = run_controller(controller, choice.robot, settings, launch, options)
+    of_clocks = _LOST_OF_ROS2 if controller.is_python else _LOST_OF_RCLCPP
     more = () if controller.is_python else _LOST_OF_COMPILED
-    lost = (*_LOST, *more, *(_LOST_OF_ROS2 if ros == 2 else ()))
+    lost = (*_LOST, *more, *(of_clocks if ros == 2 else ()))
     library = "rclpy" if ros == 2 else "rospy"
-    measured = f"{LIVE}, on real {library if controller.is_python else 'ROS 1'}"
+    measured = f"{LIVE}, on real {library if controller.is_python else f'ROS {ros}'}"
     assumptions = (f"{measured} with the twin as a node", *(f"{LOST} {name}" for name in lost))
     return replace(done.trace, assumptions=(*assumptions, *done.trace.assumptions))

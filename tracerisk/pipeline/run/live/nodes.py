@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 from tracerisk.errors import DependencyError, Location, signal_name
 from tracerisk.instrument.native.calls import VARIABLE
 from tracerisk.instrument.native.library import build_probe
+from tracerisk.instrument.source.ros_version import RosVersion
 from tracerisk.pipeline.run.live.command import command_words
 from tracerisk.pipeline.run.live.compiled import MAIN, CompiledCalls
+from tracerisk.pipeline.run.live.compiled_ends import CompiledEnds
 from tracerisk.pipeline.trace.run_files import STARTED
 from tracerisk.ros.graph.failures import ERROR_LOGGED, plain_line
 from tracerisk.ros.live.session import Command
@@ -26,8 +28,13 @@ _READY_S = 60.0
 """How long the first node may take to register with the master, wall time [s]."""
 LOG = "/rosout"
 """The topic on which nodes log."""
-LOG_TYPE = "rosgraph_msgs/Log"
+LOG_TYPES: dict[RosVersion, str] = {1: "rosgraph_msgs/Log", 2: "rcl_interfaces/Log"}
+_ERROR: dict[RosVersion, int] = {1: 8, 2: 40}
+_FATAL: dict[RosVersion, int] = {1: 16, 2: 50}
+"""The levels of lines of the log, from `rosgraph_msgs/Log` and `rcl_interfaces/msg/Log`."""
 _PRELOAD = "LD_PRELOAD"
+_ARGUMENTS = "TRACERISK_ROS_ARGUMENTS"
+"""The variable that gives nodes of ROS 2 arguments, a word a line; probe/native/calls.c."""
 _SEPARATORS = frozenset(" :")
 
 
@@ -40,10 +47,12 @@ class CompiledNodes:
         recorder: Recorder,
         temporary: Path,
         environment: dict[str, str],
+        ros: RosVersion,
     ) -> None:
-        self._recorder = recorder
-        self._words, self._answers = command_words(request.argv), request.answers
+        self._recorder, self._ros = recorder, ros
+        self._words, self._answers = command_words(request.argv, ros), request.answers
         self._environment = environment
+        self._ends = CompiledEnds()
         self._probe: Path | None = None
         self._without_probe = ""
         try:
@@ -54,29 +63,45 @@ class CompiledNodes:
                 )
             self._probe = build_probe(temporary)
         except DependencyError as error:
+            if ros == 2:
+                raise  # nothing else says what its nodes publish and ask for
             self._without_probe = error.message
         self._file = temporary / "calls.jsonl"
         root = Path(request.root)
         main = Path(request.controller).resolve().relative_to(root.resolve()).as_posix()
         self._calls = CompiledCalls(
-            self._file, root, main, recorder.function_ran, recorder.source_compiled
+            self._file, root, main, recorder.function_ran, recorder.source_compiled, ros
         )
         self._registered: set[str] = set()
         self._began = time.monotonic()
         self._pid: int | None = None
 
-    def begin(self, session: Session) -> None:
-        """Start the command in the environment of the user, with the probe before its libraries."""
+    def begin(self, session: Session, parameter_file: str | None = None) -> None:
+        """Start the command in the environment of the user, with the probe before its libraries.
+
+        Nodes of ROS 2 find the parameters of the file, and take their time from `/clock`.
+        """
         environment = self._environment
         if self._probe is not None:
             preloaded = [str(self._probe), *filter(None, [environment.get(_PRELOAD)])]
             environment |= {_PRELOAD: ":".join(preloaded), VARIABLE: str(self._file)}
+        if self._ros == 2:
+            given = [] if parameter_file is None else ["--params-file", parameter_file]
+            words = ["--ros-args", *given, "-p", "use_sim_time:=true", "--"]
+            environment |= {_ARGUMENTS: "\n".join(words)}
         self._recorder.note(STARTED)
         self._pid = session.begin_command(Command(self._words, environment, self._answers))
 
     def registered(self, caller: str) -> None:
         """Note that a node has registered with the master."""
         self._registered.add(caller)
+
+    def new_ends(self) -> list[dict[str, Any]]:
+        """Return what nodes of ROS 2 have begun, or ceased, to publish, hear, serve and ask for."""
+        ends = self._calls.new_ends()
+        for end in ends:
+            self.registered(end["node"])
+        return list(self._ends.frames(ends))
 
     def input_ended(self) -> None:
         """Record that a node asked for more input than there was."""
@@ -101,9 +126,15 @@ class CompiledNodes:
         """Why no node is expected any more, where none has come in all the time; else empty."""
         if self._registered or not self._is_late:
             return ""
+        words = " ".join(self._words)
+        if self._ros == 2:
+            return (
+                f"no node has come up in {_READY_S:g} s: does `{words}` start a node of ROS 2 that "
+                "is linked dynamically, so that the probe is loaded into it?"
+            )
         return (
             f"no node has registered with the run's master in {_READY_S:g} s: "
-            f"does `{' '.join(self._words)}` start a node of ROS 1, and does nothing in it name "
+            f"does `{words}` start a node of ROS 1, and does nothing in it name "
             "another master (ROS_MASTER_URI of a script, <machine> or <env> of a launch file)?"
         )
 
@@ -111,20 +142,19 @@ class CompiledNodes:
     def _is_late(self) -> bool:
         return time.monotonic() - self._began > _READY_S
 
-    def sender(self, name: str, body: bytes, has_header: bool) -> tuple[Frame, ...]:
-        """Return the functions that sent what has come on a topic or to a service."""
-        number = int.from_bytes(body[:4], "little") if has_header else None
+    def sender(self, name: str, body: bytes, number: int | None) -> tuple[Frame, ...]:  # noqa: ARG002
+        """Return the functions that sent what has come on a topic, or to a service or action."""
         return self._calls.stack(name, number)
 
     def logged(self, line: Any) -> None:
         """Record a line of the log that is an error, and that a source of the controller wrote."""
-        if line.level < line.ERROR:
+        if line.level < _ERROR[self._ros]:
             return
         file = self._calls.own_file(line.file)
         if file is None:
             return
         first = (line.msg.strip().splitlines() or [""])[0]
-        severity = "FATAL" if line.level >= line.FATAL else "ERROR"
+        severity = "FATAL" if line.level >= _FATAL[self._ros] else "ERROR"
         self._recorder.failed(
             ERROR_LOGGED,
             f"it logged {severity}: {first}",
@@ -187,5 +217,6 @@ class CompiledNodes:
             return "died", f"{words} was ended by {signal_name(-code)}"
         if code == 0:
             return "ended", f"{words} ended"
-        hint = "" if self._registered else "; no node of it has registered with the run's master"
+        there = "come up" if self._ros == 2 else "registered with the run's master"
+        hint = "" if self._registered else f"; no node of it has {there}"
         return "exited", f"{words} ended with code {code}{hint}"

@@ -113,17 +113,21 @@ class Relay:
             return
         profile = self._profile(reliable=header["reliable"], latch=header["latch"], depth=_DEPTH)
         self._subscriptions[topic] = self._node.create_subscription(
-            kind, topic, lambda data: self._received(topic, bytes(data)), profile, raw=True,
+            kind, topic, lambda data, about: self._received(topic, bytes(data), about), profile,
+            raw=True,
             # Messages of a topic come one after the other.
             callback_group=self._groups.MutuallyExclusiveCallbackGroup(),
         )  # fmt: skip
 
-    def _received(self, topic: str, body: bytes) -> None:
+    def _received(self, topic: str, body: bytes, about: dict[str, Any]) -> None:
         echoes = self._echoes.get(topic)
         if echoes is not None and echoes[body] > 0:
             echoes[body] -= 1
             return
-        self._link.send({"is": "message", "topic": topic, "caller": ""}, body)
+        number = about.get("publication_sequence_number")
+        # Fast DDS numbers the messages of each publisher from 1 on; not every middleware does.
+        counted = {} if number is None else {"sequence": number - 1}
+        self._link.send({"is": "message", "topic": topic, "caller": "", **counted}, body)
 
     def _profile(self, *, reliable: bool, latch: bool, depth: int | None = None) -> Any:
         qos = self._qos
