@@ -4,6 +4,7 @@ import pytest
 
 from tracerisk.instrument.native.cpp_names import (
     is_lambda,
+    is_mangled_of_library,
     is_of_library,
     lambda_owner,
     source_name,
@@ -101,3 +102,24 @@ def test_a_template_of_a_lambda_is_none():
     assert is_lambda("Cell<int>::go()::$_1::operator()() const")
     assert not is_lambda("void run<main::{lambda()#1}>(int)")
     assert not is_lambda("void run<main::{lambda(int)#1}>(main::{lambda(int)#1})")
+
+
+@pytest.mark.parametrize(
+    ("symbol", "is_library"),
+    [
+        ("_ZN6rclcpp4Node4initEv", True),
+        ("_ZNK6rclcpp4Node8get_nameEv", True),
+        ("_ZN13rclcpp_action6ClientIiE4sendEv", True),
+        ("_ZNSt6vectorIiSaIiEE9push_backERKi", True),
+        ("_ZSt8__invokeIRFvvEJEEvv", True),
+        ("_ZZN6rclcpp4spinEvENKUlvE_clEv", True),
+        ("_ZNSs6appendEPKc", True),
+        ("_ZN4Cell5swingEd", False),
+        ("_ZN7rclcppX4NodeC1Ev", False),
+        ("_ZZN4Cell4homeEvENKUlvE_clEv", False),
+        ("_Z6rclcppv", False),
+        ("main", False),
+    ],
+)
+def test_a_mangled_name_of_a_library_is_known_by_its_first_scope(symbol, is_library):
+    assert is_mangled_of_library(symbol) == is_library

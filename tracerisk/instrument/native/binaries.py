@@ -18,7 +18,7 @@ from functools import cache
 from typing import NamedTuple
 
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
-from tracerisk.instrument.native.cpp_names import is_of_library, source_name
+from tracerisk.instrument.native.cpp_names import is_mangled_of_library, is_of_library, source_name
 
 _SYMTAB, _DYNSYM = 2, 11
 _FUNCTION = 2
@@ -83,7 +83,8 @@ class Binary:
         own = [
             symbol.begins
             for symbol in self._symbols
-            if not is_of_library(source_name(demangled(symbol.name)))
+            if not is_mangled_of_library(symbol.name)
+            and not is_of_library(source_name(demangled(symbol.name)))
         ]
         places = _by_addr2line(self.path, own)
         return tuple(sorted({place.file for there in places.values() for place in there}))

@@ -34,8 +34,8 @@ _KEYS = {"probe", "modules", "kind", "exit", "made", "gone"}
 """Each line has one of these."""
 _INSTALLED = ("/usr/", "/opt/ros/", "/build/", "/nix/")
 """Where sources of installed libraries are; their inlined functions are none of the controller."""
-_C_OF_ROS = ("rcl_", "rcutils_", "rmw_")
-"""How the functions begin that ROS 2 has in C."""
+_OF_ROS = ("rcl_", "rcutils_", "rmw_", "decltype")
+"""How functions begin that ROS 2 has in C, and those of `std` whose result says what they call."""
 _REMEDY = (
     "compile with -g and link without -s; -fno-optimize-sibling-calls keeps a function that ends "
     "with a call"
@@ -258,7 +258,7 @@ class _Names:
 
 
 def _is_of_ros(symbol: str) -> bool:
-    return symbol.startswith(_C_OF_ROS) or is_of_library(source_name(symbol))
+    return symbol.startswith(_OF_ROS) or is_of_library(source_name(symbol))
 
 
 def _unchanged_since(time_ns: int, names_at: NamesAt | None) -> NamesAt:

@@ -44,6 +44,8 @@ _LIBRARIES = frozenset(
         *("nodelet", "rclcpp", "rclcpp_action", "rclcpp_lifecycle", "rclcpp_components"),
     }
 )
+_FIRST_SCOPE = re.compile(r"_Z+(?:N[KVrRO]*)?(?:St|S[absiod]|(?<=[NKVrRO])(?P<length>\d+))")
+"""`std` is `St` in a mangled name, and some of its classes have a letter; others have a length."""
 _BY_COMPILER = ("__", "_start", "_init", "_fini", "_GLOBAL_")
 
 
@@ -120,6 +122,18 @@ def lambda_owner(symbol: str) -> QualifiedName | None:
 def is_of_library(name: str) -> bool:
     """Whether a name in a source is that of a library of ROS or C++, or made by a compiler."""
     return name.partition("::")[0] in _LIBRARIES or name.startswith(_BY_COMPILER)
+
+
+def is_mangled_of_library(symbol: str) -> bool:
+    """Whether a mangled name surely is that of a library of ROS or C++, by its first scope.
+
+    A node on rclcpp has tens of thousands of them: they are not worth demangling.
+    """
+    match = _FIRST_SCOPE.match(symbol)
+    if match is None:
+        return False
+    length = match["length"]
+    return length is None or symbol[match.end() :][: int(length)] in _LIBRARIES
 
 
 def _after_parameters(symbol: str, at: int) -> int:

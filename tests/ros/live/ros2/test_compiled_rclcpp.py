@@ -1,0 +1,102 @@
+"""A node on rclcpp, compiled here, moves the twin: its functions, verdict, blocks; nothing gets out.
+
+RCLCPP_PREFIX names the prefixes that have rclcpp, rclcpp_action, control_msgs and std_srvs, with
+colons between them, such as /opt/ros/jazzy; LDFLAGS are given to the linker.
+"""
+
+import json
+import os
+import shlex
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+# Compiling a node takes as long as hundreds of other tests. Its parts are tested in each run: what
+# the probe notes (`tests/probe/native`), what is made of it (`tests/pipeline/run/live`), and the
+# twin as a node of ROS 2 (here).
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("real_rclpy")]
+
+PROGRAMS = Path(__file__).parent / "programs"
+PREFIXES = "RCLCPP_PREFIX"
+LIBRARIES = ("rclcpp", "rclcpp_action", "rcl", "rcl_action", "rcutils", "rcpputils", "rmw")
+MORE = ("rosidl_runtime_c", "tracetools", "libstatistics_collector")
+MESSAGES = (
+    *("control_msgs", "trajectory_msgs", "sensor_msgs", "std_srvs", "builtin_interfaces"),
+    *("action_msgs", "unique_identifier_msgs", "rcl_interfaces", "statistics_msgs"),
+    *("rosgraph_msgs", "std_msgs"),
+)
+
+
+@pytest.fixture(scope="module")
+def lived(tmp_path_factory, example_in):
+    """The node, run in an environment that points to a robot's domain."""
+    prefixes = [Path(item) for item in os.environ.get(PREFIXES, "").split(":") if item]
+    compiler = shutil.which("c++")
+    if not prefixes or compiler is None:
+        pytest.skip(f"no C++ compiler, or {PREFIXES} names no prefix with rclcpp")
+    example = example_in(tmp_path_factory.mktemp("compiled"))
+    example.write("pyproject.toml", "")
+    example.write("cell.cpp", (PROGRAMS / "cell.cpp").read_text())
+    example.write("angle.yaml", "cell:\n  ros__parameters:\n    angle: 0.4\n")
+    folders = [folder for prefix in prefixes for folder in sorted((prefix / "include").iterdir())]
+    linked = [*LIBRARIES, *MORE, *(f"{name}__rosidl_typesupport_cpp" for name in MESSAGES)]
+    subprocess.run(
+        [
+            *(compiler, "-std=c++17", "-g", "-O0", "cell.cpp", "-o", "cell", "-pthread"),
+            *(f"-I{folder}" for folder in folders),
+            *(f"-L{prefix}/lib" for prefix in prefixes),
+            *("-Wl,--as-needed", "-Wl,--allow-shlib-undefined"),
+            *(f"-l{name}" for name in linked),
+            *shlex.split(os.environ.get("LDFLAGS", "")),
+        ],
+        cwd=example.folder,
+        check=True,
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", "0")
+        patch.setenv("ROS_STATIC_PEERS", "192.0.2.1")
+        done = example.run(
+            *("trace", "--live", "--robot", "panda", "-o", "live.json", "--log", "live.log"),
+            *("--params", "angle.yaml", "--", "./cell", "--left"),
+        )
+    example.write("printed.txt", done.out + done.err)
+    assert done.code == 1, done.out + done.err
+    return example
+
+
+def test_the_node_reads_the_twin_moves_it_and_has_its_parameters(lived):
+    printed = lived.read("printed.txt").decode()
+    lines = [line for line in printed.splitlines() if line.startswith("> ")]
+    assert lines == [
+        *("> switched on", "> reached 0.40", "> back 4 0.00", "> gripped 1"),
+        *("> simulated 1", "> args 2"),
+    ]
+
+
+def test_functions_are_those_of_the_source_in_threads_and_timers_too(lived):
+    text = lived.read("live.log").decode()
+    called = "CallSequence:cell::Cell::reach(),cell::Cell::back(),cell::Cell::grip()"
+    assert called in text
+    assert "Function:cell::Cell::grip()\nActiveComponents:gripper,electric_motor\n" in text
+
+
+def test_the_verdict_is_as_strict_as_on_the_stand_ins(lived):
+    trace = json.loads(lived.read("live.json").decode())
+    assert trace["end"]["cause"] == "exited"
+    reasons = {reason["code"]: reason["words"] for reason in trace["verdict"]["reasons"]}
+    assert reasons.pop("run-exited").endswith("./cell ended with code 3")
+    assert reasons.pop("error-logged") == "it logged ERROR: lost a part"
+    assert reasons.pop("never-ran").startswith("cell::Cell::park can command hardware and never")
+    assert reasons == {}
+    assert not [line for line in trace["findings"] if "functions:" in line["message"]]
+
+
+def test_blocks_are_written_into_the_functions_of_the_author(lived):
+    done = lived.run("annotate", "cell.cpp", "--trace", "live.json")
+    assert done.code == 0, done.err
+    text = lived.read("cell.cpp").decode()
+    for name in ("reach", "back", "grip"):
+        assert f"name = cell::Cell::{name}\n" in text
+    assert text.count("RiskAnnotation") == 3
