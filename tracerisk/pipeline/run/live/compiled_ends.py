@@ -1,6 +1,6 @@
 """What compiled nodes of ROS 2 publish, subscribe to, serve and ask for, as the probe saw it made.
 
-ROS 2 has no master to ask. The twin's side is told in the words in which nodes in Python tell it
+ROS 2 has no master to ask. The frames are those that nodes in Python report
 (`ros/live/ros2/hooks.py`).
 """
 
