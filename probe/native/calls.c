@@ -262,12 +262,25 @@ static char *put_string(char *to, const char *text, size_t length)
 
 /* ---- The node's own binaries ---- */
 
+/* A workspace may have built ROS 2 itself. */
+static bool is_of_ros2(const char *path)
+{
+  static const char *const names[] = {"librcl.so",          "librcl_action.so",
+                                      "librcl_lifecycle.so", "librclcpp.so",
+                                      "librclcpp_action.so", "librclcpp_lifecycle.so",
+                                      "librcutils.so",       "librcpputils.so"};
+  const char *slash = strrchr(path, '/');
+  for (size_t at = 0; at < sizeof names / sizeof *names; ++at)
+    if (slash && !strcmp(slash + 1, names[at])) return true;
+  return false;
+}
+
 static bool is_installed(const char *path)
 {
   static const char *const places[] = {"/usr/", "/lib", "/bin/", "/sbin/", "/opt/ros/"};
   for (size_t at = 0; at < sizeof places / sizeof *places; ++at)
     if (!strncmp(path, places[at], strlen(places[at]))) return true;
-  return path[0] != '/'; /* such as linux-vdso.so.1 */
+  return path[0] != '/' || is_of_ros2(path); /* such as linux-vdso.so.1 */
 }
 
 static int note_loads(struct dl_phdr_info *info, size_t size, void *now)

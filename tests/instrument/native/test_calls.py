@@ -30,22 +30,16 @@ int main() {
   return 0;
 }
 """
-LIBRARY = (
-    PROGRAM.replace("struct Cell", "namespace rclcpp {\nstruct Cell", 1)
-    .replace("int main() {", '}\nusing rclcpp::Cell;\nextern "C" int rcl_publish() {')
-    .replace("return 0;\n}", "return 0;\n}\nint main() { return rcl_publish(); }")
-)
-"""The same in a namespace and under a name of ROS 2."""
 needs_compiler = pytest.mark.skipif(shutil.which("g++") is None, reason="no g++")
 
 
 class Recorded:
     """A compiled program, and a file that says where it was."""
 
-    def __init__(self, folder, *flags, text=PROGRAM):
+    def __init__(self, folder, *flags):
         self.file = folder / "calls.jsonl"
         self.source = folder / "cell.cpp"
-        self.source.write_text(text)
+        self.source.write_text(PROGRAM)
         self.program = folder / "cell"
         subprocess.run(
             ["g++", "-O1", "-no-pie", *flags, str(self.source), "-o", str(self.program)], check=True
@@ -127,15 +121,6 @@ def test_a_program_without_lines_has_the_names_of_its_symbols(tmp_path, monkeypa
     assert log.calls[0].stack == (Frame("main", "", 0), Frame("Cell::swing", "", 0))
     (note,) = log.notes
     assert note.startswith(f"{recorded.program} has names but no lines: compile with -g ")
-
-
-@needs_compiler
-def test_nobody_asks_for_the_lines_of_a_library_of_ros(tmp_path):
-    recorded = Recorded(tmp_path, text=LIBRARY)
-    at = [address for name, address in recorded.at.items() if "issue" in name or "swing" in name]
-    log = recorded.write(recorded.call(*at))
-    assert log.notes == ()
-    assert log.calls[0].stack == ()
 
 
 @needs_compiler

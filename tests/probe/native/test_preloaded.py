@@ -14,6 +14,13 @@ from tracerisk.instrument.native.calls import read_calls
 from tracerisk.instrument.native.following import CallFollower
 from tracerisk.instrument.native.library import build_probe
 
+THROUGH = """\
+#include "ros.h"
+extern "C" void through(void (*call)());
+static ros::Publisher arm("/arm/command", "std_msgs/Float64");
+static void send() { arm.publish(1); }
+int main() { through(send); return 0; }
+"""
 HOME = ["main", "Cell::home", "Cell::swing"]
 
 
@@ -147,6 +154,27 @@ def test_what_a_node_of_rcl_makes_and_gives_up_is_noted(nodes, node):
         {**of, "gone": "publisher", "name": "/speed"},
     ]
     assert nodes.log().calls == ()
+
+
+def test_libraries_of_ros2_are_none_of_the_node_wherever_they_were_built(nodes, tmp_path):
+    (tmp_path / "node.cpp").write_text(THROUGH)
+    (tmp_path / "through.cpp").write_text('extern "C" void through(void (*call)()) { call(); }\n')
+    recorded = {}
+    for name in ("librclcpp.so", "librclcpp_cell.so"):
+        library = nodes.folder / name
+        subprocess.run(
+            ["g++", "-fPIC", "-shared", str(tmp_path / "through.cpp"), "-o", str(library)],
+            check=True,
+        )
+        sources = [tmp_path / "node.cpp", library]
+        program = nodes.compile("-g", source=sources, name="through")
+        assert nodes.run(program).returncode == 0
+        log = nodes.log()
+        recorded[name] = (stacks(log), any(name in note for note in log.notes))
+    assert recorded == {
+        "librclcpp.so": ([["main", "send"]], False),
+        "librclcpp_cell.so": ([["main", "through", "send"]], True),
+    }
 
 
 def test_only_a_run_gives_arguments_to_nodes(nodes, node, monkeypatch):

@@ -34,8 +34,6 @@ _KEYS = {"probe", "modules", "kind", "exit", "made", "gone"}
 """Each line has one of these."""
 _INSTALLED = ("/usr/", "/opt/ros/", "/build/", "/nix/")
 """Where sources of installed libraries are; their inlined functions are none of the controller."""
-_OF_ROS = ("rcl_", "rcutils_", "rmw_", "decltype")
-"""How functions begin that ROS 2 has in C, and those of `std` whose result says what they call."""
 _REMEDY = (
     "compile with -g and link without -s; -fno-optimize-sibling-calls keeps a function that ends "
     "with a call"
@@ -237,10 +235,7 @@ class _Names:
                 for frame, _ in self._active[module.path, offset]:
                     if (_changed_ns(frame.file) or 0) > module.mtime_ns:
                         self.newer[frame.file] = module.path
-            named = [place for there in places.values() for place in there]
-            if named and all(_is_of_ros(place.symbol) for place in named):
-                continue  # a library that was built in a workspace: nobody asks for its lines
-            without_line = Counter(place.line > 0 for place in named)
+            without_line = Counter(place.line > 0 for there in places.values() for place in there)
             if not all(places.values()):
                 self.notes.append(f"{module.path} has functions without names: {_REMEDY}")
             elif not without_line[True]:
@@ -255,10 +250,6 @@ class _Names:
                     frames.pop()
                 frames.append(frame)
         return tuple(frames)
-
-
-def _is_of_ros(symbol: str) -> bool:
-    return symbol.startswith(_OF_ROS) or is_of_library(source_name(symbol))
 
 
 def _unchanged_since(time_ns: int, names_at: NamesAt | None) -> NamesAt:
@@ -302,7 +293,7 @@ def _function(places: Sequence[Place], names_at: NamesAt) -> tuple[QualifiedName
     """
     symbol, file, line = places[0]
     name = source_name(symbol)
-    if file.startswith(_INSTALLED) or (not file and _is_of_ros(symbol)):
+    if file.startswith(_INSTALLED) or (not file and is_of_library(name)):
         return None, False
     # In a file of the controller only a lambda has such a name.
     is_part = is_lambda(symbol) or is_of_library(name) or name == "operator()"
