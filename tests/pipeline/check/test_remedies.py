@@ -8,9 +8,12 @@ from typing import get_args
 import pytest
 
 from tests.cli.conftest import annotated, annotated_run, hardware, two_steps  # noqa: F401
+from tracerisk.common.verdict import Reason, Verdict
 from tracerisk.errors import Location
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH, with_remedy
+from tracerisk.pipeline.check.run import verdict_findings
+from tracerisk.pipeline.workspace.controller import load_controller
 
 NAME = "controller.py"
 
@@ -115,3 +118,20 @@ def test_json_has_the_remedy_by_itself(annotated):  # noqa: F811
     (finding,) = annotated.run("check", NAME, "--json").json["findings"]
     assert finding["remedy"] == f"`tracerisk refresh {NAME}`"
     assert finding["remedy"] not in finding["message"]
+
+
+@pytest.mark.parametrize(
+    ("code", "remedy"),
+    [
+        ("command-replaced", "mend it, then `tracerisk run {file} --live -- COMMAND`"),
+        ("input-assumed", "give what a user types by --answer TEXT, or mend it, then `tracerisk "),
+        ("robot-assumed", "`tracerisk run {file} --robot NAME --live -- COMMAND`"),
+    ],
+)
+def test_a_compiled_node_runs_by_its_command_alone(tmp_path, monkeypatch, code, remedy):
+    monkeypatch.chdir(tmp_path)
+    Path("pyproject.toml").touch()
+    Path("pick.cpp").write_text("int main() { return 0; }\n")
+    verdict = Verdict("partial", (Reason(code, "partial", "so it was"),))
+    (finding,) = verdict_findings(load_controller(Path("pick.cpp")), verdict)
+    assert finding.remedy.startswith(remedy.format(file="pick.cpp"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.adder.lock.lock import ControllerLock
@@ -13,6 +14,7 @@ from tracerisk.common.instance_name import places
 from tracerisk.common.verdict import GAPS, NEVER_RAN, Reason, Verdict, VerdictKind
 from tracerisk.common.verdict_codes import ACCEPTABLE
 from tracerisk.errors import Location, TraceRiskError
+from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 from tracerisk.pipeline.check.remedies import as_typed
 from tracerisk.pipeline.workspace.controller import Controller
@@ -27,12 +29,16 @@ _OF_VERDICT: Mapping[VerdictKind, FindingKind] = {
     "stuck": "stuck",
 }
 
-_MEND = "mend it, then `tracerisk run {file}`"
+_MEND = "mend it, then `{run}`"
 _SCENARIO = "`tracerisk scenario {file} --write` drafts what provides it"
 _REMEDIES = {
     "unmet-need": _SCENARIO,
     "input-assumed": _SCENARIO,
-    "robot-assumed": "`tracerisk run {file} --robot NAME`",
+    "robot-assumed": "`{run} --robot NAME`",
+}
+_REMEDIES_OF_COMPILED = {
+    "input-assumed": "give what a user types by --answer TEXT, or mend it, then `{run}`",
+    "robot-assumed": "`tracerisk run {file} --robot NAME --live -- COMMAND`",
 }
 """What to do about the reasons of a verdict, by code; about all others `_MEND`."""
 
@@ -44,6 +50,15 @@ class CoverageLimits(NamedTuple):
     """The least covered fraction, from 0 to 1; `None` for the setting `min_coverage`."""
     base: Verdict | None = None
     """The verdict of the version that a change is made to; `None` for no comparison."""
+
+
+def _remedy(code: str, controller: Path) -> str:
+    file = as_typed(controller)
+    if is_c(controller.name):
+        known, run = _REMEDIES_OF_COMPILED, f"tracerisk run {file} --live -- COMMAND"
+    else:
+        known, run = _REMEDIES, f"tracerisk run {file}"
+    return known.get(code, _MEND).format(file=file, run=run)
 
 
 def contact_findings(controller: Controller, entry: ControllerLock) -> Iterable[CheckFinding]:
@@ -64,7 +79,7 @@ def verdict_findings(controller: Controller, verdict: Verdict) -> Iterable[Check
         place = _place(controller, open_reason)
         where = f" (in {open_reason.function})" if open_reason.function else ""
         message = f"{open_reason.words}{where}"
-        remedy = _REMEDIES.get(open_reason.code, _MEND).format(file=as_typed(controller.path))
+        remedy = _remedy(open_reason.code, controller.path)
         if open_reason.code in ACCEPTABLE:
             remedy += f", or in [tool.tracerisk] accept = [{open_reason.accept_entry}]"
         kind = _OF_VERDICT[open_reason.verdict]
