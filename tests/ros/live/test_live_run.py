@@ -155,7 +155,8 @@ def test_nothing_is_written_by_a_live_run_itself():
     [
         (("run", "steps.py", "--speed", "2"), "--speed goes with --live"),
         (("run", "steps.py", "--live", "--check"), "--check goes with runs that can be repeated"),
-        (("run", "two.cpp", "--live", "--", "true"), "annotate two.cpp --log LOG"),
+        (("run", "two.cpp", "--live", "--", "./two"), "the program ./two of the command is not"),
+        (("run", "two.cpp", "--live"), "`ros2 run PACKAGE NODE`, `ros2 launch PACKAGE FILE`"),
         (("trace", "steps.py", "--live", "--sandbox", "require"), "the sandbox is required"),
         (("attach",), "--robot is missing"),
     ],
