@@ -41,6 +41,19 @@ def test_an_executable_with_debug_information_names_its_source(node):
 
 
 @needs_compiler
+def test_ros2_run_of_an_executable_names_its_source(node, monkeypatch):
+    monkeypatch.chdir(node.folder)
+    (node.folder / "install/lib/far").mkdir(parents=True)
+    built(node, "-g")
+    (node.folder / "pick").rename(node.folder / "install/lib/far/pick")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(node.folder / "install"))
+    words = ["run", "far", "pick", "--left"]
+    options = Namespace(live=True, controller="ros2", argv=words, verb="run")
+    name_source(options)
+    assert (options.controller, options.argv) == ("src/pick.cpp", ["ros2", *words])
+
+
+@needs_compiler
 def test_an_executable_without_it_needs_a_name(node):
     built(node, "-s")
     done = node.run("run", "--live", "--", "./pick", "--left")
@@ -123,7 +136,7 @@ def test_an_installed_script_is_found_by_its_prefix(package, monkeypatch):
         (["ros2", "run", "cell", "nothing"], "no executable nothing of a package cell is below"),
         (
             ["ros2", "run", "far", "built"],
-            "does not say from which source it was built: compile with -g",
+            "install/lib/far/built does not say from which source it was built",
         ),
         (["ros2", "launch", "cell", "cell.launch.py"], "FILE.py --live --launch FILE"),
         (["ros2", "run", "cell"], "takes `ros2 run PACKAGE EXECUTABLE ARGUMENTS`"),

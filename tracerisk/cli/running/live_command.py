@@ -60,7 +60,8 @@ def name_source(options: argparse.Namespace) -> None:
             else "does not say from which source it was built: compile with -g, with addr2line of "
             "binutils installed"
         )
-        raise InputError(f"{given} {there}, or {remedy} -- {command}`")
+        what = given if named is None else named[0]
+        raise InputError(f"{what} {there}, or {remedy} -- {command}`")
     options.controller = os.path.relpath(file)
     options.argv = [given, *options.argv]
 
