@@ -175,10 +175,6 @@ class Bridge:
         kind = type_name or self._types.get(topic)
         self._relay.send({"do": "subscribe", "topic": topic, "type": kind, **known})
 
-    def decoded(self, type_name: str, body: bytes) -> Any:
-        """Return the message of a type that the bytes hold."""
-        return self._wire.decode(body, self._interfaces.message(type_name))
-
     def give_parameters(self) -> None:
         """Set all parameters of the graph at the master, and what the twin offers besides."""
         parameters = self._graph.parameters

@@ -51,6 +51,7 @@ from tracerisk.ros.live.bridge import Bridge
 from tracerisk.ros.live.loopback import REACHES_OTHERS, leaves_others
 from tracerisk.ros.live.messages.modules import make_missing_modules
 from tracerisk.ros.live.session import STEP_NS, Program, Session
+from tracerisk.ros.live.wire import wire_of
 from tracerisk.ros.robot.bring_up.node_parameters import SEMANTIC
 from tracerisk.ros.robot.commands import TwinCommands
 from tracerisk.ros.robot.frames import DESCRIPTION
@@ -253,7 +254,8 @@ class _LiveRun:
             self._nodes.registered(header["caller"])
             self._hear_log(header)
         elif self._nodes is not None and header.get("topic") == LOG:
-            self._nodes.logged(self._bridge.decoded(LOG_TYPES[self._graph.ros], body))
+            kind = self._interfaces.message(LOG_TYPES[self._graph.ros])
+            self._nodes.logged(wire_of(self._interfaces).decode(body, kind))
             return
         if header["is"] in ("message", "call", "goal", "cancel"):
             self._threads.stirred()
