@@ -6,6 +6,7 @@ limits=()
 most=${MAX_FAILURE_PROBABILITY:-${MAX_RISK:-}}
 [ -z "$most" ] || limits+=("--max-failure-probability=$most")
 [ "${NO_NEW_ACCEPTS:-}" != true ] || limits+=(--no-new-accepts)
+[ "${NO_WEAKER_CHECKS:-}" != true ] || limits+=(--no-weaker-checks)
 [ "${NO_OUTCOME_CHANGE:-}" != true ] || limits+=(--no-outcome-change)
 [ -z "${SILENT_BELOW:-}" ] || limits+=("--silent-below=$SILENT_BELOW")
 compare() {

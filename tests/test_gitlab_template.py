@@ -162,11 +162,11 @@ def test_no_token_writes_no_note(repository, annotated_source, server, job):
 @pytest.mark.parametrize(
     ("variables", "check", "diff"),
     [
-        ({}, "", "--no-new-accepts --silent-below=0.01"),
+        ({}, "", "--no-new-accepts --no-weaker-checks --silent-below=0.01"),
         (
             {"TRACERISK_NO_OUTCOME_CHANGE": "true", "TRACERISK_SILENT_BELOW": ""},
             "",
-            "--no-new-accepts --no-outcome-change",
+            "--no-new-accepts --no-weaker-checks --no-outcome-change",
         ),
         (
             {
@@ -176,7 +176,8 @@ def test_no_token_writes_no_note(repository, annotated_source, server, job):
                 "TRACERISK_NO_NEW_ACCEPTS": "false",
             },
             " --min-coverage=0.8",
-            "--max-increase=0.1 --max-failure-probability=1e-3 --silent-below=0.01",
+            "--max-increase=0.1 --max-failure-probability=1e-3 --no-weaker-checks "
+            "--silent-below=0.01",
         ),
     ],
 )

@@ -12,6 +12,7 @@ from tracerisk.common.outcome.tolerances import Tolerances
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.text.plain_data import plain_data
 from tracerisk.common.verdict import Coverage, Verdict
+from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.review.review import review
 
 COMPLETE = plain_data(Verdict("complete", (), Coverage(1, 1)))
@@ -127,30 +128,63 @@ def test_an_object_that_is_newly_moved_and_not_named_by_success_is_told(cell, su
     assert "can is new in the scene and is moved by 200 mm to (0.300, 0.200, 0.100) m" in out
 
 
-def test_a_check_of_a_result_without_evidence_is_named_as_not_credited(
-    repository, annotated_source
-):
+@pytest.fixture
+def with_check(repository, annotated_source):
+    """Commit a controller without a check of an answer, and write one with it, or the reverse."""
     text = annotated_source(place=("done 1", "gripper = 2e-07"))
     bare = f"{text}\narm.go(wait=True)\nlog(1)\n"
     checked = f"{text}\nif not arm.go(wait=True):\n    raise SystemExit\nlog(2)\n"
-    for before, after, said in (
-        (bare, checked, "the result of arm.go() is used in 1 of 2 calls (pick.py:"),
-        (
-            checked,
-            bare,
-            "the result of arm.go() is used in 0 of 2 calls (pick.py), before: in 1 of 2",
-        ),
-    ):
-        for source in (before, after):
+
+    def make(*, is_lost):
+        for source in (checked, bare) if is_lost else (bare, checked):
+            if (repository.folder / "pick.py").exists():
+                repository.commit()
             write(
                 repository,
                 {"pick.py": source},
                 ("pick.py", lock_of({"pick.py": source}, "pick.py")),
             )
-            if source is before:
-                repository.commit()
-        (line,) = only(review(["HEAD"], repository.folder)).uncredited
-        assert line.startswith(said)
-        for form in ("text", "markdown"):
-            out = repository.run("diff", "HEAD", "--format", form, "--silent-below", "0.01").out
-            assert "No evidence: checks of results are not credited" in out
+        return repository
+
+    return make
+
+
+def test_a_new_check_of_an_answer_is_named_as_not_credited(with_check):
+    repository = with_check(is_lost=False)
+    (check,) = only(review(["HEAD"], repository.folder)).checks
+    assert (check.is_lost, check.answer) == (False, "the answer of go()")
+    for form in ("text", "markdown"):
+        out = repository.run("diff", "HEAD", "--format", form, "--silent-below", "0.01").out
+        assert "Answers that are newly looked at, which no figure credits without evidence" in out
+        assert "looks at less" not in out
+    assert repository.run("diff", "HEAD", "--no-weaker-checks").code == 0
+
+
+def test_a_lost_check_of_an_answer_stands_before_all_else_and_has_a_gate(with_check):
+    repository = with_check(is_lost=True)
+    said = "pick.py looks at less: <module> no longer looks at the answer of go() (HEAD:pick.py:"
+    out = repository.run("diff", "HEAD", "--silent-below", "0.01").out
+    assert " ".join(out.split()).startswith(said)
+    comment = repository.run("diff", "HEAD", "--format", "markdown").out.splitlines()
+    assert comment[1].startswith("**pick.py looks at less: ")
+    assert repository.run("diff", "HEAD", "--json").json["headline"].startswith(said)
+    assert repository.run("diff", "HEAD", "--max-increase", "0.1").code == 0
+    done = repository.run("diff", "HEAD", "--no-weaker-checks", "--sarif", "alerts.sarif")
+    assert done.code == 1
+    assert "may go unnoticed; --no-weaker-checks" in done.err
+    results = json.loads(repository.read("alerts.sarif"))["runs"][0]["results"]
+    assert [result["ruleId"] for result in results] == ["lost-check"]
+
+
+def test_a_check_in_a_module_without_blocks_counts(repository, annotated_source):
+    text = annotated_source(place=("done 1", "gripper = 2e-07"))
+    source = f"{text}\nimport sure\nsure.go()\n"
+    checked = "def go():\n    if not arm.go(): raise SystemExit\n"
+    for module in (checked, "def go():\n    arm.go()\n"):
+        if module is not checked:
+            repository.commit()
+        files = {"pick.py": source, "sure.py": module}
+        sources = {file: code_digest(text.encode(), file) for file, text in files.items()}
+        write(repository, files, ("pick.py", lock_of(files, "pick.py", sources=sources)))
+    (check,) = only(review(["HEAD"], repository.folder)).lost_checks
+    assert (check.function, check.location.file) == ("go", "sure.py")

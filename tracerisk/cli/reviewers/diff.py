@@ -25,7 +25,7 @@ from tracerisk.report.ci.open_metrics import render_open_metrics, review_metrics
 from tracerisk.report.diff.markdown import render_diff_markdown
 from tracerisk.report.diff.sentences import not_assessed, whole_headline
 from tracerisk.report.diff.text import render_diff
-from tracerisk.report.diff.titled_lists import must_do_less
+from tracerisk.report.diff.titled_lists import looks_at_less, must_do_less
 from tracerisk.report.diff.wording import first_of
 
 if TYPE_CHECKING:
@@ -65,6 +65,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--no-new-accepts",
         action="store_true",
         help="exit 1 if the change accepts a reason of its run that was not accepted before",
+    )
+    parser.add_argument(
+        "--no-weaker-checks",
+        action="store_true",
+        help="exit 1 if `success` asks less, or the controller no longer looks at an answer",
     )
     parser.add_argument(
         "--no-outcome-change",
@@ -108,6 +113,7 @@ def run(options: argparse.Namespace) -> int:
         for controller in result.controllers
         for line in (
             *_new_accepts(controller, options),
+            *_weaker_checks(result, controller, options),
             *_other_outcome(controller, options),
             *_rise(controller, options.max_increase),
             *_above(controller, limit),
@@ -181,6 +187,14 @@ def _new_accepts(diff: RiskDiff, options: argparse.Namespace) -> list[str]:
         f"{diff.name}: newly accepted, and --no-new-accepts: {acceptance}"
         for acceptance in diff.verdicts.new_acceptances
     ]
+
+
+def _weaker_checks(review: Review, diff: RiskDiff, options: argparse.Namespace) -> list[str]:
+    if not options.no_weaker_checks:
+        return []
+    texts = [must_do_less(diff)] if diff.asked_less else []
+    texts += [looks_at_less(review, diff)] if diff.lost_checks else []
+    return [f"{diff.name}: {text}; --no-weaker-checks" for text in texts]
 
 
 def _other_outcome(diff: RiskDiff, options: argparse.Namespace) -> list[str]:

@@ -36,6 +36,7 @@ from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.prm.review.model_parts import single_points
 from tracerisk.prm.review.risk_diff import Review, RiskDiff
 from tracerisk.report.ci.sarif import Alert, alert_at
+from tracerisk.report.diff.titled_lists import of_checks
 from tracerisk.report.diff.wording import some
 from tracerisk.trace import Trace
 
@@ -122,6 +123,10 @@ def review_alerts(review: Review) -> tuple[Alert, ...]:
             _alert("changed-outcome", line, first_line, subject=_FIGURE.sub("#", line))
             for line in lines
         ]
+        for check in diff.lost_checks:
+            (line,) = of_checks(review, [check])
+            subject = f"{check.function} {check.answer}"
+            alerts.append(_alert("lost-check", line, first_line, subject=subject))
         for change in diff.changes:
             field = next(
                 (changed_field for changed_field in change.fields if not changed_field.is_gone),

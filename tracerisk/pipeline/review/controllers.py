@@ -6,24 +6,26 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.adder.lock.lock import LOCK_NAME, ControllerLock, Lock
 from tracerisk.adder.lock.reading import loads
 from tracerisk.common.evidence import EVIDENCE_NAME
 from tracerisk.common.outcome.kept import OUTCOME, kept_changes, kept_outcome
-from tracerisk.errors import InputError, Location, TraceRiskError
+from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.pipeline.freshness.known_controllers import has_digest
 from tracerisk.pipeline.freshness.run_inputs import RunInputs
 from tracerisk.pipeline.review.annotated_files import AnnotatedFiles, is_annotated, is_within
 from tracerisk.pipeline.review.changed_inputs import changed_inputs
-from tracerisk.pipeline.review.git_versions import Compared, GitVersion
+from tracerisk.pipeline.review.git_versions import Compared, GitVersion, in_version
 from tracerisk.pipeline.review.version_inputs import (
     RunOfVersion,
     ScenarioOfVersion,
     depends_on,
     description_of,
     inputs_now,
+    modules_of,
+    recorded_sources,
     scenario_of,
     success_of,
 )
@@ -58,6 +60,8 @@ class ControllerVersion(NamedTuple):
     scenario or the outcome, `None` where that cannot be read."""
     inputs: RunInputs | None = None
     """What its run depended on, as the version has it; `None` where no lock knows a run."""
+    modules: Mapping[str, bytes] = {}
+    """All sources of its run, by path from the top; empty where no lock knows a run."""
 
 
 class ReviewedController(NamedTuple):
@@ -224,7 +228,7 @@ def reviewed_controllers(
 def _of_other_run(
     locks: tuple[Locks, Locks], folder: str, paths: tuple[str, ...] | None
 ) -> Iterator[str]:
-    """Yield the controllers of a lock whose run has another verdict or scenario, or other results.
+    """Yield the controllers of a lock whose run has other sources, results, verdict or scenario.
 
     Among them are those whose run accepts something else, or whose verdict or outcome is lost.
     """
@@ -233,6 +237,7 @@ def _of_other_run(
         if is_within(name, paths) and (
             _is_other_run(earlier[name].entry, later[name].entry)
             or _has_other_scenario(locks, name)
+            or recorded_sources(earlier[name].entry) != recorded_sources(later[name].entry)
         ):
             yield name
 
@@ -284,6 +289,10 @@ def _reviewed(
     names = earlier, name
     before = _version(locks[0], known[0], guesses[0], names)
     after = _version(locks[1], known[1], guesses[1], names[::-1])
+    before, after = (
+        version._replace(modules=modules_of(one.run_of(path), version.inputs))
+        for one, path, version in zip(locks, names, (before, after), strict=True)
+    )
     if after.stale or _hardware(before) != _hardware(after):
         before, after = (
             version._replace(hardware=_description(one, path, version))
@@ -373,26 +382,6 @@ def _version(
 def _shown(run: RunOfVersion, file: str, locks: Locks) -> str:
     path = run.path_of(file)
     return file if path is None else locks.shown(path)
-
-
-class NamedVersion(Protocol):
-    """What messages need to know of a version: its name, and what stands before its files."""
-
-    @property
-    def name(self) -> str:
-        """What messages call it."""
-
-    @property
-    def prefix(self) -> str:
-        """What stands before its files in places."""
-
-
-def in_version(error: TraceRiskError, version: NamedVersion) -> InputError:
-    """Return the error with the version that it is about."""
-    place = error.location
-    if place is not None and version.prefix:
-        place = Location(f"{version.prefix}{place.file}", place.line, place.column)
-    return InputError(f"in {version.name}: {error.message}", place)
 
 
 def _below(folder: str, path: str) -> str:

@@ -6,10 +6,10 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from tracerisk.common.text.bounded import MOST_WRITTEN, file_bytes
-from tracerisk.errors import InputError, Location, readable
+from tracerisk.errors import InputError, Location, TraceRiskError, readable
 from tracerisk.pipeline.history.repository import Repository
 
 WORKING_TREE = "working tree"
@@ -90,6 +90,26 @@ def compared(repository: Repository, folder: Path, words: Sequence[str]) -> Comp
     for path, word in zip(paths, files, strict=False):
         _check_file(repository, path, word, (before, after))
     return Compared(before, after, paths)
+
+
+class NamedVersion(Protocol):
+    """What messages need to know of a version: its name, and what stands before its files."""
+
+    @property
+    def name(self) -> str:
+        """What messages call it."""
+
+    @property
+    def prefix(self) -> str:
+        """What stands before its files in places."""
+
+
+def in_version(error: TraceRiskError, version: NamedVersion) -> InputError:
+    """Return the error with the version that it is about."""
+    place = error.location
+    if place is not None and version.prefix:
+        place = Location(f"{version.prefix}{place.file}", place.line, place.column)
+    return InputError(f"in {version.name}: {error.message}", place)
 
 
 def _split(repository: Repository, folder: Path, words: list[str]) -> tuple[str | None, list[str]]:

@@ -15,8 +15,8 @@ from tracerisk.common.function_ref import FunctionRef, QualifiedName
 from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.common.outcome.kept import kept_changes, kept_outcome, kept_tolerances
 from tracerisk.errors import InputError, TraceRiskError
+from tracerisk.instrument.source.answers.changed_checks import ChangedCheck, changed_checks
 from tracerisk.instrument.source.language import is_c
-from tracerisk.instrument.source.used_results import changed_uses
 from tracerisk.pipeline.history.many_at_once import shared_out
 from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.model import blocks_of
@@ -26,10 +26,9 @@ from tracerisk.pipeline.review.controllers import (
     NOT_RUN,
     ControllerVersion,
     ReviewedController,
-    in_version,
     reviewed_controllers,
 )
-from tracerisk.pipeline.review.git_versions import GitVersion, compared
+from tracerisk.pipeline.review.git_versions import GitVersion, compared, in_version
 from tracerisk.pipeline.review.lost_blocks import with_lost_blocks, written_blocks
 from tracerisk.pipeline.review.renamed_functions import (
     FunctionSource,
@@ -140,6 +139,7 @@ class _Shown:
         sources = {self.name(file): source for file, source in version.sources.items()}
         return version._replace(
             sources=sources,
+            modules={self.name(file): source for file, source in version.modules.items()},
             folder=self.name(version.folder),
             hardware=None if version.hardware is None else self._hardware(version.hardware),
         )
@@ -232,7 +232,7 @@ def difference(
         hardware_file=controller.after.hardware.file if controller.after.hardware else "",
         stale=_stale(controller, diff),
         outcome=outcome,
-        uncredited=_uncredited(controller),
+        checks=_checks(controller, names),
         not_asked=_not_asked(controller, outcome),
         evidence_change=(
             ""
@@ -313,15 +313,14 @@ def _asked(controller: ReviewedController) -> tuple[tuple[str, ...], tuple[str, 
     return asked_less(old, new), asked_newly(old, new)
 
 
-def _uncredited(controller: ReviewedController) -> tuple[str, ...]:
-    """Return what no figure credits for want of evidence: results that are newly looked at."""
-    before, after = controller.before, controller.after
-    if before.evidence is not None or after.evidence is not None or is_c(controller.name):
+def _checks(controller: ReviewedController, renamed: Mapping[str, str]) -> tuple[ChangedCheck, ...]:
+    """Return which answers only one version looks at, whether or not evidence credits it."""
+    old, new = (
+        {**version.modules, **version.sources} for version in (controller.before, controller.after)
+    )
+    if old == new or not old or not new or is_c(controller.name):
         return ()
-    if controller.before.sources == controller.after.sources:
-        return ()
-
-    return changed_uses(before.sources, after.sources)
+    return changed_checks(old, new, renamed)
 
 
 def _not_asked(controller: ReviewedController, outcome: OutcomeChanges | None) -> tuple[str, ...]:

@@ -13,8 +13,8 @@ from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.language import is_c, is_c_like
 from tracerisk.pipeline.history.repository import Repository
-from tracerisk.pipeline.review.controllers import ControllerVersion, in_version
-from tracerisk.pipeline.review.git_versions import compared
+from tracerisk.pipeline.review.controllers import ControllerVersion
+from tracerisk.pipeline.review.git_versions import compared, in_version
 from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
 
 

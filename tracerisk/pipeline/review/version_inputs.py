@@ -80,6 +80,20 @@ def depends_on(run: RunOfVersion, changed: Collection[str]) -> bool:
     )
 
 
+def recorded_sources(entry: ControllerLock) -> Mapping[str, str]:
+    """Return the digests of the sources of a run, by path from the folder of its lock."""
+    return RunInputs.from_data(entry.inputs).sources
+
+
+def modules_of(run: RunOfVersion | None, inputs: RunInputs | None) -> dict[str, bytes]:
+    """Return the sources of a run as the version has them, by path from the top."""
+    if run is None or inputs is None:
+        return {}
+    paths = (run.path_of(file) for file in sorted(inputs.sources))
+    contents = {path: run.version.file(path) for path in paths if path is not None}
+    return {path: content for path, content in contents.items() if content is not None}
+
+
 def inputs_now(
     run: RunOfVersion, sources: Mapping[str, bytes], changed: Collection[str]
 ) -> RunInputs:

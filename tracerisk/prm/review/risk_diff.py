@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from tracerisk.common.outcome.changes import OutcomeChanges
 from tracerisk.errors import Location
+from tracerisk.instrument.source.answers.changed_checks import ChangedCheck
 from tracerisk.prm.hybrid.assessment import FIGURE_STATEMENT, MissionFigures
 from tracerisk.prm.review.change_records import (
     CauseShare,
@@ -72,8 +73,9 @@ class RiskDiff:
     """What `success` of the scenario asked and does not ask any more, one sentence each."""
     not_asked: tuple[str, ...] = ()
     """Objects that the mission newly moves and of which `success` asks nothing, by name."""
-    uncredited: tuple[str, ...] = ()
-    """The calls whose result is newly or no longer used, where neither version has evidence."""
+    checks: tuple[ChangedCheck, ...] = ()
+    """Answers of services, actions and drivers that the controller no longer looks at, then those
+    that it newly does."""
     asked_newly: tuple[str, ...] = ()
     """What `success` of the scenario newly asks, one sentence each."""
 
@@ -119,6 +121,11 @@ class RiskDiff:
         verdicts = self.verdicts
         went_well = verdicts is None or (verdicts.is_comparable and not verdicts.does_less)
         return went_well and not self.is_same_mission
+
+    @property
+    def lost_checks(self) -> tuple[ChangedCheck, ...]:
+        """The answers that the controller no longer looks at."""
+        return tuple(check for check in self.checks if check.is_lost)
 
     @property
     def shown_functions(self) -> tuple[FunctionChange, ...]:
@@ -189,7 +196,7 @@ class RiskDiff:
             return True
         if self.of_run or self.of_evidence:
             return True
-        if self.asked_less or self.asked_newly or self.uncredited:
+        if self.asked_less or self.asked_newly or self.checks:
             return True
         runs = self.verdicts
         if runs is not None and (runs.new_acceptances or runs.does_less or is_news(runs)):

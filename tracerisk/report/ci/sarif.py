@@ -130,6 +130,14 @@ RULES: tuple[Rule, ...] = (
         "compared.",
     ),
     Rule(
+        "lost-check",
+        "warning",
+        "The controller no longer looks at an answer.",
+        "An answer of a service, an action or a driver decided something and does not any more: a "
+        "failure that it reports may go unnoticed. Put the check back, or say why it is not "
+        "needed.",
+    ),
+    Rule(
         "lost-redundancy",
         "warning",
         "A component lost its redundancy.",

@@ -113,6 +113,7 @@ def _files(review: Review) -> Iterator[str]:
 def _locations(diff: RiskDiff) -> Iterator[Location]:
     fields = (field for change in diff.changes for field in change.fields)
     places = [*(field.location for field in fields), *(pin.location for pin in diff.pins)]
+    places += [check.location for check in diff.checks]
     if diff.verdicts is not None:
         for verdict in (diff.verdicts.before, diff.verdicts.after):
             if verdict is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from tracerisk.common.text.one_in import one_in
 from tracerisk.prm.review.change_records import NOISE, FunctionFigures
@@ -39,16 +40,16 @@ def render_diff_markdown(review: Review, *, link_base: str | None = None) -> str
     shown = review.controllers[:MOST_CONTROLLERS]
     head = [TAG]
     verdicts = titled_lists.verdict_lines(review, only_wrong=True)[:MOST_CONTROLLERS]
-    less = [f"**{links.text(line)}**" for line in titled_lists.asked_less(shown)]
-    head += [line for text in less for line in (text, "")]
+    warnings = titled_lists.warnings(replace(review, controllers=shown))
+    head += [line for text in warnings for line in (f"**{links.text(text)}**", "")]
     for line in (*titled_lists.acceptances(shown), *verdicts):
         head += [links.text(line), ""]
     headline = sentences.headline(review, below_verdicts=bool(verdicts), one_in_n=True)
     head += [f"**{links.text(headline)}**", ""]
-    unfolded = [diff for diff in shown if any(_open_lists(diff))][:MOST_UNFOLDED]
+    unfolded = [diff for diff in shown if any(_open_lists(review, diff))][:MOST_UNFOLDED]
     for risk_diff in unfolded:
         of = "" if len(shown) == 1 else f", {risk_diff.name}"
-        for title, entries in _open_lists(risk_diff):
+        for title, entries in _open_lists(review, risk_diff):
             head += _list(title + escaped(of), entries, links)
     if review.controllers:
         head += _summary(review, shown, links)
@@ -87,15 +88,14 @@ def _fitting(
             head.pop()
 
 
-def _open_lists(diff: RiskDiff) -> Iterator[tuple[str, Sequence[str]]]:
+def _open_lists(review: Review, diff: RiskDiff) -> Iterator[tuple[str, Sequence[str]]]:
     """Yield what a reviewer must see beside the figures, each list with its title."""
     yield from titled_lists.of_missions(diff)
     if diff.of_run:
         yield titled_lists.OF_RUN, diff.of_run
     if diff.of_evidence:
         yield titled_lists.OF_EVIDENCE, diff.of_evidence
-    if diff.uncredited:
-        yield titled_lists.UNCREDITED, diff.uncredited
+    yield from titled_lists.checks_lists(review, diff)
     if diff.hardware:
         yield titled_lists.OF_HARDWARE, titled_lists.of_hardware(diff)
 
@@ -153,7 +153,7 @@ def _figure(probability: float) -> str:
 
 def _parts(review: Review, diff: RiskDiff, links: Links, *, with_lists: bool) -> Iterator[str]:
     if with_lists:
-        for title, entries in _open_lists(diff):
+        for title, entries in _open_lists(review, diff):
             yield from _list(title, entries, links)
     if diff.changes and diff.is_comparable:
         yield from _changes(review, diff, links)

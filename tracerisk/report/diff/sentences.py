@@ -15,7 +15,7 @@ from tracerisk.prm.review.change_records import (
     is_noise,
 )
 from tracerisk.prm.review.risk_diff import Review, RiskDiff, ratio_of
-from tracerisk.report.diff.titled_lists import asked_less
+from tracerisk.report.diff.titled_lists import warnings
 from tracerisk.report.diff.wording import (
     count,
     difference,
@@ -58,7 +58,7 @@ def headline(review: Review, *, below_verdicts: bool = False, one_in_n: bool = F
 
 def whole_headline(review: Review) -> str:
     """Return the headline, behind which controllers must do less."""
-    return " ".join((*(f"{line}." for line in asked_less(review.controllers)), headline(review)))
+    return " ".join((*(f"{line}." for line in warnings(review)), headline(review)))
 
 
 def _other_mission(diff: RiskDiff) -> str:

@@ -21,7 +21,7 @@ def render_diff(review: Review, *, width: int = 80) -> str:
     room = max(width, 60)
     lines = []
     for line in (
-        *titled_lists.asked_less(review.controllers),
+        *titled_lists.warnings(review),
         *titled_lists.acceptances(review.controllers),
         *titled_lists.verdict_lines(review),
     ):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from tracerisk.common.verdict import UNKNOWN_VERDICT, Verdict, verdict_line
+from tracerisk.instrument.source.answers.changed_checks import ChangedCheck
 from tracerisk.instrument.source.language import is_c
 from tracerisk.prm.review.change_records import (
     is_noise,
@@ -39,7 +40,13 @@ ASKED_NEWLY = "What `success` newly asks"
 NOT_ASKED = "What the mission newly moves and `success` does not name"
 
 
-UNCREDITED = "No evidence: checks of results are not credited"
+LOST_CHECKS = "Answers that nobody looks at any more"
+
+
+NEW_CHECKS = "Answers that are newly looked at"
+
+
+NOT_CREDITED = ", which no figure credits without evidence"
 
 
 OF_VISITS = "Functions that run more or less often"
@@ -132,6 +139,38 @@ def must_do_less(diff: RiskDiff) -> str:
     return f"must do less: `success` no longer asks {first_of(diff.asked_less)}"
 
 
+def warnings(review: Review) -> list[str]:
+    """Return what stands before all else, a line each: `success` asks less, or a check is lost."""
+    lost = [diff for diff in review.controllers if diff.lost_checks]
+    checks = [f"{diff.name} {looks_at_less(review, diff)}" for diff in lost]
+    return [*asked_less(review.controllers), *checks]
+
+
+def looks_at_less(review: Review, diff: RiskDiff) -> str:
+    """Return the first answer that a controller no longer looks at, and what may follow."""
+    said = first_of(of_checks(review, diff.lost_checks))
+    return f"looks at less: {said}: a failure there may go unnoticed"
+
+
+def of_checks(review: Review, checks: Sequence[ChangedCheck]) -> tuple[str, ...]:
+    """Return checks of answers that only one version has, a line each."""
+    lines = []
+    for check in checks:
+        verb = "no longer" if check.is_lost else "now"
+        place = review.place(check.location, is_gone=check.is_lost)
+        lines.append(f"{check.function} {verb} looks at {check.answer} ({place})")
+    return tuple(lines)
+
+
+def checks_lists(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
+    """Return the lists of checks that are lost or new; the only lost one stands above all else."""
+    lost = of_checks(review, diff.lost_checks)
+    new = of_checks(review, [check for check in diff.checks if not check.is_lost])
+    title = NEW_CHECKS + ("" if diff.undetected is not None else NOT_CREDITED)
+    pairs = ((LOST_CHECKS, lost if len(lost) > 1 else ()), (title, new))
+    return [(title, list(_at_most(lines))) for title, lines in pairs if lines]
+
+
 def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     """Return what the later run brought about otherwise, and what broke and was repaired.
 
@@ -162,13 +201,13 @@ def of_parts(review: Review, diff: RiskDiff) -> list[tuple[str, list[str]]]:
     """Return what else differs, below the figures, with the title of each list."""
     single = [f"{point.component}, in {some(point.functions)}" for point in diff.single_points]
     pairs = [
+        *checks_lists(review, diff),
         ("Single points of failure that were none", single),
         (OF_HARDWARE, list(of_hardware(diff))),
         ("Values set by hand", pins(review, diff)),
         (OF_PACE, list(of_pace(diff))),
         (OF_RUN, list(diff.of_run)),
         (OF_EVIDENCE, list(diff.of_evidence)),
-        (UNCREDITED, list(_at_most(diff.uncredited))),
         (OF_INPUTS, list(_inputs(diff))),
     ]
     return [(title, lines) for title, lines in pairs if lines]

@@ -1,0 +1,1 @@
+"""The answers of calls that a controller looks at, read from its sources alone."""
