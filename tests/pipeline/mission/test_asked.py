@@ -2,7 +2,7 @@
 
 import pytest
 
-from tracerisk.pipeline.mission.asked import asked_less, asked_newly
+from tracerisk.pipeline.mission.asked import asked_less, asked_newly, asked_otherwise
 
 # Each second condition asks more than the first, or the same in other words.
 STRICTER = (
@@ -31,7 +31,6 @@ OTHER = (
     ("{object: cup, at: tray}", "{object: can, at: tray}"),
     ("{object: cup, moved: true}", "{object: cup, moved: false}"),
     ("{object: cup, held_by: hand}", "{object: cup, held_by: claw}"),
-    ("{called: weld, exactly: 1}", "{called: weld, exactly: 2}"),
     ("{joints: {a: 1.0}}", "{joints: {a: 2.0}}"),
     ("{joints: {a: 1.0}}", "{reached: {a: 1.0}}"),
 )
@@ -52,6 +51,24 @@ def test_what_asks_something_else_asks_less(read, one, other):
     for old, new in ((read(one), read(other)), (read(other), read(one))):
         (less,) = asked_less(old, new)
         assert less.startswith(old[0].words)
+
+
+def test_a_call_more_exactly_is_asked_otherwise_and_one_fewer_is_less(read):
+    one, two = read("{called: weld, exactly: 1}"), read("{called: weld, exactly: 2}")
+    assert (asked_less(one, two), asked_newly(one, two)) == ((), ())
+    assert asked_otherwise(one, two) == (f"{two[0].words}; before: {one[0].words}",)
+    assert asked_otherwise(two, one) == ()
+    assert asked_less(two, one) == (f"{two[0].words}; now: {one[0].words}",)
+
+
+def test_a_line_that_is_gone_is_not_paired_with_one_that_stays(read):
+    at = "{object: jar, at: tray, within: %s}"
+    rest = "{object: jar, rests_on: tray, tilt: 0.1}"
+    old = read(at % 0.01, rest)
+    assert asked_less(old, read(at % 0.05, rest)) == (
+        "jar at tray within 0.01 m; now: jar at tray within 0.05 m",
+    )
+    assert asked_less(old, read(at % 0.01)) == ("jar tilted by at most 0.1 rad, on tray",)
 
 
 def test_a_line_that_nobody_confirms_any_more_asks_less(read):

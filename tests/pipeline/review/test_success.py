@@ -74,6 +74,7 @@ def test_a_looser_success_is_the_first_thing_said_in_every_output(cell, is_run):
 def test_a_gate_stops_it(cell):
     repository = cell(STRICT, LOOSE)
     assert repository.run("diff", "HEAD").code == 0
+    assert repository.run("diff", "HEAD", "--no-weaker-checks").code == 1
     done = repository.run("diff", "HEAD", "--no-outcome-change")
     assert done.code == 1
     assert f"{SAID.replace('pick.py must', 'pick.py: must')}; --no-outcome-change" in done.err
@@ -92,6 +93,22 @@ def test_a_robot_that_must_do_less_never_looks_safer(cell):
     assert "falls" not in out
     assert "not comparable" in out
     assert "pick.py must do less; mission failure is 2.000e-07 now and was 4.000e-07" in out
+
+
+def test_a_call_more_is_asked_otherwise_and_not_less(cell):
+    calls = "success:\n- {called: /weigh, exactly: %d}\n"
+    repository = cell(calls % 2, calls % 3)
+    diff = only(review(["HEAD"], repository.folder))
+    said = "called /weigh exactly 3 times; before: called /weigh exactly 2 times"
+    assert (diff.asked_less, diff.asked_otherwise, diff.asked_newly) == ((), (said,), ())
+    out = repository.run("diff", "HEAD", "--no-weaker-checks")
+    assert out.code == 0
+    assert "must do less" not in out.out
+    assert f"What `success` asks otherwise - {said}" in " ".join(out.out.split())
+    fewer = only(review(["HEAD"], cell(calls % 3, calls % 2).folder))
+    assert fewer.asked_less == (
+        "called /weigh exactly 3 times; now: called /weigh exactly 2 times",
+    )
 
 
 def test_a_stricter_success_is_told_and_stopped_by_no_gate(cell):

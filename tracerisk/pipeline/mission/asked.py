@@ -12,16 +12,63 @@ def asked_less(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str,
     """Return what `old` asks and `new` does not, in words, with what `new` asks of the same."""
     lines = []
     for condition in _not_implied(old, new):
-        now = [_words(later) for later in new if _subject(later) == _subject(condition)]
-        lines.append(_words(condition) + (f"; now: {', '.join(now)}" if now else ""))
+        now = _instead(condition, old, new)
+        if not any(_is_another(later, condition) for later in now):
+            words = ", ".join(map(_words, now))
+            lines.append(_words(condition) + (f"; now: {words}" if words else ""))
+    return tuple(dict.fromkeys(lines))
+
+
+def asked_otherwise(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str, ...]:
+    """Return what `new` asks in place of what `old` does, no less of it, in words."""
+    lines = [
+        f"{_words(later)}; before: {_words(condition)}"
+        for condition in _not_implied(old, new)
+        for later in _instead(condition, old, new)
+        if _is_another(later, condition)
+    ]
     return tuple(dict.fromkeys(lines))
 
 
 def asked_newly(old: Sequence[Condition], new: Sequence[Condition]) -> tuple[str, ...]:
-    """Return what `new` asks and `old` did not, in words, but for what stands in `asked_less`."""
-    less = set(map(_subject, _not_implied(old, new)))
-    newly = (later for later in _not_implied(new, old) if _subject(later) not in less)
+    """Return what `new` asks and `old` did not, in words, but for what the others return."""
+    known = [
+        later for condition in _not_implied(old, new) for later in _instead(condition, old, new)
+    ]
+    newly = (later for later in _not_implied(new, old) if later not in known)
     return tuple(dict.fromkeys(map(_words, newly)))
+
+
+def _instead(
+    condition: Condition, old: Sequence[Condition], new: Sequence[Condition]
+) -> list[Condition]:
+    """Return what is asked now, and was not, of the same thing in the same respect."""
+    return [
+        later
+        for later in _not_implied(new, [one for one in old if one != condition])
+        if (later.kind, later.name) == (condition.kind, condition.name)
+        and (_respects(later) & _respects(condition) or not _respects(condition))
+    ]
+
+
+def _respects(condition: Condition) -> set[str]:
+    """Return in which respects an object or a link is judged; none for all other conditions."""
+    if condition.kind not in ("object", "link"):
+        return set()
+    if condition.is_at_goal:
+        return {"goal"}
+    said = {"at": condition.at, "moved": condition.moved, "tilt": condition.tilt}
+    texts = {"rests_on": condition.rests_on, "held_by": condition.held_by}
+    return {name for name, value in said.items() if value is not None} | {
+        name for name, text in texts.items() if text
+    }
+
+
+def _is_another(new: Condition, old: Condition) -> bool:
+    """Return whether a condition asks for something else, and no less: a call more, exactly."""
+    if old.kind not in COUNTED or not (old.is_exact and new.is_exact):
+        return False
+    return new.times > old.times and new.fields == old.fields and not new.is_assumed
 
 
 def _not_implied(conditions: Sequence[Condition], others: Sequence[Condition]) -> list[Condition]:
@@ -31,10 +78,6 @@ def _not_implied(conditions: Sequence[Condition], others: Sequence[Condition]) -
         for condition in conditions
         if not any(_implies(other, condition) for other in others)
     ]
-
-
-def _subject(condition: Condition) -> tuple[str, str]:
-    return condition.kind, condition.name
 
 
 def _words(condition: Condition) -> str:

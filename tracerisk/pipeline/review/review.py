@@ -240,7 +240,8 @@ def difference(
             else evidence_change(controller.before, controller.after)
         ),
         asked_less=asked[0],
-        asked_newly=asked[1],
+        asked_otherwise=asked[1],
+        asked_newly=asked[2],
     )
     # Where a run went wrong, no cause of a difference is one.
     return diff if diff.is_comparable else replace(diff, causes=())
@@ -299,18 +300,22 @@ def _outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeCh
     return kept_changes(before.trace, after.trace)
 
 
-def _asked(controller: ReviewedController) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return what `success` of the later version asks less, and what it newly asks."""
+def _asked(controller: ReviewedController) -> tuple[tuple[str, ...], ...]:
+    """Return what `success` of the later version asks less, otherwise, and newly."""
     old, new = controller.before.success, controller.after.success
     if old is None or new is None:
         which = "earlier" if old is None else "later"
         why = f"the scenario of the {which} version cannot be read"
-        return (f"what it asked, as far as is known: {why}",), ()
+        return (f"what it asked, as far as is known: {why}",), (), ()
     if old == new:
-        return (), ()
-    from tracerisk.pipeline.mission.asked import asked_less, asked_newly  # few changes touch it
+        return (), (), ()
+    from tracerisk.pipeline.mission import asked  # few changes touch it
 
-    return asked_less(old, new), asked_newly(old, new)
+    return (
+        asked.asked_less(old, new),
+        asked.asked_otherwise(old, new),
+        asked.asked_newly(old, new),
+    )
 
 
 def _checks(controller: ReviewedController, renamed: Mapping[str, str]) -> tuple[ChangedCheck, ...]:

@@ -76,6 +76,8 @@ class RiskDiff:
     checks: tuple[ChangedCheck, ...] = ()
     """Answers of services, actions and drivers that the controller no longer looks at, then those
     that it newly does."""
+    asked_otherwise: tuple[str, ...] = ()
+    """What `success` of the scenario asks in place of what it asked, one sentence each."""
     asked_newly: tuple[str, ...] = ()
     """What `success` of the scenario newly asks, one sentence each."""
 
@@ -106,7 +108,7 @@ class RiskDiff:
         A run with a different result is a different mission. A run that left out part of the way
         does less, so it must not count as safer; nor must one of which `success` asks less.
         """
-        if self._falls and self.asked_less:
+        if self._falls and (self.asked_less or self.asked_otherwise):
             return False
         if self.outcome is None:
             return True
@@ -196,7 +198,7 @@ class RiskDiff:
             return True
         if self.of_run or self.of_evidence:
             return True
-        if self.asked_less or self.asked_newly or self.checks:
+        if self.asked_less or self.asked_otherwise or self.asked_newly or self.checks:
             return True
         runs = self.verdicts
         if runs is not None and (runs.new_acceptances or runs.does_less or is_news(runs)):

@@ -25,6 +25,7 @@ from tracerisk.report.diff.wording import (
     some,
 )
 
+_DIFFERENT = "of different missions"
 _ANOTHER_WAY = "goes another way, same result"
 
 
@@ -67,7 +68,7 @@ def _other_mission(diff: RiskDiff) -> str:
     outcome = OutcomeChanges() if diff.outcome is None else diff.outcome
     old, new = figures[0].failure_probability, figures[-1].failure_probability
     # What it must not do any more stands before all else.
-    said, apart = "must do less", "of different missions"
+    said, apart = "must do less" if diff.asked_less else "must do something else", _DIFFERENT
     if diff.goes_another_way or outcome.does_something_else:
         what = "does something else" if outcome.result else "does less"
         if diff.goes_another_way:

@@ -34,6 +34,9 @@ MOST_OF_KIND = 6
 ASKED_LESS = "What `success` no longer asks"
 
 
+ASKED_OTHERWISE = "What `success` asks otherwise"
+
+
 ASKED_NEWLY = "What `success` newly asks"
 
 
@@ -178,6 +181,7 @@ def of_missions(diff: RiskDiff) -> list[tuple[str, list[str]]]:
     """
     pairs = [
         (ASKED_LESS, list(_at_most(diff.asked_less if len(diff.asked_less) > 1 else ()))),
+        (ASKED_OTHERWISE, list(_at_most(diff.asked_otherwise))),
         (ASKED_NEWLY, list(_at_most(diff.asked_newly))),
     ]
     if diff.outcome is not None:
