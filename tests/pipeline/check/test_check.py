@@ -419,7 +419,7 @@ def test_a_refresh_that_goes_wrong_keeps_the_blocks_of_a_good_run(project):
     before = {name: project.read(name) for name in ("c.py", "tracerisk.lock")}
     outcome = project.run("refresh", "c.py")
     assert outcome.code == 1
-    assert {name: project.read(name) for name in before} == before
+    assert project.read("c.py") == before["c.py"]
     lines = [line for line in outcome.err.splitlines() if line.startswith("c.py: ")]
     assert lines[0].startswith("c.py: faulted: the controller raised ValueError: no part")
     assert lines[1].startswith(
@@ -427,6 +427,14 @@ def test_a_refresh_that_goes_wrong_keeps_the_blocks_of_a_good_run(project):
     )
     assert len(lines) == 2
     assert check(project)[1] == [("stale", "c.py", 1)]
+    said = project.run("check").out
+    assert (
+        "its last run wrote no blocks: faulted: the controller raised ValueError: no part" in said
+    )
+    assert "mend it, then `tracerisk refresh c.py`" in said
+    change(project, "c.py", "no part", "no other part")
+    assert "c.py has changed since the last run" in project.run("check").out
+    change(project, "c.py", "no other part", "no part")
     first = project.run("check").out.splitlines()[0]
     assert first.startswith("c.py: complete, ")
     assert first.endswith(" (of the run behind the blocks, which is stale)")

@@ -7,13 +7,16 @@ import pytest
 
 from tests.pipeline.review.test_review import lock_of, only, write
 from tests.slow import slow_but_every
+from tracerisk.adder.lock.lock import Lock
 from tracerisk.common.text.digests import sha256
 from tracerisk.common.text.plain_data import plain_data
-from tracerisk.common.verdict import Coverage, Verdict
+from tracerisk.common.verdict import Coverage, Reason, Verdict
 from tracerisk.config import Settings
 from tracerisk.instrument.source.code_digest import code_digest
 from tracerisk.pipeline.freshness.run_inputs import hardware_digest
 from tracerisk.pipeline.review.review import review
+from tracerisk.pipeline.trace.kept_verdict import with_refused
+from tracerisk.pipeline.workspace.project import Project
 
 SETTINGS = '[tool.tracerisk]\nhardware = "hw.yaml"\n'
 HARDWARE = "components:\n  motor: {failure_rate: {value: RATE, per: hour}, source: SOURCE}\n"
@@ -295,3 +298,28 @@ def test_a_figure_of_blocks_that_are_stale_is_not_shown_as_that_of_the_later_ver
     (row,) = (line for line in markdown.splitlines() if line.startswith("|") and "pick.py" in line)
     assert row.split(" | ")[2] == "none"
     assert cell.run("diff", "HEAD", "--max-increase", "0.1").code == 1
+
+
+def test_a_run_that_was_refused_is_named_and_not_promised_to_refresh(cell):
+    faulted = Verdict(
+        "faulted", (Reason("object-dropped", "faulted", "'jar' fell"),), Coverage(1, 1)
+    )
+    cell.write("helper.py", "REACH = 0.5\n")
+    (entry,) = Project(cell.folder).lock.controllers.values()
+    sources = {**entry.inputs["sources"], "helper.py": code_digest(b"REACH = 0.5\n", "helper.py")}
+    refused = with_refused(entry, faulted, {**entry.inputs, "sources": sources})
+    cell.write("tracerisk.lock", Lock().with_controller("pick.py", refused).dumps())
+    said = "pick.py is not assessed as it is now: its last run is faulted: 'jar' fell"
+    out = " ".join(cell.run("diff", "HEAD").out.split())
+    assert said in out
+    assert "and wrote no blocks; mend it, then `tracerisk refresh pick.py`." in out
+    assert "writes them again" not in out
+    assert "its blocks give" not in out
+    comment = cell.run("diff", "HEAD", "--format", "markdown").out
+    assert "| faulted, no blocks written |" in comment
+    assert cell.run("diff", "HEAD", "--max-increase", "0.1").code == 1
+    # Another change since: that run says nothing of it any more.
+    cell.write("helper.py", "REACH = 0.6\n")
+    assert "since its last run helper.py has changed" in " ".join(
+        cell.run("diff", "HEAD").out.split()
+    )

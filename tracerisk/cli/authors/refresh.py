@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tracerisk.adder.lock.lock import lock_key
+from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import (
     note,
@@ -23,7 +23,11 @@ from tracerisk.common.verdict import verdict_line
 from tracerisk.config import controller_root
 from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
 from tracerisk.pipeline.check.refresh import refresh_controller
-from tracerisk.pipeline.freshness.known_controllers import forget_gone, named_or_all
+from tracerisk.pipeline.freshness.known_controllers import (
+    forget_gone,
+    named_or_all,
+    write_or_remove,
+)
 from tracerisk.pipeline.workspace.project import Project, Projects
 
 if TYPE_CHECKING:
@@ -63,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
                 done = refresh_controller(
                     path, projects, policy=policy, sandbox=options.sandbox, progress=progress
                 )
-            would_change = _settle(done, options)
+            would_change = _settle(done, path, options)
         except DependencyError:
             raise  # reported once: no other controller would fare better
         except TraceRiskError as error:
@@ -137,8 +141,10 @@ def _forget(
     return forgotten
 
 
-def _settle(done: Refreshed, options: argparse.Namespace) -> bool:
+def _settle(done: Refreshed, path: Path, options: argparse.Namespace) -> bool:
     """Write or show what changed; return whether `--check` is to report it."""
+    if done.lock is not None and not (options.check or options.diff):
+        write_or_remove(controller_root(path) / LOCK_NAME, done.lock)
     if done.annotated is None or not done.is_changed:
         return False
     if options.diff:

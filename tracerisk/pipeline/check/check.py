@@ -30,6 +30,7 @@ from tracerisk.pipeline.check.run import (
     CoverageLimits,
     contact_findings,
     coverage_findings,
+    refused_finding,
     verdict_findings,
     world_findings,
 )
@@ -53,8 +54,6 @@ if TYPE_CHECKING:
     from tracerisk.common.worlds.world_run import WorldRun
 
 _OF_LOCK_AND_SOURCE = frozenset({"edited", "undecided", "missing", "orphaned"})
-
-
 _NO_LIMITS = CoverageLimits()
 
 
@@ -225,7 +224,8 @@ def _stale(
     )
     place = Location(str(controller.path), 1)
     if reasons:
-        yield CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
+        changed = CheckFinding("stale", f"{'; '.join(reasons)} since the last run", place)
+        yield refused_finding(controller, entry, settings) or changed
     elif entry.others:
         message = f"{LOCK_NAME} holds the last runs of several branches"
         yield CheckFinding("stale", message, place)

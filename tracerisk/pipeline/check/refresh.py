@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from tracerisk.adder.lock.lock import ControllerLock, lock_key
+from tracerisk.adder.lock.lock import ControllerLock, Lock, lock_key
 from tracerisk.adder.merge.edits_found import MergePolicy
 from tracerisk.common.hardware.formats import load_hardware
 from tracerisk.common.verdict import Verdict
@@ -19,10 +19,10 @@ from tracerisk.pipeline.check.remedies import MENDED_BY_REFRESH
 from tracerisk.pipeline.freshness.freshness import stale_reasons
 from tracerisk.pipeline.freshness.known_controllers import with_moved
 from tracerisk.pipeline.freshness.known_functions import check_blocks
-from tracerisk.pipeline.freshness.run_inputs import RunInputs
+from tracerisk.pipeline.freshness.run_inputs import RunInputs, run_inputs
 from tracerisk.pipeline.freshness.trace_cache import TraceCache
 from tracerisk.pipeline.scenarios.trace_controller import trace_controller
-from tracerisk.pipeline.trace.kept_verdict import kept_verdict
+from tracerisk.pipeline.trace.kept_verdict import kept_verdict, with_refused
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Projects
 from tracerisk.trace import Trace
@@ -44,6 +44,8 @@ class Refreshed:
     """The sources and lock to write; `None` where they are fresh, or stay as they are."""
     verdict: Verdict | None = None
     """The verdict of the run behind the blocks; `None` where none is known."""
+    lock: Lock | None = None
+    """The lock that remembers a run whose blocks are not written; `None` for all others."""
 
     @property
     def is_changed(self) -> bool:
@@ -100,7 +102,11 @@ def refresh_controller(
         _check_end(trace, str(controller.path))
     text = "; ".join(reasons) or "values recomputed from the cached trace"
     if not (policy is not None and policy.fresh) and _would_lose(entry, trace):
-        return Refreshed("kept", text, verdict=trace.verdict)
+        inputs = run_inputs(controller, trace, settings, given=given).data()
+        key = lock_key(controller.path, controller.root)
+        assert entry is not None, "blocks that would be lost are of a run"
+        remembered = lock.with_controller(key, with_refused(entry, trace.verdict, inputs))
+        return Refreshed("kept", text, verdict=trace.verdict, lock=remembered)
     if progress is not None:
         progress("annotating", trace.end.simulated_s or 0.0)
     annotated = annotate(

@@ -11,12 +11,16 @@ from tracerisk.adder.lock.lock import ControllerLock
 from tracerisk.adder.sources.functions import functions_in
 from tracerisk.common.function_ref import FunctionRef
 from tracerisk.common.instance_name import places
-from tracerisk.common.verdict import GAPS, NEVER_RAN, Reason, Verdict, VerdictKind
+from tracerisk.common.verdict import GAPS, NEVER_RAN, Reason, Verdict, VerdictKind, verdict_line
 from tracerisk.common.verdict_codes import ACCEPTABLE
+from tracerisk.config import Settings, from_here
 from tracerisk.errors import Location, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.check.finding import CheckFinding, FindingKind
 from tracerisk.pipeline.check.remedies import as_typed
+from tracerisk.pipeline.freshness.freshness import stale_reasons
+from tracerisk.pipeline.freshness.run_inputs import RunInputs
+from tracerisk.pipeline.trace.kept_verdict import refused_run
 from tracerisk.pipeline.workspace.controller import Controller
 
 if TYPE_CHECKING:
@@ -163,3 +167,16 @@ def function_place(controller: Controller, function: FunctionRef) -> Location | 
         return None
     numbers = places(function.name, lines)
     return Location(shown, numbers[-1]) if numbers else None
+
+
+def refused_finding(
+    controller: Controller, entry: ControllerLock, settings: Settings
+) -> CheckFinding | None:
+    """Return that the last run wrote no blocks, as it went wrong; `None` if of other code."""
+    refused = refused_run(entry)
+    if refused is None or stale_reasons(RunInputs.from_data(refused[1]), controller, settings):
+        return None
+    verdict = refused[0].with_files(from_here(controller.root))
+    message = f"its last run wrote no blocks: {verdict_line(verdict)}; those here are older"
+    remedy = f"mend it, then `tracerisk refresh {as_typed(controller.path)}`"
+    return CheckFinding("stale", message, Location(str(controller.path), 1), remedy=remedy)

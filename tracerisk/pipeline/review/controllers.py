@@ -24,6 +24,7 @@ from tracerisk.pipeline.review.version_inputs import (
     depends_on,
     description_of,
     inputs_now,
+    is_of_refused_run,
     modules_of,
     recorded_sources,
     scenario_of,
@@ -60,6 +61,8 @@ class ControllerVersion(NamedTuple):
     scenario or the outcome, `None` where that cannot be read."""
     inputs: RunInputs | None = None
     """What its run depended on, as the version has it; `None` where no lock knows a run."""
+    is_refused: bool = False
+    """Whether a run of it as it is went wrong, and its blocks were not written."""
     modules: Mapping[str, bytes] = {}
     """All sources of its run, by path from the top; empty where no lock knows a run."""
 
@@ -376,7 +379,10 @@ def _version(
     except TraceRiskError as error:
         raise in_version(error, locks.version) from error
     stale = tuple(changed_inputs(run.recorded, now, lambda file: _shown(run, file, locks)))
-    return ControllerVersion(sources, known.entry, known.folder, evidence, stale, inputs=now)
+    is_refused = bool(stale) and is_of_refused_run(run, sources, locks.changed)
+    return ControllerVersion(
+        sources, known.entry, known.folder, evidence, stale, inputs=now, is_refused=is_refused
+    )
 
 
 def _shown(run: RunOfVersion, file: str, locks: Locks) -> str:

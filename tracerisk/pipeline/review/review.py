@@ -36,7 +36,7 @@ from tracerisk.pipeline.review.renamed_functions import (
     renamed_without_block,
 )
 from tracerisk.pipeline.review.run_changes import evidence_changes, run_changes
-from tracerisk.pipeline.review.run_verdicts import version_verdict
+from tracerisk.pipeline.review.run_verdicts import refused_line, version_verdict
 from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.trace.last_run import kept_uncovered
 from tracerisk.prm.review.change_records import RunVerdicts
@@ -231,6 +231,7 @@ def difference(
         hardware=_hardware_changes(controller),
         hardware_file=controller.after.hardware.file if controller.after.hardware else "",
         stale=_stale(controller, diff),
+        refused=refused_line(controller.after),
         outcome=outcome,
         checks=_checks(controller, names),
         not_asked=_not_asked(controller, outcome),

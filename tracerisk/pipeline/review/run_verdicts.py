@@ -8,19 +8,34 @@ from pathlib import Path
 
 from tracerisk.adder.lock.lock import LOCK_NAME, lock_key
 from tracerisk.adder.lock.reading import loads
-from tracerisk.common.verdict import Verdict
+from tracerisk.common.verdict import Verdict, verdict_line
 from tracerisk.config import controller_root
 from tracerisk.errors import TraceRiskError
 from tracerisk.instrument.source.language import is_c, is_c_like
 from tracerisk.pipeline.history.repository import Repository
 from tracerisk.pipeline.review.controllers import ControllerVersion
 from tracerisk.pipeline.review.git_versions import compared, in_version
-from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict
+from tracerisk.pipeline.trace.kept_verdict import block_lines, kept_verdict, refused_run
 
 
 def version_verdict(version: ControllerVersion) -> Verdict | None:
     """Return the verdict that the lock of a version keeps, with the lines of its sources."""
-    verdict = kept_verdict(version.entry)
+    return _placed(kept_verdict(version.entry), version)
+
+
+def refused_line(version: ControllerVersion) -> str:
+    """Return the verdict of the run of a version whose blocks were not written; else nothing."""
+    refused = refused_run(version.entry) if version.is_refused else None
+    # Nothing was written: its lines are those of the source with its blocks.
+    verdict = None if refused is None else _in_version(refused[0], version)
+    return "" if verdict is None else verdict_line(verdict)
+
+
+def _in_version(verdict: Verdict, version: ControllerVersion) -> Verdict:
+    return verdict.with_files(lambda file: posixpath.relpath(posixpath.join(version.folder, file)))
+
+
+def _placed(verdict: Verdict | None, version: ControllerVersion) -> Verdict | None:
     if verdict is None:
         return None
     sources = {
@@ -32,8 +47,7 @@ def version_verdict(version: ControllerVersion) -> Verdict | None:
         {name: source for name, (_, source) in sources.items()},
         {name: file for name, (file, _) in sources.items()},
     )
-    placed = verdict.with_lines(line_of)
-    return placed.with_files(lambda file: posixpath.relpath(posixpath.join(version.folder, file)))
+    return _in_version(verdict.with_lines(line_of), version)
 
 
 def base_verdicts(paths: list[Path], revision: str) -> Iterator[Verdict | None]:

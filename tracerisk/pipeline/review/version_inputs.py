@@ -26,7 +26,9 @@ from tracerisk.pipeline.freshness.run_inputs import (
     hardware_digest,
     settings_data,
 )
+from tracerisk.pipeline.review.changed_inputs import changed_inputs
 from tracerisk.pipeline.review.git_versions import GitVersion
+from tracerisk.pipeline.trace.kept_verdict import refused_run
 from tracerisk.pipeline.workspace.controller import load_controller
 from tracerisk.pipeline.workspace.project import Project
 
@@ -116,6 +118,17 @@ def inputs_now(
     if settings is not None:
         now = replace(now, settings=settings)
     return replace(now, hardware=_hardware_now(run, now, changed))
+
+
+def is_of_refused_run(
+    run: RunOfVersion, sources: Mapping[str, bytes], changed: Collection[str]
+) -> bool:
+    """Return whether the run that the lock remembers as refused is of the version as it is."""
+    refused = refused_run(run.entry)
+    if refused is None:
+        return False
+    again = run._replace(entry=replace(run.entry, inputs=refused[1]))
+    return not any(changed_inputs(again.recorded, inputs_now(again, sources, changed)))
 
 
 def description_of(run: RunOfVersion, inputs: RunInputs) -> Hardware | None:

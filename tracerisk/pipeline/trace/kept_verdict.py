@@ -12,6 +12,8 @@ from tracerisk.common.text.plain_data import MismatchError, plain_data, read_pla
 from tracerisk.common.verdict import Verdict
 
 _VERDICT = "verdict"
+_REFUSED = "refused"
+_INPUTS = "inputs"
 _WHOLE_S = 1  # decimals of the times that are kept: more would change with every change
 
 
@@ -54,6 +56,26 @@ def kept_verdict(entry: ControllerLock | None) -> Verdict | None:
     if entry is None or not isinstance(entry.trace.get(_VERDICT), Mapping):
         return None
     return verdict_of_data(entry.trace[_VERDICT])
+
+
+def with_refused(
+    entry: ControllerLock, verdict: Verdict | None, inputs: Mapping[str, Any]
+) -> ControllerLock:
+    """Return an entry that also holds a later run that went wrong, whose blocks were not written.
+
+    `inputs` are what that run depended on, as plain JSON values.
+    """
+    refused = {**verdict_summary(verdict), _INPUTS: dict(inputs)}
+    return replace(entry, trace={**entry.trace, _REFUSED: refused})
+
+
+def refused_run(entry: ControllerLock | None) -> tuple[Verdict, Mapping[str, Any]] | None:
+    """Return the verdict and inputs of a later run that went wrong; `None` where there is none."""
+    refused = None if entry is None else entry.trace.get(_REFUSED)
+    if not isinstance(refused, Mapping) or not isinstance(refused.get(_INPUTS), Mapping):
+        return None
+    verdict = verdict_of_data(refused.get(_VERDICT))
+    return None if verdict is None else (verdict, refused[_INPUTS])
 
 
 def verdict_of_data(data: Any) -> Verdict | None:

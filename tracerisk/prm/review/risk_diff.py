@@ -64,6 +64,9 @@ class RiskDiff:
     stale: tuple[str, ...] = ()
     """What has changed since the run behind the later version's blocks, or that no run of it is
     known; one sentence each."""
+    refused: str = ""
+    """The verdict of the run of the later version as it is, whose blocks were not written because
+    it went wrong; empty for none."""
     outcome: OutcomeChanges | None = None
     """How the later run's outcome differs from the earlier run's; `None` if either is unknown."""
     evidence_change: str = ""

@@ -118,7 +118,8 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         assert diff.after is not None, "one version at least has blocks"
         figure = probability(diff.after.failure_probability)
         if diff.stale:
-            return f"{diff.name} {not_assessed(diff)}; its blocks give {figure}; {_remedy(diff)}"
+            text = f"{diff.name} {not_assessed(diff)}; "
+            return text + _old_figure(diff, diff.after.failure_probability) + _remedy(diff)
         return (
             f"{diff.name} is assessed for the first time: its mission fails with "
             f"{figure}{missions}{_of_which(diff)}"
@@ -130,9 +131,7 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
     if diff.evidence_change:
         return _by_evidence(diff, old, new) + _stale(diff)
     if diff.is_unchanged and diff.stale and not _structural(diff):
-        return (
-            f"{diff.name} {not_assessed(diff)}; its blocks give {probability(new)}; {_remedy(diff)}"
-        )
+        return f"{diff.name} {not_assessed(diff)}; {_old_figure(diff, new)}{_remedy(diff)}"
     if diff.is_same_figure:
         text = f"{diff.name}: mission failure is unchanged at {probability(new)}{missions}"
         text += _of_which(diff)
@@ -220,16 +219,27 @@ def _stale(diff: RiskDiff) -> str:
 
 def not_assessed(diff: RiskDiff) -> str:
     """Return why the blocks of a controller are not those of a run of it as it is."""
+    if diff.refused:
+        # How much of it ran stands in the line of the verdict.
+        why, _, _ = diff.refused.rpartition("; ")
+        return f"is not assessed as it is now: its last run is {why}, and wrote no blocks"
     verdicts = diff.verdicts
     is_run = verdicts is not None and verdicts.in_after and verdicts.after is not None
     since = "since its last run " if is_run else ""
     return f"is not assessed as it is now: {since}{some(diff.stale)}"
 
 
+def _old_figure(diff: RiskDiff, figure: float) -> str:
+    """Return what the blocks give that are not those of a run; nothing if that run went wrong."""
+    return "" if diff.refused else f"its blocks give {probability(figure)}; "
+
+
 def _remedy(diff: RiskDiff) -> str:
     """Return the command that makes the blocks those of the later version."""
     if is_c(diff.name):
         return f"`tracerisk annotate {diff.name} --trace TRACE` (or `--log LOG`) writes them again"
+    if diff.refused:
+        return f"mend it, then `tracerisk refresh {diff.name}`"
     verb = "refresh" if diff.verdicts is not None else "run"
     return f"`tracerisk {verb} {diff.name}` writes them again"
 

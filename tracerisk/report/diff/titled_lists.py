@@ -88,7 +88,8 @@ def verdict_lines(review: Review, *, only_wrong: bool = False) -> list[str]:
             continue
         before = f"; before: {_short(diff.verdicts.before)}" if diff.verdicts.in_before else ""
         stale = " (of its last run: stale)" if diff.stale else ""
-        lines.append(f"{name}{verdict_line(diff.verdicts.after)}{stale}{before}")
+        after = diff.refused or verdict_line(diff.verdicts.after) + stale
+        lines.append(f"{name}{after}{before}")
     return lines
 
 
@@ -96,7 +97,7 @@ def _is_wrong(diff: RiskDiff) -> bool:
     verdicts = diff.verdicts
     if verdicts is None or not verdicts.in_after:
         return False
-    is_whole = verdicts.after is not None and not verdicts.after.is_bad
+    is_whole = verdicts.after is not None and not verdicts.after.is_bad and not diff.refused
     return not is_whole or verdicts.does_less
 
 
@@ -105,6 +106,8 @@ def later_run(diff: RiskDiff) -> str:
     verdicts = diff.verdicts
     if verdicts is None or not verdicts.in_after:
         return ""
+    if diff.refused:
+        return f"{diff.refused.partition(':')[0]}, no blocks written"
     return _short(verdicts.after) + (", stale" if diff.stale else "")
 
 
