@@ -392,3 +392,28 @@ def test_a_contact_that_the_earlier_run_showed_too_is_not_reported_again(showed)
     found = showed(TOUCH, TOUCH, code="LATER = 1\n")
     assert only(found).of_run == ()
     assert not found.is_worth_telling(0.5)
+
+
+def test_a_branch_that_has_moved_on_is_named_with_its_figure(repository, two_steps):
+    repository.write("pick.py", two_steps())
+    repository.commit()
+    repository.git("branch", "-M", "main")
+    repository.git("switch", "-q", "-c", "side")
+    repository.write("pick.py", two_steps(gripper="= 4e-07"))
+    repository.commit()
+    assert review(["main...side"], repository.folder).moved_on == ()
+    repository.git("switch", "-q", "main")
+    repository.write("other.txt", "nothing of it")
+    repository.commit()
+    assert review(["main...side"], repository.folder).moved_on == ()
+    repository.write("pick.py", two_steps(motor="9e-8"))
+    repository.commit()
+    figure = review(["side..main"], repository.folder).controllers[0].after.failure_probability
+    (line,) = review(["main...side"], repository.folder).moved_on
+    assert line.startswith(
+        f"main has moved on since: pick.py is another one there, and gives {figure:.3e}; "
+    )
+    for form in ("text", "markdown"):
+        out = repository.run("diff", "main...side", "--format", form, "--silent-below", "9").out
+        assert "main has moved on since" in " ".join(out.split())[:200]
+    assert review(["main..side"], repository.folder).moved_on == ()

@@ -74,6 +74,8 @@ class Compared(NamedTuple):
     """The later version."""
     paths: tuple[str, ...] | None
     """The paths from the top to which the review is narrowed; `None` for all."""
+    tip: GitVersion | None = None
+    """The branch that the earlier version is the merge base of; `None` where that is its tip."""
 
 
 def compared(repository: Repository, folder: Path, words: Sequence[str]) -> Compared:
@@ -83,13 +85,13 @@ def compared(repository: Repository, folder: Path, words: Sequence[str]) -> Comp
     Raises InputError for a revision or a file that is not there, or a word that is both.
     """
     spec, files = _split(repository, folder, list(words))
-    before, after = _versions(repository, spec)
+    before, after, tip = _versions(repository, spec)
     if not files:
-        return Compared(before, after, None)
+        return Compared(before, after, None, tip)
     paths = tuple(dict.fromkeys(_path(repository, folder, word) for word in files))
     for path, word in zip(paths, files, strict=False):
         _check_file(repository, path, word, (before, after))
-    return Compared(before, after, paths)
+    return Compared(before, after, paths, tip)
 
 
 class NamedVersion(Protocol):
@@ -148,11 +150,13 @@ def _parts(spec: str) -> tuple[str, str | None]:
     return spec, None
 
 
-def _versions(repository: Repository, spec: str | None) -> tuple[GitVersion, GitVersion]:
+def _versions(
+    repository: Repository, spec: str | None
+) -> tuple[GitVersion, GitVersion, GitVersion | None]:
     tree = GitVersion(repository, WORKING_TREE, "", None)
     one, other = _parts("HEAD" if spec is None else spec)
     if other is None:
-        return _version(repository, one), tree
+        return _version(repository, one), tree, None
     before, after = _version(repository, one), _version(repository, other)
     if spec is not None and "..." in spec:
         base = repository.merge_base(str(before.commit), str(after.commit))
@@ -161,9 +165,10 @@ def _versions(repository: Repository, spec: str | None) -> tuple[GitVersion, Git
                 f"{one} and {other} have no common ancestor{_shallow(repository)}; write "
                 f"{one}..{other} to compare them as they are"
             )
+        tip = None if base == before.commit else before
         name = f"{one} (merge base)"
-        before = GitVersion(repository, name, f"{base[:10]}:", base)
-    return before, after
+        return GitVersion(repository, name, f"{base[:10]}:", base), after, tip
+    return before, after, None
 
 
 def _version(repository: Repository, revision: str) -> GitVersion:

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from tracerisk.adder.lock.kept import as_computed
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
-from tracerisk.common.outcome.changes import OutcomeChanges
-from tracerisk.common.outcome.kept import kept_changes, kept_outcome, kept_tolerances
 from tracerisk.errors import InputError, TraceRiskError
 from tracerisk.instrument.source.answers.changed_checks import ChangedCheck, changed_checks
 from tracerisk.instrument.source.language import is_c
@@ -25,8 +23,10 @@ from tracerisk.pipeline.review.causes import cause_finder, evidence_change, inpu
 from tracerisk.pipeline.review.controllers import (
     NOT_RUN,
     ControllerVersion,
+    Locks,
     ReviewedController,
     reviewed_controllers,
+    version_of,
 )
 from tracerisk.pipeline.review.git_versions import GitVersion, compared, in_version
 from tracerisk.pipeline.review.lost_blocks import with_lost_blocks, written_blocks
@@ -35,9 +35,14 @@ from tracerisk.pipeline.review.renamed_functions import (
     renamed_functions,
     renamed_without_block,
 )
-from tracerisk.pipeline.review.run_changes import evidence_changes, run_changes
+from tracerisk.pipeline.review.run_changes import (
+    evidence_changes,
+    not_asked,
+    outcome_changes,
+    outcome_gaps,
+    run_changes,
+)
 from tracerisk.pipeline.review.run_verdicts import refused_line, version_verdict
-from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.trace.last_run import kept_uncovered
 from tracerisk.prm.review.change_records import RunVerdicts
 from tracerisk.prm.review.model_parts import RiskVersion
@@ -65,6 +70,7 @@ def review(
         files = annotated_files(repository, what, with_others=with_others)
         shown = _Shown(repository.top, here)
         controllers = reviewed_controllers(files, what, shown.name, with_others=with_others)
+        moved_on = () if what.tip is None else tuple(_moved_on(controllers, what.tip, shown))
     names = _VersionName.of(what.before), _VersionName.of(what.after)
     risk_diffs = shared_out(partial(_reviews, versions=names, shown=shown), controllers)
     for trace_risk_error in risk_diffs:
@@ -84,7 +90,28 @@ def review(
         prefixes=(what.before.prefix, what.after.prefix),
         commits=(what.before.commit, what.after.commit),
         folder=shown.folder,
+        moved_on=moved_on,
     )
+
+
+def _moved_on(
+    controllers: Sequence[ReviewedController], tip: GitVersion, shown: _Shown
+) -> Iterator[str]:
+    """Yield what the branch that is merged into has for a controller and its merge base has not."""
+    locks = Locks(tip, shown.name)
+    for controller in controllers:
+        base, now = controller.before, version_of(locks, controller.was or controller.name)
+        is_same = base.sources == now.sources and base.entry == now.entry
+        if not controller.is_changed or not now.sources or is_same:
+            continue
+        name = shown.name(controller.name)
+        model, _ = _built(shown.version(now), name, _VersionName.of(tip))
+        mission = None if model is None else model.figures.mission
+        figure = "" if mission is None else f", and gives {mission.failure_probability:.3e}"
+        yield (
+            f"{tip.name} has moved on since: {name} is another one there{figure}; what stands here "
+            "holds only until they are merged and refreshed"
+        )
 
 
 def diff(
@@ -221,11 +248,11 @@ def difference(
             names,
         )
     asked = _asked(controller)
-    outcome = _outcome_changes(controller, before is not None and after is not None)
+    outcome = outcome_changes(controller, before is not None and after is not None)
     changes_of_run = run_changes(controller.before, controller.after, names)
     diff = replace(
         diff,
-        of_run=(*changes_of_run, *(_of_outcomes(controller) if old and new else ())),
+        of_run=(*changes_of_run, *(outcome_gaps(controller) if old and new else ())),
         of_evidence=evidence_changes(controller.before, controller.after),
         verdicts=verdicts,
         hardware=_hardware_changes(controller),
@@ -234,7 +261,7 @@ def difference(
         refused=refused_line(controller.after),
         outcome=outcome,
         checks=_checks(controller, names),
-        not_asked=_not_asked(controller, outcome),
+        not_asked=not_asked(controller, outcome),
         evidence_change=(
             ""
             if before is None or after is None
@@ -293,14 +320,6 @@ def _stale(controller: ReviewedController, diff: RiskDiff) -> tuple[str, ...]:
     return controller.after.stale
 
 
-def _outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeChanges | None:
-    """Return how the outcomes of two versions differ; `None` where a lock keeps none."""
-    before, after = controller.before.entry, controller.after.entry
-    if not in_both or before is None or after is None:
-        return None
-    return kept_changes(before.trace, after.trace)
-
-
 def _asked(controller: ReviewedController) -> tuple[tuple[str, ...], ...]:
     """Return what `success` of the later version asks less, otherwise, and newly."""
     old, new = controller.before.success, controller.after.success
@@ -327,31 +346,6 @@ def _checks(controller: ReviewedController, renamed: Mapping[str, str]) -> tuple
     if old == new or not old or not new or is_c(controller.name):
         return ()
     return changed_checks(old, new, renamed)
-
-
-def _not_asked(controller: ReviewedController, outcome: OutcomeChanges | None) -> tuple[str, ...]:
-    """Return which objects the mission newly moves and a declared `success` does not name."""
-    success = controller.after.success
-    if not success or outcome is None:
-        return ()
-    parts = [part for condition in success for part in (condition, *condition.steps)]
-    named = {part.name for part in parts if part.kind == "object"}
-    return tuple(name for name in outcome.newly_moved if name not in named)
-
-
-def _of_outcomes(controller: ReviewedController) -> Iterator[str]:
-    """Yield what keeps two outcomes from being compared, or by what they are."""
-    entries = [
-        controller_version.entry for controller_version in (controller.before, controller.after)
-    ]
-    if any(entry is None or kept_verdict(entry) is None for entry in entries):
-        return
-    traces = [entry.trace for entry in entries if entry is not None]
-    for name, trace in zip(("earlier", "later"), traces, strict=True):
-        if kept_outcome(trace) is None:
-            yield f"what the {name} run brought about is not known: its lock does not say"
-    if kept_tolerances(traces[0]) != kept_tolerances(traces[1]):
-        yield "the tolerances of the outcome differ in the settings: the smaller ones count"
 
 
 def _built(

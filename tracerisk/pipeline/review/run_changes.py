@@ -8,7 +8,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from tracerisk.common.function_ref import FunctionRef, QualifiedName
-from tracerisk.pipeline.review.controllers import ControllerVersion
+from tracerisk.common.outcome.changes import OutcomeChanges
+from tracerisk.common.outcome.kept import kept_changes, kept_outcome, kept_tolerances
+from tracerisk.pipeline.review.controllers import ControllerVersion, ReviewedController
+from tracerisk.pipeline.trace.kept_verdict import kept_verdict
 from tracerisk.pipeline.trace.last_run import kept_contacts, kept_touches, kept_uncovered
 
 if TYPE_CHECKING:
@@ -147,3 +150,36 @@ def _new(
     for ref in kept_uncovered(new):
         if ref.name not in uncovered:
             yield f"{ref.name} can move the arm and did not run: no risk data"
+
+
+def outcome_changes(controller: ReviewedController, in_both: bool) -> OutcomeChanges | None:
+    """Return how the outcomes of two versions differ; `None` where a lock keeps none."""
+    before, after = controller.before.entry, controller.after.entry
+    if not in_both or before is None or after is None:
+        return None
+    return kept_changes(before.trace, after.trace)
+
+
+def not_asked(controller: ReviewedController, outcome: OutcomeChanges | None) -> tuple[str, ...]:
+    """Return which objects the mission newly moves and a declared `success` does not name."""
+    success = controller.after.success
+    if not success or outcome is None:
+        return ()
+    parts = [part for condition in success for part in (condition, *condition.steps)]
+    named = {part.name for part in parts if part.kind == "object"}
+    return tuple(name for name in outcome.newly_moved if name not in named)
+
+
+def outcome_gaps(controller: ReviewedController) -> Iterator[str]:
+    """Yield what keeps two outcomes from being compared, or by what they are."""
+    entries = [
+        controller_version.entry for controller_version in (controller.before, controller.after)
+    ]
+    if any(entry is None or kept_verdict(entry) is None for entry in entries):
+        return
+    traces = [entry.trace for entry in entries if entry is not None]
+    for name, trace in zip(("earlier", "later"), traces, strict=True):
+        if kept_outcome(trace) is None:
+            yield f"what the {name} run brought about is not known: its lock does not say"
+    if kept_tolerances(traces[0]) != kept_tolerances(traces[1]):
+        yield "the tolerances of the outcome differ in the settings: the smaller ones count"

@@ -240,6 +240,9 @@ class Review:
     top."""
     statement: str = FIGURE_STATEMENT
     """What the figures are and are not, for every output."""
+    moved_on: tuple[str, ...] = ()
+    """What the branch that the change goes to has of its controllers by now, where the earlier
+    version is an older one of it; a sentence a controller."""
     others: tuple[RiskDiff, ...] = ()
     """Controllers that the change leaves alone, by name; empty unless they were asked for."""
 
@@ -260,7 +263,8 @@ class Review:
         the figure does, controllers that come or go, redundancy that is lost, new single points
         of failure, values set by hand and what a run newly showed are reported.
         """
-        return any(controller.is_worth_telling(threshold) for controller in self.controllers)
+        is_told = any(controller.is_worth_telling(threshold) for controller in self.controllers)
+        return is_told or bool(self.moved_on)
 
     def path(self, location: Location) -> str | None:
         """Return the path of a place's file from the repository's top; `None` outside it."""

@@ -146,10 +146,13 @@ def must_do_less(diff: RiskDiff) -> str:
 
 
 def warnings(review: Review) -> list[str]:
-    """Return what stands before all else, a line each: `success` asks less, or a check is lost."""
+    """Return what stands before all else, a line each.
+
+    `success` asks less, a check is lost, or the branch that the change goes to has moved on.
+    """
     lost = [diff for diff in review.controllers if diff.lost_checks]
     checks = [f"{diff.name} {looks_at_less(review, diff)}" for diff in lost]
-    return [*asked_less(review.controllers), *checks]
+    return [*asked_less(review.controllers), *checks, *review.moved_on]
 
 
 def looks_at_less(review: Review, diff: RiskDiff) -> str:
