@@ -237,3 +237,36 @@ def test_the_last_label_of_a_chart_stays_within_it(grown, annotated_source):
     (label,) = (each for each in chart.findall(".//{*}text") if each.text == "working tree")
     half = len(label.text) * 7.3 / 2
     assert float(label.get("x")) + half <= float(chart.get("width"))
+
+
+def test_a_commit_of_a_side_branch_is_compared_with_its_parent(repository, annotated_source):
+    def commit(pick, place):
+        steps = {"pick": ("place 1", f"gripper = {pick}"), "place": ("done 1", f"motor = {place}")}
+        repository.write("cell.py", annotated_source(**steps))
+        repository.commit()
+
+    commit("1e-07", "1e-07")
+    repository.git("branch", "-M", "main")
+    repository.git("switch", "-q", "-c", "side")
+    commit("1e-07", "3e-07")
+    repository.git("switch", "-q", "main")
+    commit("5e-07", "1e-07")
+    repository.git("switch", "-q", "side")
+    commit("1e-07", "4e-07")
+    repository.git("switch", "-q", "main")
+    repository.git("merge", "-q", "-m", "merged", "side")
+    commit("5e-07", "8e-07")
+    found = rows(repository.run("history", "cell.py", "--json"))
+    told = [
+        (point["failure_probability"], point["change"].partition("rises from ")[2][:22])
+        for point in found["commits"]
+    ]
+    assert sorted(told[1:]) == [
+        (pytest.approx(4e-7), "2.000e-07 to 4.000e-07"),
+        (pytest.approx(5e-7), "4.000e-07 to 5.000e-07"),
+        (pytest.approx(6e-7), "2.000e-07 to 6.000e-07"),
+        (pytest.approx(1.3e-6), "9.000e-07 to 1.300e-06"),
+    ]
+    assert found["largest_rise"]["ratio"] == pytest.approx(3.0)
+    table = repository.run("history", "cell.py").out
+    assert {"x2", "x1.25", "x3", "x1.44"} <= set(table.split())

@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.config import controller_root
@@ -68,6 +69,17 @@ def is_cut_short(controllers: Sequence[Path]) -> bool:
     return False
 
 
+class _State(NamedTuple):
+    """What is known of a controller after one of its commits."""
+
+    last: ControllerVersion
+    """The version of that commit."""
+    before: ControllerVersion
+    """The version of the last row up to it, with which the next is compared: small rises add up."""
+    was: str
+    """The path of the script in that row, from the top."""
+
+
 class _Walk:
     """What is known of a controller on the way from its oldest commit to the working tree."""
 
@@ -75,34 +87,77 @@ class _Walk:
         self.controller = controller
         self.path = controller.resolve()
         self.points: list[HistoryPoint] = []
-        # What the last point had, with which the next is compared: small rises add up.
-        self._before, self._was = _NOTHING, ""
-        self._last = _NOTHING
+        self._states: dict[str, _State] = {}
+        # What the last row shows.
+        self._shown = _NOTHING
 
-    def step(self, commit: _Commit, locks: Locks) -> None:
-        """Go on to a commit."""
+    def step(self, commit: _Commit, locks: Locks, parents: Mapping[str, Sequence[str]]) -> None:
+        """Go on to a commit, which is compared with its own first parent."""
+        old = self._parent(commit, locks, parents)
+        self._states[commit.hash] = old
         try:
             after = version_of(locks, commit.path)
         except TraceRiskError as error:
             self.points.append(HistoryPoint(*commit.plain, None, None, error=error.message))
             return
-        if (after.sources, after.entry) == (self._last.sources, self._last.entry):
+        # The last row is that of what is here, and not of a branch that was merged into it.
+        is_elsewhere = not commit.hash and self._shown is not old.before
+        if (after.sources, after.entry) == (old.last.sources, old.last.entry) and not is_elsewhere:
             return
-        point = _point(commit, self._before, after, self._was)
-        if point.is_news:
+        point = _point(commit, old.before, after, old.was)
+        if point.is_news or is_elsewhere:
             self.points.append(point)
+            self._shown = after
         if not point.error:
-            self._last = after
-            if point.is_news:
-                self._before, self._was = after, commit.path
+            row = (after, commit.path) if point.is_news else (old.before, old.was)
+            self._states[commit.hash] = _State(after, *row)
+
+    def _parent(
+        self, commit: _Commit, locks: Locks, parents: Mapping[str, Sequence[str]]
+    ) -> _State:
+        first = parents[commit.hash][:1]
+        known = self._nearest(first, parents)
+        if len(known) == 1 or not self._states or not first:
+            return self._states[known[0]] if known else _State(_NOTHING, _NOTHING, "")
+        # Below a merge several are near, of which the parent has what one has, or what both made.
+        version = GitVersion(locks.version.repository, first[0][:8], f"{first[0][:8]}:", first[0])
+        try:
+            now = version_of(Locks(version), commit.path)
+        except TraceRiskError:
+            return self._states[known[0]] if known else _State(_NOTHING, _NOTHING, "")
+        for item in known:
+            state = self._states[item]
+            if (state.last.sources, state.last.entry) == (now.sources, now.entry):
+                return state
+        return _State(now, now, commit.path)
+
+    def _nearest(self, ahead: Sequence[str], parents: Mapping[str, Sequence[str]]) -> list[str]:
+        """Return the nearest commits of the controller from some of the repository backwards."""
+        found: dict[str, None] = {}
+        seen: set[str] = set()
+        left = list(ahead)
+        while left:
+            here = left.pop(0)
+            if here in seen:
+                continue
+            seen.add(here)
+            if here in self._states:
+                found[here] = None
+            else:
+                left += parents.get(here, ())
+        return list(found)
 
 
 def _go(repository: Repository, top: Path, walks: Sequence[_Walk], most: int | None) -> None:
     """Go through the commits of a repository once, with all controllers."""
     if repository.read("HEAD^{commit}") is None:
         raise InputError("has no commit yet; commit first", Location(str(top)))
-    order = repository.output("rev-list", "--topo-order", "HEAD").decode().split()
-    log = _Log(repository, {text: rank for rank, text in enumerate(order)}, most)
+    listed = repository.output("rev-list", "--topo-order", "--parents", "HEAD").decode()
+    lines = [line.split() for line in listed.splitlines()]
+    parents = {words[0]: words[1:] for words in lines}
+    # The working tree has no hash.
+    parents[""] = list(parents)[:1]
+    log = _Log(repository, {words[0]: rank for rank, words in enumerate(lines)}, most)
     steps: list[tuple[_Commit, _Walk]] = []
     for walk in walks:
         name = walk.path.relative_to(top).as_posix()
@@ -119,7 +174,7 @@ def _go(repository: Repository, top: Path, walks: Sequence[_Walk], most: int | N
         here = digest[:8] or WORKING_TREE
         locks = Locks(GitVersion(repository, here, f"{here}:", digest or None))
         for commit, walk in group:
-            walk.step(commit, locks)
+            walk.step(commit, locks, parents)
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,16 +256,13 @@ def largest_rise(points: Sequence[HistoryPoint]) -> tuple[HistoryPoint, float] |
     Only figures count that can be compared.
     """
     best: tuple[HistoryPoint, float] | None = None
-    last: float | None = None
     for point in points:
-        figure = point.failure_probability
-        if figure is None:
+        figure, before = point.failure_probability, point.figure_before
+        if figure is None or not before or figure <= before or not point.is_comparable:
             continue
-        if last is not None and last > 0.0 and figure > last and point.is_comparable:
-            factor = figure / last
-            if best is None or factor > best[1]:
-                best = point, factor
-        last = figure
+        factor = figure / before
+        if best is None or factor > best[1]:
+            best = point, factor
     return best
 
 

@@ -65,6 +65,12 @@ class HistoryPoint:
         return not self.diff.is_unchanged or is_judged or is_other
 
     @property
+    def figure_before(self) -> float | None:
+        """The figure of the commit that it is compared with; `None` where that had none."""
+        before = None if self.diff is None else self.diff.before
+        return None if before is None else before.failure_probability
+
+    @property
     def outcome_mark(self) -> str:
         """What the commit did to what the mission brings about: `result`, `way` or nothing."""
         outcome = None if self.diff is None else self.diff.outcome
@@ -89,12 +95,13 @@ class HistoryPoint:
 
 
 def changes_of(rows: Sequence[HistoryPoint]) -> Iterator[str]:
-    """Yield for each commit its figure over the last one before it, or why there is no ratio."""
-    last: float | None = None
+    """Yield for each commit its figure over that of its parent, or why there is no ratio."""
     for row in rows:
-        figure = row.failure_probability
-        yield "" if row.diff is None else compared(row.diff, last, figure)
-        last = figure if figure is not None else last
+        yield (
+            compared(row.diff, row.figure_before, row.failure_probability)
+            if row.diff is not None
+            else ""
+        )
 
 
 def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER) -> str:
