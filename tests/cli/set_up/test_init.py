@@ -68,7 +68,9 @@ def test_it_says_which_components_its_hardware_file_counts_beside_the_shipped_on
 def test_it_shows_what_it_would_set_up_for_git(cell):
     shown = cell.run("init").out.partition("To write:\n")[2]
     assert "  .gitattributes: by which git merges tracerisk.lock by controllers\n" in shown
-    assert "  .git/config: the command for that, in this clone alone\n" in shown
+    assert (
+        "  .git/config: by which git merges tracerisk.lock in this clone, with tracerisk\n" in shown
+    )
     before = set(files(cell))
     outcome = cell.run("init", "--yes", "--json").json
     assert set(outcome["files"]) == {*files(cell)} - before | {".git/config"}
@@ -488,3 +490,33 @@ def test_the_end_of_input_is_a_no(cell, monkeypatch):
     before = files(cell)
     assert len(at_a_terminal(cell, monkeypatch)) == 2
     assert files(cell) == before
+
+
+def test_a_clone_gets_the_merge_driver_that_no_commit_brings(cell):
+    assert cell.run("init", "--yes").code == 0
+    assert "Everything is there already" in cell.run("init").out
+    cell.git("config", "--local", "--remove-section", "merge.tracerisk-lock")
+    again = cell.run("init")
+    assert ".git/config: by which git merges tracerisk.lock in this clone" in again.out
+    assert "Everything is there already" not in again.out
+    assert "git merges tracerisk.lock with tracerisk" in cell.run("init", "--yes").err
+    assert "lock-merge" in cell.git("config", "--local", "merge.tracerisk-lock.driver")
+    assert "Everything is there already" in cell.run("init").out
+
+
+def test_the_settings_name_the_robot_where_no_simulator_can_find_it(cell, monkeypatch):
+    from tracerisk.pipeline.start import project_start as starting
+
+    monkeypatch.setattr(starting, "missing_extras", lambda: {"sim": "why"})
+    start = starting.project_start(cell.folder)
+    assert (start.robots, start.robot_why) == ({}, "the simulator is not installed")
+    cell.write("pyproject.toml", '[tool.tracerisk]\nrobot = "xarm6"\n')
+    start = starting.project_start(cell.folder)
+    assert (start.robots, start.robot_why) == ({"xarm6": ("src/pick.py",)}, "")
+
+
+def test_a_repository_with_a_lock_is_not_sent_to_its_first_run(cell):
+    first = "read its verdict, commit blocks and tracerisk.lock"
+    assert first in cell.run("init", "--yes").out
+    cell.write("tracerisk.lock", '{"controllers": {}, "schema": "tracerisk.lock", "version": 2}\n')
+    assert first not in cell.run("init", "--yes").out

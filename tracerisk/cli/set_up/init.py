@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
+from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.cli.shared import options as shared
 from tracerisk.cli.shared.output import note, print_json, show
@@ -53,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     of_git = _of_git(start)
     if not options.json:
         _show(start, of_git)
-    is_written = bool(start.files) and (options.yes or _agreed(options))
+    is_written = bool(start.files or of_git) and (options.yes or _agreed(options))
     done = _write(start) if is_written else ()
     if options.json:
         print_json(
@@ -69,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
         return 0
     for line in done:
         note(line, quiet=options.quiet)
-    if start.files and not is_written:
+    if (start.files or of_git) and not is_written:
         show("Nothing was written; `tracerisk init --yes` writes it.")
         return 0
     show(*(f"Next: {lack}" for lack in start.settings_lack))
@@ -82,16 +83,16 @@ def run(options: argparse.Namespace) -> int:
         )
     first = start.controllers[0] if start.controllers else "CONTROLLER.py"
     named = "" if start.robots else " --robot NAME"
-    show(
-        f"Next: `tracerisk run {first}{named}`; read its verdict, commit blocks and tracerisk.lock."
-    )
+    if not (start.root / LOCK_NAME).exists():
+        ran = f"`tracerisk run {first}{named}`"
+        show(f"Next: {ran}; read its verdict, commit blocks and {LOCK_NAME}.")
     return 0
 
 
 def _of_git(start: ProjectStart) -> dict[str, str]:
     """Return what is written for git beside the files, with its purpose; nothing without git."""
     try:
-        return merge_driver_changes(start.root) if start.files else {}
+        return merge_driver_changes(start.root)
     except InputError:
         return {}
 
@@ -111,7 +112,7 @@ def _show(start: ProjectStart, of_git: Mapping[str, str]) -> None:
     for name, asked in list(start.asked.items())[:_MOST_SHOWN]:
         more = f" and {len(asked) - _MOST_ASKED} more" if len(asked) > _MOST_ASKED else ""
         show(f"{name} asks its cell for {', '.join(asked[:_MOST_ASKED])}{more}")
-    if not start.files:
+    if not start.files and not of_git:
         show("Everything is there already.")
         return
     show("To write:")

@@ -13,6 +13,7 @@ from tracerisk.adder.lock.lock import LOCK_NAME
 from tracerisk.adder.sources.write import FileWrite, write_all
 from tracerisk.common.text.bounded import file_bytes
 from tracerisk.errors import readable
+from tracerisk.pipeline.history.git import git
 from tracerisk.pipeline.history.repository import Repository
 
 DRIVER = "tracerisk-lock"
@@ -48,11 +49,14 @@ def merge_driver_changes(folder: Path) -> dict[str, str]:
     """
     with Repository.opened(folder) as repository:
         top = repository.top
+        set_up = git(top, "config", "--local", "--get", f"merge.{DRIVER}.driver").stdout.decode()
     at_top = Path(os.path.relpath(top.resolve(), folder.resolve()))
     changes = {}
     if _attributes(top) is not None:
         changes[(at_top / _FILE).as_posix()] = f"by which git merges {LOCK_NAME} by controllers"
-    changes[(at_top / ".git/config").as_posix()] = "the command for that, in this clone alone"
+    if set_up.strip() != _COMMAND:
+        path = (at_top / ".git/config").as_posix()
+        changes[path] = f"by which git merges {LOCK_NAME} in this clone, with tracerisk"
     return changes
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -161,8 +162,10 @@ def _robots(
 ) -> tuple[dict[str, tuple[str, ...]], str, tuple[str, ...]]:
     """Return the controllers of each robot, why one is unknown, and which grippers are assumed."""
     if "sim" in missing_extras():
-        named = {} if given is None else {given: controllers}
-        return named, "the simulator is not installed", ()
+        named = _robots_of_settings(root, controllers) if given is None else {given: controllers}
+        known = sum(map(len, named.values()))
+        why = "" if known == len(controllers) > 0 else "the simulator is not installed"
+        return named, why, ()
     from tracerisk.pipeline.robot import choice
     from tracerisk.twin.robots import added_gripper
     from tracerisk.twin.robots.generic import NAME as GENERIC
@@ -191,6 +194,17 @@ def _robots(
     if robot is not None:
         return {robot.name: controllers}, "", tuple(assumed.values())
     return {name: tuple(files) for name, files in robots.items()}, why, tuple(assumed.values())
+
+
+def _robots_of_settings(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Return the controllers of each robot that their settings name."""
+    robots: dict[str, tuple[str, ...]] = {}
+    for text in controllers:
+        with contextlib.suppress(TraceRiskError):
+            robot = load_controller(root / text).settings.robot
+            if robot is not None:
+                robots[robot] = (*robots.get(robot, ()), text)
+    return robots
 
 
 def _asked(root: Path, controllers: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
