@@ -443,6 +443,16 @@ def test_a_refresh_that_goes_wrong_keeps_the_blocks_of_a_good_run(project):
     assert project.read("c.py") != before["c.py"]
 
 
+def test_a_refresh_without_a_file_follows_a_controller_that_moved(project):
+    (project.folder / "src").mkdir()
+    (project.folder / "c.py").rename(project.folder / "src" / "c.py")
+    outcome = project.run("refresh")
+    assert outcome.code == 0, outcome.err
+    assert "src/c.py: " in outcome.err
+    assert set(json.loads(project.read("tracerisk.lock"))["controllers"]) >= {"src/c.py"}
+    assert "c.py: forgotten (the lock knows it by its new name now)" in outcome.err
+
+
 def test_the_first_line_gives_the_reason_that_makes_the_verdict(project):
     lock = json.loads(project.read("tracerisk.lock"))
     verdict = lock["controllers"]["c.py"]["trace"]["verdict"]

@@ -25,6 +25,7 @@ from tracerisk.errors import DependencyError, ExitCode, TraceRiskError
 from tracerisk.pipeline.check.refresh import refresh_controller
 from tracerisk.pipeline.freshness.known_controllers import (
     forget_gone,
+    moved_controllers,
     named_or_all,
     write_or_remove,
 )
@@ -52,6 +53,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the verb and return its exit code."""
     projects = Projects()
     paths = named_or_all(options.files, projects)
+    if not options.files:
+        paths = tuple(dict.fromkeys((*paths, *moved_controllers(Path(), projects))))
     note_without_controllers(options, projects)
     policy = shared.merge_policy(options)
     outcomes: list[dict[str, Any]] = []
@@ -137,7 +140,10 @@ def _forget(
                 continue
             forgotten.append(str(root / name))
             state = "forgotten" if is_written else "to forget"
-            note(f"{name}: {state} (there is no such file any more)", quiet=options.quiet)
+            why = "there is no such file any more"
+            if is_written and name not in known:
+                state, why = "forgotten", "the lock knows it by its new name now"
+            note(f"{name}: {state} ({why})", quiet=options.quiet)
     return forgotten
 
 

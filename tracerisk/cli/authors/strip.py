@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+from pathlib import Path
 
 from tracerisk import api
 from tracerisk.adder.sources.write import FileWrite, write_all
@@ -31,6 +33,7 @@ def run(options: argparse.Namespace) -> int:
         if not options.discard_edits:
             _refuse_pins(hand_set(controller))
         stripped.append((controller, api.strip(controller)))
+    forgotten: dict[Path, tuple[str, ...]] = {}
     changed = [(c, after) for c, after in stripped if after != c.source]
     if options.diff:
         for controller, after in changed:
@@ -38,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     if not (options.check or options.diff):
         write_all(FileWrite(c.path, after, expected=c.source) for c, after in changed)
         # The sources first: a lock that forgot blocks would make each of them a user's.
-        forget_blocks([controller.path for controller, _ in stripped])
+        forgotten = forget_blocks([controller.path for controller, _ in stripped])
     code = ExitCode.WOULD_CHANGE if options.check and changed else ExitCode.FINE
     if options.json:
         names = [str(controller.path) for controller, _ in changed]
@@ -47,6 +50,11 @@ def run(options: argparse.Namespace) -> int:
         for controller, after in stripped:
             outcome = "unchanged" if after == controller.source else "without its blocks"
             note(f"{controller.path}: {outcome}", quiet=options.quiet)
+        for lock, gone in forgotten.items():
+            state = f"no longer knows {', '.join(gone)}" if gone else "knows fewer blocks"
+            if not lock.exists():
+                state = "removed, for it knew no other controller"
+            note(f"{os.path.relpath(lock)}: {state}", quiet=options.quiet)
     return int(code)
 
 

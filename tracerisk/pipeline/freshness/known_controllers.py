@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -19,7 +20,7 @@ from tracerisk.config import controller_root
 from tracerisk.errors import InputError, Location, TraceRiskError
 from tracerisk.instrument.source.language import is_c
 from tracerisk.pipeline.freshness.run_inputs import RunInputs
-from tracerisk.pipeline.workspace.controller import Controller
+from tracerisk.pipeline.workspace.controller import Controller, load_controller
 from tracerisk.pipeline.workspace.project import Project, Projects
 
 T = TypeVar("T")
@@ -209,14 +210,16 @@ def forget_gone(root: Path, *, write: bool = True) -> tuple[str, ...]:
     return gone
 
 
-def forget_blocks(files: Sequence[Path]) -> None:
+def forget_blocks(files: Sequence[Path]) -> dict[Path, tuple[str, ...]]:
     """Take the blocks of files that have none any more out of the locks that know them.
 
-    A controller of which no block is left goes.
+    A controller of which no block is left goes, and the last one takes the lock with it. Returned
+    are the controllers that went, by lock.
     Raises InputError where a lock cannot be read or written.
     """
     from tracerisk.pipeline.history.file_lock import one_writer
 
+    gone: dict[Path, tuple[str, ...]] = {}
     for root in dict.fromkeys(map(controller_root, files)):
         path = root / LOCK_NAME
         if not path.is_file():
@@ -234,6 +237,22 @@ def forget_blocks(files: Sequence[Path]) -> None:
                     lock = lock.without_controller(name)
             if lock != before:
                 write_or_remove(path, lock)
+                gone[path] = tuple(sorted(before.controllers.keys() - lock.controllers.keys()))
+    return gone
+
+
+def moved_controllers(root: Path, projects: Projects) -> tuple[Path, ...]:
+    """Return the sources in and below a folder that a lock knows by a name that is gone, sorted.
+
+    Raises InputError where a lock cannot be read.
+    """
+    moved = []
+    for path in unknown_controllers(root, projects):
+        project = projects.of(path)
+        with suppress(TraceRiskError):
+            if moved_from(project.lock, load_controller(path, project)) is not None:
+                moved.append(path)
+    return tuple(moved)
 
 
 def write_or_remove(path: Path, lock: Lock) -> None:
