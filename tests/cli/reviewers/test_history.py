@@ -270,3 +270,18 @@ def test_a_commit_of_a_side_branch_is_compared_with_its_parent(repository, annot
     assert found["largest_rise"]["ratio"] == pytest.approx(3.0)
     table = repository.run("history", "cell.py").out
     assert {"x2", "x1.25", "x3", "x1.44"} <= set(table.split())
+
+
+def test_a_commit_is_one_line_of_eighty_columns(repository, annotated_source, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    for figure, subject in (("1e-07", "First"), ("4e-07", "A long subject " * 9)):
+        repository.write("cell.py", annotated_source(pick=("done 1", f"gripper = {figure}")))
+        repository.git("add", "--all")
+        repository.git("commit", "--quiet", "--message", subject)
+    lines = repository.run("history", "cell.py").out.splitlines()
+    assert max(map(len, lines[:5])) <= 80
+    first, second = lines[3:5]
+    assert first.split()[-1] == "First"
+    assert second.endswith("...")
+    assert "x4" in second.split()
+    assert "verdict unknown" in second

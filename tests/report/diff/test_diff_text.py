@@ -243,6 +243,22 @@ def test_a_reason_of_a_renamed_function_or_one_that_moved_did_not_break():
     assert [reason.object for reason in other.broke] == ["tray"]
 
 
+def test_a_reason_that_is_accepted_now_was_not_repaired():
+    reason = Reason("error-logged", "partial", "no part", "find", "part")
+    before = Verdict("partial", (reason,), Coverage(1, 1))
+    after = Verdict("complete", (replace(reason, accepted="meant so"),), Coverage(1, 1))
+    assert RunVerdicts(before, after).repaired == ()
+    assert RunVerdicts(before, Verdict("complete", (), Coverage(1, 1))).repaired == (reason,)
+
+
+def test_what_a_run_that_was_cut_short_left_out_did_not_break_in_the_next():
+    gap = Reason("never-called", "partial", "this call never ran", "find", "self.go")
+    cut = Verdict("faulted", (Reason("raised", "faulted", "no service"),), Coverage(1, 1))
+    whole = Verdict("partial", (gap,), Coverage(1, 1))
+    assert RunVerdicts(cut, whole).broke == ()
+    assert RunVerdicts(Verdict("complete", (), Coverage(1, 1)), whole).broke == (gap,)
+
+
 @pytest.mark.parametrize("code", ["never-grasped", "unmet-need"])
 def test_a_figure_that_falls_because_the_run_does_less_is_not_said_to_fall(
     difference, review_of, code

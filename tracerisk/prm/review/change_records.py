@@ -223,8 +223,14 @@ class RunVerdicts:
 
     @property
     def broke(self) -> tuple[Reason, ...]:
-        """What went wrong in the later run and not in the earlier one."""
-        return _only_in(self.after, self.before, {new: old for old, new in self.renamed.items()})
+        """What went wrong in the later run and not in the earlier one.
+
+        What an earlier run that was cut short left out may have been left out before.
+        """
+        reasons = _only_in(self.after, self.before, {new: old for old, new in self.renamed.items()})
+        if _is_whole(self.before, self.in_before):
+            return reasons
+        return tuple(reason for reason in reasons if reason.code not in GAPS)
 
     @property
     def does_less(self) -> bool:
@@ -240,7 +246,14 @@ class RunVerdicts:
         is_cut_short = not _is_whole(self.after, self.in_after)
         if is_cut_short and _is_whole(self.before, self.in_before):
             return ()
-        return _only_in(self.before, self.after, self.renamed)
+        # What the later version accepts still happens.
+        after = () if self.after is None else self.after.reasons
+        accepted = {_key(reason, {}) for reason in after if reason.accepted}
+        return tuple(
+            reason
+            for reason in _only_in(self.before, self.after, self.renamed)
+            if _key(reason, self.renamed) not in accepted
+        )
 
     @property
     def new_acceptances(self) -> tuple[Acceptance, ...]:

@@ -255,8 +255,11 @@ def of_hardware(diff: RiskDiff) -> tuple[str, ...]:
 
 
 def of_pace(diff: RiskDiff) -> tuple[str, ...]:
-    """Return which rests and ways of the later run take another time."""
-    return () if diff.outcome is None else _at_most(diff.outcome.pace)
+    """Return which rests and ways of the later run take another time; nothing if it went wrong."""
+    verdict = None if diff.verdicts is None else diff.verdicts.after
+    if diff.outcome is None or (verdict is not None and verdict.is_bad):
+        return ()
+    return _at_most(diff.outcome.pace)
 
 
 def _at_most(lines: tuple[str, ...]) -> tuple[str, ...]:

@@ -13,9 +13,11 @@ from tracerisk.prm.review.risk_diff import WORKING_TREE
 from tracerisk.report.diff.sentences import sentence
 from tracerisk.report.diff.wording import compared
 from tracerisk.report.series.sweep import SweepPoint, plot_svg
-from tracerisk.report.tables import render_parts, table_of
+from tracerisk.report.tables import LEAST_WIDTH, MOST_WIDTH, render_parts, table_of
 
 if TYPE_CHECKING:
+    from rich.console import JustifyMethod
+
     from tracerisk.prm.review.risk_diff import RiskDiff
 
 _COLOURS: Mapping[str, str] = {
@@ -24,6 +26,8 @@ _COLOURS: Mapping[str, str] = {
     "faulted": "#b3261e",
     "stuck": "#b3261e",
 }
+_LEAST_SUBJECT = 20
+"""Columns below which the date is left out, so that the subject has room."""
 _GREY = "#5f6368"
 _CHARACTER = 6.6
 """The width of a character of the badge's font at 11 px [px]."""
@@ -106,24 +110,45 @@ def changes_of(rows: Sequence[HistoryPoint]) -> Iterator[str]:
 
 def render_history(name: str, rows: Sequence[HistoryPoint], paper: Paper = PAPER) -> str:
     """Return the table of one controller for a terminal, the oldest commit first."""
-    table = table_of(name)
     marked = [row.outcome_mark for row in rows]
-    changes = ("changes",) if any(marked) else ()
-    for heading in ("commit", "date", "mission failure", "ratio", *changes, "verdict", "subject"):
-        is_number = heading in ("mission failure", "ratio")
-        table.add_column(heading, justify="right" if is_number else "left", overflow="fold")
-    for row, change in zip(rows, changes_of(rows), strict=True):
-        figure = row.failure_probability
-        table.add_row(
-            row.name,
-            row.date,
-            "unreadable" if row.error else "-" if figure is None else f"{figure:.3e}",
-            change,
-            *((row.outcome_mark,) if changes else ()),
-            kind_of(row.verdict),
-            row.subject,
-        )
+    columns = {
+        "commit": [row.name for row in rows],
+        "date": [row.date for row in rows],
+        "failure": [_figure(row) for row in rows],
+        "ratio": list(changes_of(rows)),
+        "changes": marked,
+        "verdict": [kind_of(row.verdict) for row in rows],
+    }
+    if not any(marked):
+        del columns["changes"]
+    room = _room(columns, paper)
+    if room < _LEAST_SUBJECT:
+        del columns["date"]
+        room = _room(columns, paper)
+    table = table_of(name)
+    for heading in (*columns, "subject"):
+        justify: JustifyMethod = "right" if heading in ("failure", "ratio") else "left"
+        table.add_column(heading, justify=justify, overflow="fold")
+    for row, *cells in zip(rows, *columns.values(), strict=True):
+        table.add_row(*cells, _cut(row.subject, room))
     return render_parts([table], paper)
+
+
+def _figure(row: HistoryPoint) -> str:
+    figure = row.failure_probability
+    return "unreadable" if row.error else "-" if figure is None else f"{figure:.3e}"
+
+
+def _room(columns: Mapping[str, Sequence[str]], paper: Paper) -> int:
+    """Return how many columns the subject has beside the others, each with its gap."""
+    taken = sum(max(map(len, (name, *cells))) + 2 for name, cells in columns.items())
+    return min(max(paper.width, LEAST_WIDTH), MOST_WIDTH) - taken
+
+
+def _cut(subject: str, room: int) -> str:
+    """Return a subject of one line, so that a commit is one."""
+    most = max(room, _LEAST_SUBJECT)
+    return subject if len(subject) <= most else f"{subject[: most - 3].rstrip()}..."
 
 
 def history_svg(histories: Mapping[str, Sequence[HistoryPoint]]) -> str:
