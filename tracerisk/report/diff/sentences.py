@@ -137,14 +137,24 @@ def sentence(diff: RiskDiff, *, below_verdict: bool = False, one_in_n: bool = Fa
         text += _of_which(diff)
         if diff.outcome is not None and diff.outcome.of_mission:
             text += f", yet the way is another: {(*diff.outcome.lost, *diff.outcome.added)[0]}"
+        text += _same_mission(diff)
         return text + (f", yet {_structural(diff)}{_stale(diff)}" if _structural(diff) else "")
     verb = "rises" if new > old else "falls"
     text = (
         f"{diff.name}: mission failure {verb} from {probability(old)} to {probability(new)} "
         f"({ratio(old, new)}{missions}){_main_cause(diff)}"
     )
-    another_way = f"; it {_ANOTHER_WAY}" if diff.goes_another_way else ""
+    another_way = f"; it {_ANOTHER_WAY}" if diff.goes_another_way else _same_mission(diff)
     return text + _of_which(diff) + another_way + _per_cycle(diff) + _stale(diff)
+
+
+def _same_mission(diff: RiskDiff) -> str:
+    """Return that a mission brings about the same, and by which way; nothing if that is unknown."""
+    outcome = diff.outcome
+    if outcome is None or outcome.result or outcome.lost:
+        return ""
+    way = "by a longer way" if outcome.added else "by the same way"
+    return f"; the mission brings about the same, {way}"
 
 
 def _main_cause(diff: RiskDiff) -> str:
